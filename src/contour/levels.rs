@@ -1,0 +1,1 @@
+//! Levels: the elevations that lines are drawn at.

@@ -1,0 +1,46 @@
+//! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
+
+use glam::DVec2;
+
+use crate::crs::Crs;
+
+/// A raster's placement: north is up, row 0 is the northernmost, column 0 the westernmost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Outer corner of the north-west cell, map units.
+    pub corner: DVec2,
+    /// Cell size in x and y, map units, both positive.
+    pub cell: DVec2,
+    /// Number of columns.
+    pub cols: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl Grid {
+    /// Centre of a cell, map units.
+    pub fn center(&self, col: usize, row: usize) -> DVec2 {
+        DVec2::new(self.corner.x + (col as f64 + 0.5) * self.cell.x, self.corner.y - (row as f64 + 0.5) * self.cell.y)
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.cols * self.rows
+    }
+
+    /// Whether the grid has no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Heights at the cell centres of a [`Grid`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dem {
+    /// Where the cells are.
+    pub grid: Grid,
+    /// Heights in metres, row by row from the north-west; NaN where there is no data.
+    pub values: Vec<f32>,
+    /// The coordinate reference system, if known.
+    pub crs: Option<Crs>,
+}

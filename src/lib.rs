@@ -1,0 +1,8 @@
+//! tokosen: terrain from contour lines.
+
+pub mod contour;
+pub mod crs;
+pub mod dem;
+pub mod error;
+pub mod progress;
+pub mod skeleton;
