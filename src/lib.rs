@@ -6,3 +6,6 @@ pub mod dem;
 pub mod error;
 pub mod progress;
 pub mod skeleton;
+pub mod slice;
+pub mod surface;
+pub mod tin;

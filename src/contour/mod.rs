@@ -3,6 +3,7 @@
 mod levels;
 mod line;
 
+pub use levels::{Interval, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
 use glam::{DVec2, DVec3};

@@ -1,5 +1,9 @@
 //! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
 
+mod rasterise;
+
+pub use rasterise::rasterise;
+
 use glam::DVec2;
 
 use crate::crs::Crs;

@@ -1,0 +1,144 @@
+//! From a triangulation to a height map: triangles are scan-converted in row bands, side by side.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::{Dem, Grid};
+use crate::crs::Crs;
+use crate::progress::Progress;
+use crate::tin::Tin;
+
+/// Rows that one task fills.
+const BAND_ROWS: usize = 32;
+
+/// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
+///
+/// Every height lies between the lowest and the highest corner of its triangle. A centre on an edge or a corner belongs
+/// to the triangle of the lowest number.
+pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progress) -> Dem {
+    let mut values = vec![f32::NAN; grid.len()];
+    let bands = TrianglesByBand::new(tin, grid);
+    progress.start("rasterising", grid.rows as u64);
+    if grid.cols > 0 {
+        values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
+            let first_row = band * BAND_ROWS;
+            let rows = cells.len() / grid.cols;
+            for &t in bands.of(band) {
+                fill(tin, grid, t, first_row..first_row + rows, cells);
+            }
+            progress.advance(rows as u64);
+        });
+    }
+    progress.finish();
+    Dem { grid: *grid, values, crs }
+}
+
+/// Row numbers whose centres lie between two y coordinates (relative to the triangulation's origin), a little widened:
+/// the exact test is each row's own.
+fn rows_between(tin: &Tin, grid: &Grid, lo: f64, hi: f64) -> std::ops::Range<usize> {
+    let row = |y: f64| (grid.corner.y - (y + tin.origin.y)) / grid.cell.y - 0.5;
+    let limit = |r: f64| r.clamp(0.0, grid.rows as f64) as usize;
+    limit((row(hi) - 1e-6).ceil())..limit((row(lo) + 1e-6).floor() + 1.0)
+}
+
+/// Which triangles touch each band of rows, in compressed rows.
+struct TrianglesByBand {
+    start: Vec<usize>,
+    triangles: Vec<u32>,
+}
+
+impl TrianglesByBand {
+    fn new(tin: &Tin, grid: &Grid) -> Self {
+        let count = grid.rows.div_ceil(BAND_ROWS);
+        let ranges: Vec<(u32, u32)> = (0..tin.len() as u32)
+            .into_par_iter()
+            .map(|t| {
+                if !tin.is_inside(t) {
+                    return (0, 0);
+                }
+                let [a, b, c] = tin.corners(t);
+                let rows = rows_between(tin, grid, a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+                if rows.is_empty() {
+                    return (0, 0);
+                }
+                ((rows.start / BAND_ROWS) as u32, rows.end.div_ceil(BAND_ROWS) as u32)
+            })
+            .collect();
+        let mut start = vec![0; count + 1];
+        for &(first, end) in &ranges {
+            for band in first..end {
+                start[band as usize + 1] += 1;
+            }
+        }
+        for band in 0..count {
+            start[band + 1] += start[band];
+        }
+        let mut next = start.clone();
+        let mut triangles = vec![0; start[count]];
+        for (t, &(first, end)) in ranges.iter().enumerate() {
+            for band in first..end {
+                let slot = &mut next[band as usize];
+                triangles[*slot] = t as u32;
+                *slot += 1;
+            }
+        }
+        Self { start, triangles }
+    }
+
+    fn of(&self, band: usize) -> &[u32] {
+        &self.triangles[self.start[band]..self.start[band + 1]]
+    }
+}
+
+/// Fills the cells of one triangle that are still empty.
+fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mut [f32]) {
+    let corners = tin.corners(t);
+    let heights = tin.corner_heights(t);
+    let [a, b, c] = corners;
+    let area = (b - a).perp_dot(c - a);
+    let (lowest, highest) = (heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2]));
+    if area <= 0.0 || lowest.is_nan() {
+        return;
+    }
+    let (bottom, top) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+    let touched = rows_between(tin, grid, bottom, top);
+    for row in touched.start.max(rows.start)..touched.end.min(rows.end) {
+        let y = grid.center(0, row).y - tin.origin.y;
+        let Some((left, right)) = span(&corners, y) else { continue };
+        let column = |x: f64| (x + tin.origin.x - grid.corner.x) / grid.cell.x - 0.5;
+        let first = (column(left) - 1e-9).ceil().clamp(0.0, grid.cols as f64) as usize;
+        let end = ((column(right) + 1e-9).floor() + 1.0).clamp(0.0, grid.cols as f64) as usize;
+        for col in first..end.max(first) {
+            let cell = &mut cells[(row - rows.start) * grid.cols + col];
+            if cell.is_nan() {
+                let p = DVec2::new(grid.center(col, row).x - tin.origin.x, y);
+                let wb = (p - a).perp_dot(c - a) / area;
+                let wc = (b - a).perp_dot(p - a) / area;
+                let height = heights[0] + wb * (heights[1] - heights[0]) + wc * (heights[2] - heights[0]);
+                *cell = height.clamp(lowest, highest) as f32;
+            }
+        }
+    }
+}
+
+/// The part of the horizontal line at `y` inside a triangle. Common edges give both triangles the same end.
+fn span(corners: &[DVec2; 3], y: f64) -> Option<(f64, f64)> {
+    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..3 {
+        let (mut p, mut q) = (corners[i], corners[(i + 1) % 3]);
+        if (p.y, p.x) > (q.y, q.x) {
+            std::mem::swap(&mut p, &mut q);
+        }
+        if p.y <= y && y <= q.y {
+            let (lo, hi) = if p.y == q.y {
+                (p.x.min(q.x), p.x.max(q.x))
+            } else {
+                let x = p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y));
+                (x, x)
+            };
+            left = left.min(lo);
+            right = right.max(hi);
+        }
+    }
+    (left <= right).then_some((left, right))
+}

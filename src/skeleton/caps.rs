@@ -1,0 +1,61 @@
+//! Tops and bottoms: heights where only one level is known.
+
+use glam::DVec2;
+
+use crate::tin::{Band, Side};
+
+/// The share of the band that a top without a spot height may use.
+const REACH: f64 = 0.9;
+
+/// A rounded top above (or hollow below) the last contour.
+///
+/// The slope outside the contour goes on inwards and eases off to level ground at the widest place: at distance d from
+/// the contour the rise is `g d (1 - d / 2D)`, with g the slope outside and D the largest distance. So the top is never
+/// flat. A smooth bound keeps it inside the band: `r (1 - exp(-rise / r))` with r a fixed share of the band. Spot heights
+/// inside scale the profile so that it passes through them.
+pub struct Cap {
+    band: Band,
+    widest: f64,
+    slope: f64,
+    /// Position of each spot height and the factor that it asks for.
+    factors: Vec<(DVec2, f64)>,
+}
+
+impl Cap {
+    /// The profile of one sub-domain. `spots` are position, height and distance to the contour.
+    pub fn new(band: Band, widest: f64, slope: Option<f64>, spots: Vec<(DVec2, f64, f64)>) -> Self {
+        let slope = slope.unwrap_or(0.5 * (band.hi - band.lo) / widest.max(f64::MIN_POSITIVE));
+        let mut cap = Self { band, widest, slope, factors: Vec::new() };
+        cap.factors = spots
+            .into_iter()
+            .filter_map(|(at, height, distance)| {
+                let rise = cap.rise(distance);
+                let wanted = if band.side == Side::Below { band.hi - height } else { height - band.lo };
+                (rise > 0.0 && wanted > 0.0).then(|| (at, wanted / rise))
+            })
+            .collect();
+        cap
+    }
+
+    /// Rise above the contour at a distance from it, before spot heights.
+    fn rise(&self, distance: f64) -> f64 {
+        let d = distance.min(self.widest);
+        let free = self.slope * d * (1.0 - d / (2.0 * self.widest.max(f64::MIN_POSITIVE)));
+        let reach = REACH * (self.band.hi - self.band.lo);
+        reach * (1.0 - (-free / reach).exp())
+    }
+
+    /// Height at a position whose distance to the contour is known; strictly inside the band.
+    pub fn height(&self, at: DVec2, distance: f64) -> f64 {
+        let (mut weights, mut sum) = (0.0, 0.0);
+        for &(spot, factor) in &self.factors {
+            let w = 1.0 / at.distance_squared(spot).max(1e-12);
+            weights += w;
+            sum += w * factor;
+        }
+        let factor = if weights > 0.0 { sum / weights } else { 1.0 };
+        let rise = factor * self.rise(distance);
+        let height = if self.band.side == Side::Below { self.band.hi - rise } else { self.band.lo + rise };
+        self.band.strictly_inside(height)
+    }
+}

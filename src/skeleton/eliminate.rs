@@ -1,0 +1,123 @@
+//! Elimination of junction triangles (paper, section 4, figure 3).
+//!
+//! A junction triangle whose branch is short against the triangle itself stands for a small wrinkle of the contour. Such
+//! a branch is dropped, and the junction becomes a sleeve.
+
+use crate::tin::{NONE, Regions, Tin, TriangleKind};
+
+/// What elimination decided, by triangle.
+#[derive(Debug, Clone)]
+pub struct Elimination {
+    /// The junction triangle was turned into a sleeve.
+    pub eliminated: Vec<bool>,
+    /// The triangle lies in a dropped branch.
+    pub dropped: Vec<bool>,
+}
+
+/// Decides which junction triangles to eliminate.
+///
+/// A free edge of a junction triangle with both ends on one level cuts off a branch. The comparison parameter is
+/// `r = LPCO / (L1 + L2)`: the length of contour around the branch, over the lengths of the triangle's other two edges.
+/// `r < resolution` drops the branch. With all three corners on one level the longest branch is the trunk and the other
+/// two are compared. A branch that holds further contours is never dropped.
+pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolution: f64) -> Elimination {
+    let branches = Branches::new(tin, kinds, regions);
+    let mut eliminated = vec![false; tin.len()];
+    let mut dropped = vec![false; tin.len()];
+    for t in (0..tin.len() as u32).filter(|&t| kinds[t as usize] == TriangleKind::Junction) {
+        let mut edges: Vec<(f64, usize)> =
+            (0..3).filter(|&i| is_chord(tin, t, i)).map(|i| (branches.contour_beyond(tin, regions, t, i), i)).collect();
+        edges.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let candidates = if edges.len() == 3 { &edges[1..] } else { &edges[..] };
+        let shortest = candidates.iter().rev().find(|(beyond, i)| {
+            let others = tin.edge_length(t, (i + 1) % 3) + tin.edge_length(t, (i + 2) % 3);
+            *beyond < resolution * others
+        });
+        if let Some(&(_, i)) = shortest {
+            eliminated[t as usize] = true;
+            drop_branch(tin, &mut dropped, t, i);
+        }
+    }
+    Elimination { eliminated, dropped }
+}
+
+/// Whether edge `i` of `t` is free and has both ends on contours of one level: it spans a spur, a gully or a top.
+pub fn is_chord(tin: &Tin, t: u32, i: usize) -> bool {
+    let [u, v] = tin.edge(t, i);
+    let on_contour = |v: u32| tin.kinds[v as usize] == crate::tin::VertexKind::Contour;
+    on_contour(u)
+        && on_contour(v)
+        && tin.heights[u as usize] == tin.heights[v as usize]
+        && tin.across(t, i).is_some()
+}
+
+/// Marks the triangles beyond edge `i` of `t`. The branch is a tree, so that they never lead back to `t`.
+fn drop_branch(tin: &Tin, dropped: &mut [bool], t: u32, i: usize) {
+    let Some(first) = tin.across(t, i) else { return };
+    let mut stack = vec![(first, t)];
+    while let Some((t, from)) = stack.pop() {
+        if std::mem::replace(&mut dropped[t as usize], true) {
+            continue;
+        }
+        stack.extend((0..3).filter_map(|i| tin.across(t, i)).filter(|&n| n != from).map(|n| (n, t)));
+    }
+}
+
+/// The branches of every sub-domain's dual graph, found by stripping its leaves.
+struct Branches {
+    /// The neighbour a stripped triangle hung on; [`NONE`] for the core and the roots.
+    parent: Vec<u32>,
+    /// Length of contour around the stripped triangle and all that hung on it, map units.
+    length: Vec<f64>,
+    /// By sub-domain: all its contour if its dual graph is a tree, else infinity.
+    total: Vec<f64>,
+}
+
+impl Branches {
+    fn new(tin: &Tin, kinds: &[TriangleKind], regions: &Regions) -> Self {
+        let count = tin.len();
+        let mut parent = vec![NONE; count];
+        let mut total = vec![f64::INFINITY; regions.regions.len()];
+        let mut free: Vec<u8> = kinds
+            .iter()
+            .map(|k| match k {
+                TriangleKind::Outside | TriangleKind::Isolated => 0,
+                TriangleKind::Terminal => 1,
+                TriangleKind::Sleeve => 2,
+                TriangleKind::Junction => 3,
+            })
+            .collect();
+        let mut length: Vec<f64> = (0..count as u32)
+            .map(|t| (0..3).filter(|&i| tin.contour_level(t, i).is_some()).map(|i| tin.edge_length(t, i)).sum())
+            .collect();
+        let mut leaves: Vec<u32> = (0..count as u32).filter(|&t| free[t as usize] == 1).collect();
+        while let Some(leaf) = leaves.pop() {
+            if free[leaf as usize] != 1 {
+                continue;
+            }
+            free[leaf as usize] = 0;
+            let trunk = (0..3).filter_map(|i| tin.across(leaf, i)).find(|&n| parent[n as usize] != leaf);
+            let Some(trunk) = trunk else { continue };
+            parent[leaf as usize] = trunk;
+            length[trunk as usize] += length[leaf as usize];
+            free[trunk as usize] -= 1;
+            match free[trunk as usize] {
+                0 => total[regions.of_triangle[trunk as usize] as usize] = length[trunk as usize],
+                1 => leaves.push(trunk),
+                _ => {}
+            }
+        }
+        Self { parent, length, total }
+    }
+
+    /// Length of contour beyond edge `i` of `t`; infinite where more than one branch lies there.
+    fn contour_beyond(&self, tin: &Tin, regions: &Regions, t: u32, i: usize) -> f64 {
+        match tin.across(t, i) {
+            Some(n) if self.parent[n as usize] == t => self.length[n as usize],
+            Some(n) if self.parent[t as usize] == n => {
+                self.total[regions.of_triangle[t as usize] as usize] - self.length[t as usize]
+            }
+            _ => f64::INFINITY,
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! Heights of axis points: equation (1) of the paper between two levels, a rounded top where there is only one.
+
+use glam::DVec2;
+use rayon::prelude::*;
+use rstar::primitives::Line;
+use rstar::{Envelope, PointDistance, RTree};
+
+use super::axis::AxisPoint;
+use super::caps::Cap;
+use crate::tin::{Band, NONE, Regions, Side, Tin, VertexKind};
+
+/// How many segments are tried for one that can be seen before the nearest one is taken.
+const SIGHT_TRIALS: usize = 48;
+
+/// Heights of points inside sub-domains.
+///
+/// Between two levels it is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`, with the shortest distances to
+/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has a single
+/// level the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band.
+pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
+    let groups = Groups::new(tin, regions, points);
+    let mut heights = vec![f64::NAN; points.len()];
+    let found: Vec<Vec<(u32, f64)>> =
+        (0..regions.regions.len()).into_par_iter().map(|r| region_heights(tin, regions, points, &groups, r)).collect();
+    for (p, h) in found.into_iter().flatten() {
+        heights[p as usize] = h;
+    }
+    heights
+}
+
+/// What belongs to each sub-domain, in compressed rows.
+struct Groups {
+    point_start: Vec<u32>,
+    points: Vec<u32>,
+    border_start: Vec<u32>,
+    /// Triangle and edge of each piece of contour on the border.
+    borders: Vec<(u32, u8)>,
+    spot_start: Vec<u32>,
+    spots: Vec<u32>,
+}
+
+impl Groups {
+    fn new(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Self {
+        let count = regions.regions.len();
+        let (point_start, points) = rows(count, points.iter().enumerate().map(|(i, p)| (p.region, i as u32)));
+        let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        let (border_start, borders) = rows(
+            count,
+            inside().flat_map(|t| {
+                let region = regions.of_triangle[t as usize];
+                (0..3).filter(move |&i| tin.contour_level(t, i).is_some()).map(move |i| (region, (t, i as u8)))
+            }),
+        );
+        let mut region_of_spot = vec![NONE; tin.positions.len()];
+        for t in inside() {
+            for v in tin.triangles[t as usize] {
+                if tin.kinds[v as usize] == VertexKind::Spot {
+                    region_of_spot[v as usize] = regions.of_triangle[t as usize];
+                }
+            }
+        }
+        let spots = region_of_spot.iter().enumerate().filter(|(_, r)| **r != NONE).map(|(v, r)| (*r, v as u32));
+        let (spot_start, spots) = rows(count, spots);
+        Self { point_start, points, border_start, borders, spot_start, spots }
+    }
+
+    fn row<'a, T>(start: &[u32], items: &'a [T], r: usize) -> &'a [T] {
+        &items[start[r] as usize..start[r + 1] as usize]
+    }
+}
+
+/// Sorts items into rows by a counting sort that keeps their order.
+fn rows<T: Copy + Default>(count: usize, items: impl Iterator<Item = (u32, T)> + Clone) -> (Vec<u32>, Vec<T>) {
+    let mut start = vec![0u32; count + 1];
+    for (r, _) in items.clone() {
+        start[r as usize + 1] += 1;
+    }
+    for r in 0..count {
+        start[r + 1] += start[r];
+    }
+    let mut next = start.clone();
+    let mut sorted = vec![T::default(); start[count] as usize];
+    for (r, item) in items {
+        let slot = &mut next[r as usize];
+        sorted[*slot as usize] = item;
+        *slot += 1;
+    }
+    (start, sorted)
+}
+
+/// The border of one sub-domain at one level, for shortest-distance queries.
+struct LevelTree {
+    level: f64,
+    tree: RTree<Line<[f64; 2]>>,
+}
+
+impl LevelTree {
+    /// Distance to the nearest segment, no matter what lies between.
+    fn distance(&self, from: DVec2) -> f64 {
+        let p = from.to_array();
+        self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
+    }
+
+    /// Distance to the nearest segment whose nearest point can be seen from `from`, which lies in triangle `t`.
+    fn visible_distance(&self, tin: &Tin, t: u32, from: DVec2) -> f64 {
+        let p = from.to_array();
+        let mut nearest = f64::INFINITY;
+        for (s, d2) in self.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS) {
+            nearest = nearest.min(d2.sqrt());
+            if sees(tin, t, from, DVec2::from(s.nearest_point(&p))) {
+                return d2.sqrt();
+            }
+        }
+        nearest
+    }
+
+    /// No segment is nearer than this.
+    fn lower_bound(&self, from: DVec2) -> f64 {
+        self.tree.root().envelope().distance_2(&from.to_array()).sqrt()
+    }
+}
+
+fn region_heights(
+    tin: &Tin,
+    regions: &Regions,
+    points: &[AxisPoint],
+    groups: &Groups,
+    region: usize,
+) -> Vec<(u32, f64)> {
+    let own = Groups::row(&groups.point_start, &groups.points, region);
+    if own.is_empty() {
+        return Vec::new();
+    }
+    let borders = Groups::row(&groups.border_start, &groups.borders, region);
+    let trees = level_trees(tin, borders);
+    let band = regions.regions[region].band;
+    if band.side == Side::Between {
+        return own
+            .par_iter()
+            .with_min_len(256)
+            .map(|&p| (p, between_levels(tin, &trees, &band, &points[p as usize])))
+            .collect();
+    }
+    let distances: Vec<f64> = own
+        .par_iter()
+        .with_min_len(256)
+        .map(|&p| trees.iter().map(|t| t.distance(points[p as usize].position)).fold(f64::INFINITY, f64::min))
+        .collect();
+    let spots: Vec<(DVec2, f64, f64)> = Groups::row(&groups.spot_start, &groups.spots, region)
+        .iter()
+        .map(|&v| {
+            let at = tin.positions[v as usize];
+            let distance = trees.iter().map(|t| t.distance(at)).fold(f64::INFINITY, f64::min);
+            (at, tin.heights[v as usize], distance)
+        })
+        .collect();
+    let widest = distances.iter().chain(spots.iter().map(|s| &s.2)).fold(0.0f64, |m, &d| m.max(d));
+    let cap = Cap::new(band, widest, slope_outside(tin, borders), spots);
+    own.iter().zip(&distances).map(|(&p, &d)| (p, cap.height(points[p as usize].position, d))).collect()
+}
+
+fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
+    let mut segments: Vec<(f64, u32, u8)> = borders
+        .iter()
+        .filter_map(|&(t, i)| tin.contour_level(t, i as usize).map(|level| (level, t, i)))
+        .collect();
+    segments.sort_by(|a, b| a.0.total_cmp(&b.0));
+    segments
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|same| LevelTree {
+            level: same[0].0,
+            tree: RTree::bulk_load(
+                same.iter()
+                    .map(|&(_, t, i)| {
+                        let [u, v] = tin.edge(t, i as usize).map(|v| tin.positions[v as usize].to_array());
+                        Line::new(u, v)
+                    })
+                    .collect(),
+            ),
+        })
+        .collect()
+}
+
+/// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one.
+fn between_levels(tin: &Tin, trees: &[LevelTree], band: &Band, point: &AxisPoint) -> f64 {
+    let at = point.position;
+    let own = match point.level {
+        Some(level) => trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
+        None => trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
+    };
+    let (own_distance, own_level) = own.unwrap_or((0.0, band.lo));
+    let mut other = (f64::INFINITY, own_level);
+    for tree in trees.iter().filter(|t| t.level != own_level) {
+        if tree.lower_bound(at) < other.0 {
+            // A straight view can be blocked only by something nearer, which is the point's own contour.
+            let straight = tree.distance(at);
+            let seen = || tree.visible_distance(tin, point.triangle, at);
+            let distance = if straight <= own_distance { straight } else { seen() };
+            if distance < other.0 {
+                other = (distance, tree.level);
+            }
+        }
+    }
+    let (distance, level) = other;
+    let height = if distance.is_finite() && own_distance + distance > 0.0 {
+        (own_level * distance + level * own_distance) / (distance + own_distance)
+    } else {
+        band.lo.midpoint(band.hi)
+    };
+    band.strictly_inside(height)
+}
+
+/// Mean slope just outside the border, rise over run: the interval over the mean width of the strip beyond it.
+fn slope_outside(tin: &Tin, borders: &[(u32, u8)]) -> Option<f64> {
+    let (mut rise, mut run) = (0.0, 0.0);
+    for &(t, i) in borders {
+        let i = i as usize;
+        let (Some(level), Some(n)) = (tin.contour_level(t, i), tin.inner_neighbour(t, i)) else { continue };
+        let Some(j) = tin.edge_towards(n, t) else { continue };
+        let apex = tin.triangles[n as usize][(j + 2) % 3] as usize;
+        let step = (tin.heights[apex] - level).abs();
+        let length = tin.edge_length(t, i);
+        // NaN where the apex is a corner of the frame without a height.
+        if step > 0.0 && length > 0.0 {
+            let [a, b, c] = tin.corners(n);
+            rise += step * length;
+            run += (b - a).perp_dot(c - a).abs();
+        }
+    }
+    (run > 0.0).then(|| rise / run)
+}
+
+/// Whether `to` can be seen from `from`, a point of triangle `t`, without crossing a contour or the frame.
+fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
+    let near = 1e-9 * from.distance(to);
+    let mut t = t;
+    let mut came_from = NONE;
+    for _ in 0..10_000 {
+        let exit = (0..3).find(|&i| {
+            let n = tin.neighbours[t as usize][i];
+            if n != NONE && n == came_from {
+                return false;
+            }
+            let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
+            let side = |p: DVec2| (to - from).perp_dot(p - from);
+            let beyond = (v - u).perp_dot(to - u) < -near * u.distance(v);
+            beyond && side(u) <= 0.0 && side(v) >= 0.0
+        });
+        let Some(i) = exit else { return true };
+        match tin.across(t, i) {
+            Some(n) => {
+                came_from = t;
+                t = n;
+            }
+            None => return false,
+        }
+    }
+    false
+}

@@ -1,0 +1,272 @@
+//! Slicing: the lines of given levels on a surface.
+//!
+//! A level is traced from triangle to triangle. A vertex is above a level when `height >= level`, below otherwise, so a
+//! vertex that lies exactly on the level needs no special case: the line passes through it. Each triangle is crossed by a
+//! level at most once, so the lines of one level never cross, and heights inside a triangle are linear, so lines of
+//! different levels never meet.
+//!
+//! A level is traced only in sub-domains whose band it lies strictly inside. On the band's ends there are contours of the
+//! input already. Where a contour of the level ends in the open (auxiliary contours, gaps), the traced line goes on from
+//! its end and does not run along it a second time.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::progress::Progress;
+use crate::tin::{NONE, Regions, Tin};
+
+/// Crossings of triangles and levels that are held at a time, to bound memory.
+const BATCH: usize = 1 << 25;
+
+/// Traces `levels` (ascending) through the triangulation, in map coordinates.
+///
+/// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry a level,
+/// lines in a fixed order.
+pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Vec<Vec<DVec2>>> {
+    let ranges: Vec<(u32, u32)> =
+        (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, regions, levels, t)).collect();
+    let mut counts = vec![0usize; levels.len()];
+    for &(first, end) in &ranges {
+        for level in first..end {
+            counts[level as usize] += 1;
+        }
+    }
+    progress.start("slicing", levels.len() as u64);
+    let mut lines = Vec::with_capacity(levels.len());
+    let mut from = 0;
+    while from < levels.len() {
+        let mut to = from + 1;
+        let mut size = counts[from];
+        while to < levels.len() && size + counts[to] <= BATCH {
+            size += counts[to];
+            to += 1;
+        }
+        let crossed = Crossed::new(&ranges, &counts[from..to], from as u32);
+        let visited = || vec![NONE; tin.len()];
+        lines.par_extend((from..to).into_par_iter().map_init(visited, |visited, k| {
+            let mut trace = Trace { tin, ranges: &ranges, k: k as u32, level: levels[k], visited };
+            let lines = trace.lines(crossed.of(k - from));
+            progress.advance(1);
+            lines
+        }));
+        from = to;
+    }
+    progress.finish();
+    lines
+}
+
+/// The levels that cross triangle `t`: indices `first..end` of those with lowest < level <= highest corner, and strictly
+/// inside the band of its sub-domain.
+fn levels_of(tin: &Tin, regions: &Regions, levels: &[f64], t: u32) -> (u32, u32) {
+    let Some(region) = regions.region(t) else { return (0, 0) };
+    let [a, b, c] = tin.corner_heights(t);
+    let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
+    let first = levels.partition_point(|&l| l <= lowest || l <= region.band.lo);
+    let end = levels.partition_point(|&l| l <= highest && l < region.band.hi);
+    (first as u32, end.max(first) as u32)
+}
+
+/// The triangles that each of a batch of levels crosses, in compressed rows.
+struct Crossed {
+    start: Vec<usize>,
+    triangles: Vec<u32>,
+}
+
+impl Crossed {
+    fn new(ranges: &[(u32, u32)], counts: &[usize], from: u32) -> Self {
+        let to = from + counts.len() as u32;
+        let mut start = vec![0; counts.len() + 1];
+        for (k, count) in counts.iter().enumerate() {
+            start[k + 1] = start[k] + count;
+        }
+        let mut next = start.clone();
+        let mut triangles = vec![0; start[counts.len()]];
+        for (t, &(first, end)) in ranges.iter().enumerate() {
+            for level in first.max(from)..end.min(to) {
+                let slot = &mut next[(level - from) as usize];
+                triangles[*slot] = t as u32;
+                *slot += 1;
+            }
+        }
+        Self { start, triangles }
+    }
+
+    fn of(&self, k: usize) -> &[u32] {
+        &self.triangles[self.start[k]..self.start[k + 1]]
+    }
+}
+
+/// A point of a traced line.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    position: DVec2,
+    /// The vertex that the line passes through exactly.
+    vertex: Option<u32>,
+    /// The piece that leads here runs along a contour of the input at this level.
+    on_contour: bool,
+}
+
+/// Traces one level.
+struct Trace<'a> {
+    tin: &'a Tin,
+    ranges: &'a [(u32, u32)],
+    k: u32,
+    level: f64,
+    /// The last level that each triangle was visited for.
+    visited: &'a mut [u32],
+}
+
+impl Trace<'_> {
+    fn lines(&mut self, triangles: &[u32]) -> Vec<Vec<DVec2>> {
+        let mut lines = Vec::new();
+        for &t in triangles {
+            // Lines come in through the frame where the way into the triangle is not from another one.
+            let (entry, _) = self.doors(t);
+            if self.before(t, entry).is_none() {
+                self.walk(t, entry, &mut lines);
+            }
+        }
+        for &t in triangles {
+            if self.visited[t as usize] != self.k {
+                let (entry, _) = self.doors(t);
+                self.walk(t, entry, &mut lines);
+            }
+        }
+        lines
+    }
+
+    fn crosses(&self, t: u32) -> bool {
+        let (first, end) = self.ranges[t as usize];
+        (first..end).contains(&self.k)
+    }
+
+    fn above(&self, v: u32) -> bool {
+        self.tin.heights[v as usize] >= self.level
+    }
+
+    /// The edges of `t` by which a line with higher ground on its right comes in and goes out.
+    fn doors(&self, t: u32) -> (usize, usize) {
+        let above = self.tin.triangles[t as usize].map(|v| self.above(v));
+        let edge = |from: bool| (0..3).find(|&i| above[i] == from && above[(i + 1) % 3] != from);
+        (edge(false).unwrap_or(0), edge(true).unwrap_or(0))
+    }
+
+    /// The triangle that a line comes from when it enters `t` by edge `entry`.
+    fn before(&self, t: u32, entry: usize) -> Option<u32> {
+        self.tin.inner_neighbour(t, entry).filter(|&n| self.crosses(n))
+    }
+
+    /// Where the level crosses edge `i` of `t`. The same for both triangles of the edge.
+    fn crossing(&self, t: u32, i: usize, on_contour: bool) -> Step {
+        let [u, v] = self.tin.edge(t, i);
+        let (u, v) = (u.min(v), u.max(v));
+        let (zu, zv) = (self.tin.heights[u as usize], self.tin.heights[v as usize]);
+        let (pu, pv) = (self.tin.positions[u as usize], self.tin.positions[v as usize]);
+        let exact = [u, v].into_iter().find(|&w| self.tin.heights[w as usize] == self.level);
+        let local = match exact {
+            Some(w) => self.tin.positions[w as usize],
+            None => pu + (pv - pu) * ((self.level - zu) / (zv - zu)),
+        };
+        Step { position: local + self.tin.origin, vertex: exact, on_contour }
+    }
+
+    fn walk(&mut self, first: u32, entry: usize, lines: &mut Vec<Vec<DVec2>>) {
+        let start = self.crossing(first, entry, false);
+        let mut steps = vec![start];
+        let mut t = first;
+        let closed = loop {
+            self.visited[t as usize] = self.k;
+            let (_, exit) = self.doors(t);
+            let mut step = self.crossing(t, exit, false);
+            let last = steps[steps.len() - 1].vertex;
+            step.on_contour = match (last, step.vertex) {
+                (Some(a), Some(b)) => a != b && self.along_contour(t, a, b),
+                _ => false,
+            };
+            steps.push(step);
+            match self.tin.inner_neighbour(t, exit).filter(|&n| self.crosses(n)) {
+                Some(n) if n == first => break true,
+                Some(n) if self.visited[n as usize] == self.k => break false,
+                Some(n) => t = n,
+                None => break false,
+            }
+        };
+        push_pieces(steps, closed, lines);
+    }
+
+    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour.
+    fn along_contour(&self, t: u32, a: u32, b: u32) -> bool {
+        (0..3).any(|i| {
+            let [u, v] = self.tin.edge(t, i);
+            [u.min(v), u.max(v)] == [a.min(b), a.max(b)] && self.tin.contour_level(t, i).is_some()
+        })
+    }
+}
+
+/// Turns the steps of one walk into lines: cut where they run along a contour of the input, and taken apart where they
+/// pass a vertex twice, so that no line touches itself.
+fn push_pieces(mut steps: Vec<Step>, closed: bool, lines: &mut Vec<Vec<DVec2>>) {
+    if closed && steps.iter().any(|s| s.on_contour) {
+        // Start the ring behind a piece of contour, so that no line is cut at the arbitrary start of the walk.
+        steps.pop();
+        let at = steps.iter().rposition(|s| s.on_contour).unwrap_or(0);
+        steps.rotate_left(at);
+        let mut again = steps[0];
+        again.on_contour = true;
+        steps[0].on_contour = false;
+        steps.push(again);
+    }
+    for piece in split_before(&steps, |s| s.on_contour) {
+        untangle(piece, lines);
+    }
+}
+
+/// Splits steps into runs; a step with `cut` starts a new run.
+fn split_before(steps: &[Step], cut: impl Fn(&Step) -> bool) -> Vec<&[Step]> {
+    let mut runs = Vec::new();
+    let mut from = 0;
+    for i in 1..=steps.len() {
+        if i == steps.len() || cut(&steps[i]) {
+            runs.push(&steps[from..i]);
+            from = i;
+        }
+    }
+    runs
+}
+
+/// Takes the loops out of a run that passes a vertex more than once. Points without extent vanish.
+fn untangle(run: &[Step], lines: &mut Vec<Vec<DVec2>>) {
+    let mut points: Vec<DVec2> = Vec::with_capacity(run.len());
+    let mut open: Vec<Option<u32>> = Vec::with_capacity(run.len());
+    let mut at: HashMap<u32, usize> = HashMap::new();
+    for step in run {
+        if points.last() == Some(&step.position) {
+            continue;
+        }
+        if let Some(v) = step.vertex {
+            if let Some(&from) = at.get(&v) {
+                let mut ring: Vec<DVec2> = points[from..].to_vec();
+                ring.push(step.position);
+                push_line(ring, lines);
+                for w in open.drain(from + 1..).flatten() {
+                    at.remove(&w);
+                }
+                points.truncate(from + 1);
+                continue;
+            }
+            at.insert(v, points.len());
+        }
+        points.push(step.position);
+        open.push(step.vertex);
+    }
+    push_line(points, lines);
+}
+
+fn push_line(points: Vec<DVec2>, lines: &mut Vec<Vec<DVec2>>) {
+    let ring = points.first() == points.last();
+    if points.len() >= if ring { 4 } else { 2 } {
+        lines.push(points);
+    }
+}

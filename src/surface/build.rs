@@ -1,0 +1,191 @@
+//! From a clean map to a surface: triangulate, find the sub-domains and the skeleton, triangulate again with it.
+
+use std::collections::HashMap;
+
+use geo::Contains;
+use glam::DVec2;
+
+use super::{Surface, SurfaceKind, SurfaceParams};
+use crate::contour::{ContourMap, find_interval};
+use crate::error::{Error, Finding, FindingKind, Report, Result};
+use crate::progress::Progress;
+use crate::skeleton::{AxisPoint, End, Skeleton, axis_heights, skeleton};
+use crate::tin::{
+    Frame, FrameRing, Link, NONE, Regions, Tin, TinInput, VertexKind, frame_ring, link_open_ends, regions, triangulate,
+};
+
+/// Builds the surface of a clean map (see [`clean`](crate::contour::clean)).
+///
+/// # Errors
+/// When the map has fewer than two levels, when a contour line crosses another, when the points have no extent, or
+/// when the parameters are out of range.
+pub fn build(map: &ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
+    if !params.resolution.is_finite() || params.resolution < 0.0 {
+        return Err(Error::Parameter(format!("the resolution parameter w is {}, it must be 0 or more", params.resolution)));
+    }
+    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(map))?;
+    let frame = frame_ring(map, &params.frame);
+    let tolerance = 1e-9 * frame.diagonal();
+    let links = link_open_ends(map, &frame, tolerance);
+
+    progress.start("triangulating", 0);
+    let mut findings = Vec::new();
+    let mut spots: Vec<bool> = vec![true; map.spots.len()];
+    let (tin, sub_domains) = loop {
+        let input = input_of(map, &spots, &frame, &links, tolerance);
+        let tin = with_frame(triangulate(input)?, params, &frame);
+        let report = regions(&tin, &interval);
+        let outside = spots_outside_bands(map, &tin, &report.value);
+        if outside.is_empty() {
+            findings.extend(report.findings);
+            break (tin, report.value);
+        }
+        for (spot, finding) in outside {
+            spots[spot] = false;
+            findings.push(finding);
+        }
+    };
+    let tin = with_frame_heights(tin, &sub_domains);
+    progress.finish();
+    if params.kind == SurfaceKind::Linear {
+        let surface = Surface { tin, regions: sub_domains, break_lines: Vec::new(), frame, interval };
+        return Ok(Report { value: surface, findings });
+    }
+
+    progress.start("ridge and canyon lines", 0);
+    let skeleton = skeleton(&tin, &sub_domains, params.resolution);
+    progress.finish();
+
+    progress.start("triangulating with them", 0);
+    let mut input = input_of(map, &spots, &frame, &links, tolerance);
+    push_skeleton(&mut input, &tin, &skeleton);
+    drop((tin, sub_domains));
+    let tin = with_frame(triangulate(input)?, params, &frame);
+    let sub_domains = regions(&tin, &interval).value;
+    let tin = with_frame_heights(tin, &sub_domains);
+    progress.finish();
+    let surface = Surface { tin, regions: sub_domains, break_lines: skeleton.lines, frame, interval };
+    Ok(Report { value: surface, findings })
+}
+
+fn too_few_levels(map: &ContourMap) -> Error {
+    Error::Data(match map.contours.first() {
+        None => "there is no contour line".into(),
+        Some(c) if map.contours.len() == 1 => {
+            format!("there is one contour line only (elevation {}): a surface needs contours of two levels", c.elevation)
+        }
+        Some(c) => format!(
+            "all {} contour lines have the elevation {}: a surface needs contours of two levels (is it the right \
+             elevation field?)",
+            map.contours.len(),
+            c.elevation
+        ),
+    })
+}
+
+/// Contours first, so that their heights win where points coincide.
+fn input_of(map: &ContourMap, spots: &[bool], frame: &FrameRing, links: &[Link], tolerance: f64) -> TinInput {
+    let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let corners: Vec<Vec<DVec2>> = frame.rings().collect();
+    for &p in map.contours.iter().flat_map(|c| &c.points).chain(corners.iter().flatten()) {
+        lo = lo.min(p);
+        hi = hi.max(p);
+    }
+    let mut input = TinInput::new([lo, hi], tolerance);
+    for contour in &map.contours {
+        input.push_line(&contour.points, contour.elevation, VertexKind::Contour);
+    }
+    for link in links {
+        input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+    }
+    for spot in map.spots.iter().zip(spots).filter(|(_, used)| **used).map(|(s, _)| s) {
+        input.push(spot.truncate(), spot.z, VertexKind::Spot);
+    }
+    for ring in corners {
+        for corner in ring {
+            input.push(corner, f64::NAN, VertexKind::Frame);
+        }
+    }
+    input
+}
+
+fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {
+    let points: Vec<u32> = skeleton
+        .axis
+        .points
+        .iter()
+        .zip(&skeleton.heights)
+        .map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis))
+        .collect();
+    for piece in &skeleton.axis.pieces {
+        let [a, b] = piece.map(|end| match end {
+            End::Axis(p) => points[p as usize],
+            End::Vertex(v) => {
+                input.push_local(tin.positions[v as usize], tin.heights[v as usize], tin.kinds[v as usize])
+            }
+        });
+        input.push_edge(a, b);
+    }
+}
+
+/// Takes the triangles outside a boundary polygon out of the frame.
+fn with_frame(tin: Tin, params: &SurfaceParams, frame: &FrameRing) -> Tin {
+    match params.frame {
+        Frame::Hull | Frame::Box => tin,
+        Frame::Polygon(_) => tin.restricted(|p| frame.area.contains(&geo::Point::new(p.x, p.y))),
+    }
+}
+
+/// Spot heights that contradict the levels around them, by their number in the map.
+fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
+    let number: HashMap<[u64; 2], usize> =
+        map.spots.iter().enumerate().map(|(i, s)| ([s.x.to_bits(), s.y.to_bits()], i)).collect();
+    let mut checked = vec![false; tin.positions.len()];
+    let mut outside = Vec::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let Some(region) = regions.region(t) else { continue };
+        for v in tin.triangles[t as usize].map(|v| v as usize) {
+            if tin.kinds[v] != VertexKind::Spot || std::mem::replace(&mut checked[v], true) {
+                continue;
+            }
+            let p = tin.point(v as u32);
+            if region.band.contains(p.z) {
+                continue;
+            }
+            if let Some(&spot) = number.get(&[p.x.to_bits(), p.y.to_bits()]) {
+                let (lo, hi) = (region.band.lo, region.band.hi);
+                let message = format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z);
+                outside.push((spot, Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message)));
+            }
+        }
+    }
+    outside.sort_by_key(|(spot, _)| *spot);
+    outside
+}
+
+/// Gives the corners of the frame heights from the contours around them.
+fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
+    let mut of_vertex = vec![NONE; tin.positions.len()];
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for v in tin.triangles[t as usize] {
+            if tin.kinds[v as usize] == VertexKind::Frame {
+                of_vertex[v as usize] = t;
+            }
+        }
+    }
+    let corners: Vec<u32> = (0..tin.positions.len() as u32).filter(|&v| of_vertex[v as usize] != NONE).collect();
+    let points: Vec<AxisPoint> = corners
+        .iter()
+        .map(|&v| {
+            let triangle = of_vertex[v as usize];
+            let region = regions.of_triangle[triangle as usize];
+            AxisPoint { position: tin.positions[v as usize], level: None, triangle, region }
+        })
+        .collect();
+    let found = axis_heights(&tin, regions, &points);
+    let mut heights = tin.heights.clone();
+    for (&v, h) in corners.iter().zip(found) {
+        heights[v as usize] = h;
+    }
+    tin.with_heights(heights)
+}

@@ -1,0 +1,55 @@
+//! The surface over a map: a triangulation with heights everywhere inside the frame.
+//!
+//! [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours as it stands: flat triangles on
+//! ridges, in valleys and on tops. [`SurfaceKind::Skeleton`] is the paper's: ridge and canyon lines go into the
+//! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
+
+mod build;
+
+pub use build::build;
+
+use crate::contour::Interval;
+use crate::skeleton::BreakLine;
+use crate::tin::{Frame, FrameRing, Regions, Tin};
+
+/// How heights between contours are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum SurfaceKind {
+    /// Linear on the triangulated contours.
+    Linear,
+    /// The triangulation with ridge and canyon lines.
+    #[default]
+    Skeleton,
+}
+
+/// Parameters of [`build`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceParams {
+    /// How heights between contours are found.
+    pub kind: SurfaceKind,
+    /// The outermost border.
+    pub frame: Frame,
+    /// The paper's resolution parameter w: more of it, fewer ridge and canyon lines.
+    pub resolution: f64,
+}
+
+impl Default for SurfaceParams {
+    fn default() -> Self {
+        Self { kind: SurfaceKind::default(), frame: Frame::default(), resolution: 1.0 }
+    }
+}
+
+/// Heights everywhere inside the frame.
+#[derive(Debug, Clone)]
+pub struct Surface {
+    /// The triangulation, contours among its edges, every vertex with a height.
+    pub tin: Tin,
+    /// The sub-domains of its triangles.
+    pub regions: Regions,
+    /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`].
+    pub break_lines: Vec<BreakLine>,
+    /// The frame's outline.
+    pub frame: FrameRing,
+    /// The input's vertical interval.
+    pub interval: Interval,
+}

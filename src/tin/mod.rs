@@ -1,0 +1,198 @@
+//! The triangulation ([`Tin`]), the sub-domains in it ([`Regions`]) and the kinds of its triangles ([`TriangleKind`]).
+//!
+//! A [`Tin`] is a handful of flat arrays, built once and never changed: corner indices, neighbours and constraint flags
+//! a triangle, position and height a vertex. Side data (sub-domain, kind) are further flat arrays indexed by triangle.
+
+mod build;
+mod frame;
+mod kinds;
+mod links;
+mod regions;
+
+pub use build::{TinInput, triangulate};
+pub use frame::{Frame, FrameRing, frame_ring};
+pub use kinds::{TriangleKind, triangle_kinds};
+pub use links::{Link, link_open_ends};
+pub use regions::{Band, Region, Regions, Side, regions, side_of};
+
+use glam::{DVec2, DVec3};
+
+/// Marks "no triangle" or "no region" in arrays of indices.
+pub const NONE: u32 = u32::MAX;
+
+/// What a vertex stands for, and so where its height comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum VertexKind {
+    /// On a contour (or on the link of an open contour's end to the frame): its height is the level.
+    Contour,
+    /// A spot height.
+    Spot,
+    /// A corner of the frame: its height is found from the contours around it.
+    Frame,
+    /// On a ridge or canyon line or otherwise computed.
+    Axis,
+}
+
+/// A triangulated irregular network.
+///
+/// Positions are relative to [`Tin::origin`], so that products of coordinates keep their digits.
+#[derive(Debug, Clone)]
+pub struct Tin {
+    /// Added to a position it gives map coordinates.
+    pub origin: DVec2,
+    /// Vertex positions relative to the origin, map units.
+    pub positions: Vec<DVec2>,
+    /// Vertex heights, metres. NaN only for vertices of kind [`VertexKind::Frame`] that have no height yet.
+    pub heights: Vec<f64>,
+    /// Vertex kinds.
+    pub kinds: Vec<VertexKind>,
+    /// The first point of the input at the vertex, by its index there.
+    pub source: Vec<u32>,
+    /// Corners of the triangles, counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+    /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
+    pub neighbours: Vec<[u32; 3]>,
+    /// Bit i: the edge from corner i to corner i+1 is a constraint.
+    constraints: Vec<u8>,
+    /// Whether the triangle lies inside the frame.
+    inside: Vec<bool>,
+}
+
+impl Tin {
+    /// Number of triangles, those outside the frame included.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Whether triangle `t` lies inside the frame.
+    pub fn is_inside(&self, t: u32) -> bool {
+        self.inside[t as usize]
+    }
+
+    /// The two ends of edge `i` of triangle `t`, counter-clockwise.
+    pub fn edge(&self, t: u32, i: usize) -> [u32; 2] {
+        let c = self.triangles[t as usize];
+        [c[i], c[(i + 1) % 3]]
+    }
+
+    /// Length of edge `i` of triangle `t`.
+    pub fn edge_length(&self, t: u32, i: usize) -> f64 {
+        let [u, v] = self.edge(t, i);
+        self.positions[u as usize].distance(self.positions[v as usize])
+    }
+
+    /// Whether edge `i` of triangle `t` is a constraint (contour, link, frame or break line).
+    pub fn is_constraint(&self, t: u32, i: usize) -> bool {
+        self.constraints[t as usize] & (1 << i) != 0
+    }
+
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour or of a link.
+    pub fn contour_level(&self, t: u32, i: usize) -> Option<f64> {
+        let [u, v] = self.edge(t, i);
+        let on_contour = |v: u32| self.kinds[v as usize] == VertexKind::Contour;
+        let level = self.heights[u as usize];
+        (self.is_constraint(t, i) && on_contour(u) && on_contour(v) && level == self.heights[v as usize]).then_some(level)
+    }
+
+    /// The triangle inside the frame across edge `i` of triangle `t`, whatever the edge is.
+    pub fn inner_neighbour(&self, t: u32, i: usize) -> Option<u32> {
+        let n = self.neighbours[t as usize][i];
+        (n != NONE && self.inside[n as usize]).then_some(n)
+    }
+
+    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour or the frame.
+    pub fn across(&self, t: u32, i: usize) -> Option<u32> {
+        if self.contour_level(t, i).is_some() { None } else { self.inner_neighbour(t, i) }
+    }
+
+    /// Which edge of `t` leads to its neighbour `n`.
+    pub fn edge_towards(&self, t: u32, n: u32) -> Option<usize> {
+        self.neighbours[t as usize].iter().position(|&m| m == n)
+    }
+
+    /// The same triangulation with other heights, one a vertex.
+    pub fn with_heights(self, heights: Vec<f64>) -> Self {
+        assert_eq!(heights.len(), self.positions.len(), "one height a vertex");
+        Self { heights, ..self }
+    }
+
+    /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints; each is asked once, in the
+    /// middle of its largest triangle, in map coordinates.
+    pub fn restricted(mut self, keep: impl Fn(DVec2) -> bool) -> Self {
+        let mut seen = vec![false; self.len()];
+        for first in 0..self.len() {
+            if seen[first] {
+                continue;
+            }
+            seen[first] = true;
+            let mut part = vec![first as u32];
+            let mut next = 0;
+            while next < part.len() {
+                let t = part[next];
+                next += 1;
+                for i in 0..3 {
+                    let n = self.neighbours[t as usize][i];
+                    if n != NONE && !self.is_constraint(t, i) && !std::mem::replace(&mut seen[n as usize], true) {
+                        part.push(n);
+                    }
+                }
+            }
+            let area = |t: u32| {
+                let [a, b, c] = self.corners(t);
+                (b - a).perp_dot(c - a)
+            };
+            let largest = part.iter().copied().fold(first as u32, |m, t| if area(t) > area(m) { t } else { m });
+            let [a, b, c] = self.corners(largest);
+            if !keep((a + b + c) / 3.0 + self.origin) {
+                part.iter().for_each(|&t| self.inside[t as usize] = false);
+            }
+        }
+        self
+    }
+
+    /// Map coordinates and height of a vertex.
+    pub fn point(&self, v: u32) -> DVec3 {
+        (self.positions[v as usize] + self.origin).extend(self.heights[v as usize])
+    }
+
+    /// Positions of the corners of triangle `t`.
+    pub fn corners(&self, t: u32) -> [DVec2; 3] {
+        self.triangles[t as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Heights of the corners of triangle `t`.
+    pub fn corner_heights(&self, t: u32) -> [f64; 3] {
+        self.triangles[t as usize].map(|v| self.heights[v as usize])
+    }
+
+    /// Checks that corners, neighbours and flags agree with each other; used by tests.
+    ///
+    /// # Errors
+    /// The first disagreement, in words.
+    pub fn validate(&self) -> Result<(), String> {
+        for t in 0..self.len() as u32 {
+            let [a, b, c] = self.corners(t);
+            if (b - a).perp_dot(c - a) < 0.0 {
+                return Err(format!("triangle {t} is clockwise"));
+            }
+            for i in 0..3 {
+                let n = self.neighbours[t as usize][i];
+                if n == NONE {
+                    continue;
+                }
+                let [u, v] = self.edge(t, i);
+                let back = (0..3).find(|&j| self.edge(n, j) == [v, u]);
+                match back {
+                    Some(j) if self.neighbours[n as usize][j] == t && self.is_constraint(n, j) == self.is_constraint(t, i) => {}
+                    _ => return Err(format!("triangles {t} and {n} disagree about their common edge")),
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,303 @@
+//! Sub-domains and their bands (paper, section 3.2, for open contours too).
+//!
+//! A sub-domain is what a flood over the triangulation reaches without crossing a contour; the frame closes it where
+//! contours run off the map. Two levels on its border give its band. Where there is only one, the side is known from the
+//! neighbour: crossing a contour changes the side.
+
+use glam::DVec2;
+
+use super::{NONE, Tin};
+use crate::contour::Interval;
+use crate::error::{Finding, FindingKind, Report};
+
+/// How the band of a sub-domain is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// Two or more levels on the border: the ground lies between the lowest and the highest.
+    Between,
+    /// One level on the border, the ground lies above it (a peak, a ridge).
+    Above,
+    /// One level on the border, the ground lies below it (a pit, a valley).
+    Below,
+}
+
+/// The two levels that all heights of a sub-domain lie between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lower level, metres.
+    pub lo: f64,
+    /// Upper level, metres.
+    pub hi: f64,
+    /// How it is known.
+    pub side: Side,
+}
+
+impl Band {
+    /// The height moved strictly inside the band, at least a thousandth of the band's width from both levels.
+    pub fn strictly_inside(&self, height: f64) -> f64 {
+        let margin = 1e-3 * (self.hi - self.lo);
+        height.clamp(self.lo + margin, self.hi - margin)
+    }
+
+    /// Whether the height lies in the band, the levels included.
+    pub fn contains(&self, height: f64) -> bool {
+        self.lo <= height && height <= self.hi
+    }
+}
+
+/// One sub-domain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// The levels around its heights.
+    pub band: Band,
+    /// Lowest level on its border.
+    pub lowest: f64,
+    /// Highest level on its border.
+    pub highest: f64,
+    /// One of its triangles.
+    pub triangle: u32,
+    /// Whether the frame is part of its border.
+    pub at_frame: bool,
+}
+
+/// The sub-domains of a triangulation.
+#[derive(Debug, Clone)]
+pub struct Regions {
+    /// Sub-domain of each triangle, [`NONE`] outside the frame.
+    pub of_triangle: Vec<u32>,
+    /// The sub-domains, numbered by their first triangle.
+    pub regions: Vec<Region>,
+}
+
+impl Regions {
+    /// The sub-domain that triangle `t` lies in, none outside the frame.
+    pub fn region(&self, t: u32) -> Option<&Region> {
+        self.regions.get(self.of_triangle[t as usize] as usize)
+    }
+}
+
+/// Finds the sub-domains, their bands, and where neighbouring levels contradict each other.
+///
+/// `interval` gives the next level above a peak's or below a pit's last contour.
+pub fn regions(tin: &Tin, interval: &Interval) -> Report<Regions> {
+    let (of_triangle, mut regions) = flood(tin);
+    let borders = Borders::new(tin, &of_triangle, regions.len());
+    propagate(&mut regions, &borders, interval);
+    let findings = contradictions(tin, &of_triangle, &regions, &borders, interval);
+    Report { value: Regions { of_triangle, regions }, findings }
+}
+
+/// Numbers the connected components and collects the levels on their borders.
+fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
+    let mut of_triangle = vec![NONE; tin.len()];
+    let mut regions = Vec::new();
+    let mut stack = Vec::new();
+    for first in 0..tin.len() as u32 {
+        if of_triangle[first as usize] != NONE || !tin.is_inside(first) {
+            continue;
+        }
+        let id = regions.len() as u32;
+        let (mut lowest, mut highest, mut at_frame) = (f64::INFINITY, f64::NEG_INFINITY, false);
+        of_triangle[first as usize] = id;
+        stack.push(first);
+        while let Some(t) = stack.pop() {
+            for i in 0..3 {
+                if let Some(level) = tin.contour_level(t, i) {
+                    lowest = lowest.min(level);
+                    highest = highest.max(level);
+                    continue;
+                }
+                match tin.inner_neighbour(t, i) {
+                    Some(n) if of_triangle[n as usize] == NONE => {
+                        of_triangle[n as usize] = id;
+                        stack.push(n);
+                    }
+                    Some(_) => {}
+                    None => at_frame = true,
+                }
+            }
+        }
+        let band = Band { lo: lowest, hi: highest, side: Side::Between };
+        regions.push(Region { band, lowest, highest, triangle: first, at_frame });
+    }
+    (of_triangle, regions)
+}
+
+/// A piece of contour between two sub-domains, seen from one of them.
+#[derive(Debug, Clone, Copy)]
+struct Border {
+    other: u32,
+    level: f64,
+    length: f64,
+    place: DVec2,
+}
+
+/// The borders of every sub-domain with its neighbours, in compressed rows.
+struct Borders {
+    start: Vec<u32>,
+    borders: Vec<Border>,
+}
+
+impl Borders {
+    fn new(tin: &Tin, of_triangle: &[u32], count: usize) -> Self {
+        let edges = || {
+            (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).flat_map(move |t| {
+                (0..3).filter_map(move |i| {
+                    let level = tin.contour_level(t, i)?;
+                    let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
+                    let own = of_triangle[t as usize];
+                    (own != other).then_some((own, other, level, t, i))
+                })
+            })
+        };
+        let mut start = vec![0u32; count + 1];
+        for (own, ..) in edges() {
+            start[own as usize + 1] += 1;
+        }
+        for r in 0..count {
+            start[r + 1] += start[r];
+        }
+        let mut next = start.clone();
+        let empty = Border { other: NONE, level: 0.0, length: 0.0, place: DVec2::ZERO };
+        let mut borders = vec![empty; start[count] as usize];
+        for (own, other, level, t, i) in edges() {
+            let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
+            let slot = &mut next[own as usize];
+            borders[*slot as usize] = Border { other, level, length: u.distance(v), place: u.midpoint(v) + tin.origin };
+            *slot += 1;
+        }
+        Self { start, borders }
+    }
+
+    fn of(&self, region: u32) -> &[Border] {
+        let r = region as usize;
+        &self.borders[self.start[r] as usize..self.start[r + 1] as usize]
+    }
+}
+
+/// The side of a level that a sub-domain lies on, if its own border tells.
+pub fn side_of(region: &Region, level: f64) -> Option<Side> {
+    match region.band.side {
+        Side::Between if level == region.lowest => Some(Side::Above),
+        Side::Between if level == region.highest => Some(Side::Below),
+        Side::Between => None,
+        side => Some(side),
+    }
+}
+
+/// Gives every sub-domain of one level its side, outwards from those of two levels.
+///
+/// The longer common border wins where neighbours disagree. Sub-domains that nothing reaches lie above their level.
+fn propagate(regions: &mut [Region], borders: &Borders, interval: &Interval) {
+    let mut known: Vec<bool> = regions.iter().map(|r| r.lowest < r.highest).collect();
+    let mut frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
+    while !frontier.is_empty() {
+        let mut next: Vec<u32> = frontier
+            .iter()
+            .flat_map(|&r| borders.of(r).iter().map(|b| b.other))
+            .filter(|&r| !known[r as usize])
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        let sides: Vec<(u32, f64)> = next
+            .iter()
+            .map(|&r| {
+                let votes = borders.of(r).iter().filter(|b| known[b.other as usize]).map(|b| {
+                    match side_of(&regions[b.other as usize], b.level) {
+                        Some(Side::Above) => -b.length,
+                        Some(Side::Below) => b.length,
+                        _ => 0.0,
+                    }
+                });
+                (r, votes.sum())
+            })
+            .collect();
+        for (r, above) in sides {
+            known[r as usize] = true;
+            set_side(&mut regions[r as usize], above >= 0.0, interval);
+        }
+        frontier = next;
+    }
+    for (region, _) in regions.iter_mut().zip(&known).filter(|(_, known)| !**known) {
+        set_side(region, true, interval);
+    }
+}
+
+fn set_side(region: &mut Region, above: bool, interval: &Interval) {
+    let level = region.lowest;
+    region.band = if !level.is_finite() {
+        // No contour borders it: it can only be all of a part of the frame that holds no contour.
+        Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY, side: Side::Between }
+    } else if above {
+        Band { lo: level, hi: interval.next_above(level), side: Side::Above }
+    } else {
+        Band { lo: interval.next_below(level), hi: level, side: Side::Below }
+    };
+}
+
+/// Skipped levels and contours with the same side on both sides.
+fn contradictions(
+    tin: &Tin,
+    of_triangle: &[u32],
+    regions: &[Region],
+    borders: &Borders,
+    interval: &Interval,
+) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let gap = |r: &Region| r.highest - r.lowest;
+    for (id, region) in regions.iter().enumerate() {
+        if gap(region) > 1.5 * interval.step {
+            findings.push(Finding::at(
+                FindingKind::SkippedLevel,
+                steepest_place(tin, of_triangle, id as u32, region.triangle),
+                format!(
+                    "contours {} and {} are neighbours: a contour between them is missing, broken or mislabelled",
+                    region.lowest, region.highest
+                ),
+            ));
+            continue;
+        }
+        let mut told = Vec::new();
+        for border in borders.of(id as u32).iter().filter(|b| b.other > id as u32) {
+            let other = &regions[border.other as usize];
+            let sides = (side_of(region, border.level), side_of(other, border.level));
+            if gap(other) > 1.5 * interval.step || told.contains(&(border.other, border.level.to_bits())) {
+                continue;
+            }
+            if let (Some(a), Some(b)) = sides
+                && a == b
+            {
+                told.push((border.other, border.level.to_bits()));
+                let side = if a == Side::Above { "above" } else { "below" };
+                findings.push(Finding::at(
+                    FindingKind::BandContradiction,
+                    border.place,
+                    format!("the ground on both sides of contour {} lies {side} it: a label may be wrong", border.level),
+                ));
+            }
+        }
+    }
+    findings
+}
+
+/// Where the sub-domain's lowest and highest level meet in a triangle, or else its first triangle.
+fn steepest_place(tin: &Tin, of_triangle: &[u32], region: u32, first: u32) -> DVec2 {
+    let range = |t: u32| {
+        let h = tin.corner_heights(t);
+        h[0].max(h[1]).max(h[2]) - h[0].min(h[1]).min(h[2])
+    };
+    let mut seen = std::collections::HashSet::from([first]);
+    let (mut stack, mut best) = (vec![first], first);
+    while let Some(t) = stack.pop() {
+        if range(t) > range(best) {
+            best = t;
+        }
+        for n in (0..3).filter_map(|i| tin.across(t, i)) {
+            if of_triangle[n as usize] == region && seen.insert(n) {
+                stack.push(n);
+            }
+        }
+    }
+    let [a, b, c] = tin.corners(best);
+    (a + b + c) / 3.0 + tin.origin
+}
