@@ -1,8 +1,10 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+mod clip;
 mod levels;
 mod line;
 
+pub use clip::{Clipped, clip};
 pub use levels::{Interval, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 

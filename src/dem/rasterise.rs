@@ -97,7 +97,7 @@ fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mu
     let [a, b, c] = corners;
     let area = (b - a).perp_dot(c - a);
     let (lowest, highest) = (heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2]));
-    if area <= 0.0 || lowest.is_nan() {
+    if area <= 0.0 || heights.iter().any(|h| h.is_nan()) {
         return;
     }
     let (bottom, top) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
@@ -141,4 +141,54 @@ fn span(corners: &[DVec2; 3], y: f64) -> Option<(f64, f64)> {
         }
     }
     (left <= right).then_some((left, right))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tin::{TinInput, VertexKind, triangulate};
+
+    fn plane(p: DVec2) -> f64 {
+        100.0 + 0.25 * p.x - 0.5 * p.y
+    }
+
+    #[test]
+    fn a_plane_comes_out_exactly_and_without_holes() {
+        // Many points on cell centres and cell edges: every tie in the scan conversion happens somewhere.
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(16.0)], 0.0);
+        for i in 0..=16 {
+            for j in 0..=16 {
+                let p = DVec2::new(f64::from(i), f64::from(j)) + if (i + j) % 3 == 0 { 0.0 } else { 0.5 };
+                input.push(p, plane(p), VertexKind::Spot);
+            }
+        }
+        let tin = triangulate(input).unwrap();
+        let grid = Grid { corner: DVec2::new(1.0, 16.0), cell: DVec2::new(0.5, 0.25), cols: 30, rows: 60 };
+        let dem = rasterise(&tin, &grid, None, &());
+        for row in 0..grid.rows {
+            for col in 0..grid.cols {
+                let expected = plane(grid.center(col, row)) as f32;
+                let value = dem.values[row * grid.cols + col];
+                assert!((value - expected).abs() < 1e-4, "{col} {row}: {value} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_outside_are_nodata() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(4.0)], 0.0);
+        for p in [(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)] {
+            input.push(p.into(), 1.0, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let grid = Grid { corner: DVec2::new(-2.0, 6.0), cell: DVec2::ONE, cols: 8, rows: 8 };
+        let dem = rasterise(&tin, &grid, None, &());
+        for row in 0..8 {
+            for col in 0..8 {
+                let p = grid.center(col, row);
+                let inside = p.x >= 0.0 && p.y >= 0.0 && p.x + p.y <= 4.0;
+                assert_eq!(dem.values[row * 8 + col].is_nan(), !inside, "{p}");
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::primitives::Line;
-use rstar::{Envelope, PointDistance, RTree};
+use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
@@ -16,7 +16,8 @@ const SIGHT_TRIALS: usize = 48;
 ///
 /// Between two levels it is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`, with the shortest distances to
 /// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has a single
-/// level the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band.
+/// level the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
+/// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
     let mut heights = vec![f64::NAN; points.len()];
@@ -131,9 +132,12 @@ fn region_heights(
     if own.is_empty() {
         return Vec::new();
     }
+    let band = regions.regions[region].band;
+    if !(band.lo.is_finite() && band.hi.is_finite()) {
+        return Vec::new();
+    }
     let borders = Groups::row(&groups.border_start, &groups.borders, region);
     let trees = level_trees(tin, borders);
-    let band = regions.regions[region].band;
     if band.side == Side::Between {
         return own
             .par_iter()

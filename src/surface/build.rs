@@ -6,7 +6,7 @@ use geo::Contains;
 use glam::DVec2;
 
 use super::{Surface, SurfaceKind, SurfaceParams};
-use crate::contour::{ContourMap, find_interval};
+use crate::contour::{Clipped, ContourMap, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, End, Skeleton, axis_heights, skeleton};
@@ -19,23 +19,36 @@ use crate::tin::{
 /// # Errors
 /// When the map has fewer than two levels, when a contour line crosses another, when the points have no extent, or
 /// when the parameters are out of range.
-pub fn build(map: &ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
+pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
         return Err(Error::Parameter(format!("the resolution parameter w is {}, it must be 0 or more", params.resolution)));
     }
-    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(map))?;
-    let frame = frame_ring(map, &params.frame);
+    let Clipped { map, cuts } = match &params.frame {
+        Frame::Polygon(area) => clip(map, area),
+        Frame::Hull | Frame::Box => Clipped { map, cuts: Vec::new() },
+    };
+    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map))?;
+    let frame = frame_ring(&map, &params.frame);
     let tolerance = 1e-9 * frame.diagonal();
-    let links = link_open_ends(map, &frame, tolerance);
+    let links = link_open_ends(&map, &frame, tolerance);
+    let frame = match params.frame {
+        Frame::Hull | Frame::Box => frame,
+        Frame::Polygon(_) => {
+            let on_border: Vec<DVec2> = cuts.into_iter().chain(links.iter().map(|l| l.frame)).collect();
+            frame.with_points(&on_border)
+        }
+    };
+    let frame_edges = matches!(params.frame, Frame::Polygon(_));
+    let parts = Parts { map: &map, frame: &frame, frame_edges, links: &links, tolerance };
 
     progress.start("triangulating", 0);
     let mut findings = Vec::new();
     let mut spots: Vec<bool> = vec![true; map.spots.len()];
     let (tin, sub_domains) = loop {
-        let input = input_of(map, &spots, &frame, &links, tolerance);
+        let input = parts.input(&spots);
         let tin = with_frame(triangulate(input)?, params, &frame);
         let report = regions(&tin, &interval);
-        let outside = spots_outside_bands(map, &tin, &report.value);
+        let outside = spots_outside_bands(&map, &tin, &report.value);
         if outside.is_empty() {
             findings.extend(report.findings);
             break (tin, report.value);
@@ -48,7 +61,7 @@ pub fn build(map: &ContourMap, params: &SurfaceParams, progress: &dyn Progress) 
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
     if params.kind == SurfaceKind::Linear {
-        let surface = Surface { tin, regions: sub_domains, break_lines: Vec::new(), frame, interval };
+        let surface = Surface { map, tin, regions: sub_domains, break_lines: Vec::new(), frame, interval };
         return Ok(Report { value: surface, findings });
     }
 
@@ -57,14 +70,14 @@ pub fn build(map: &ContourMap, params: &SurfaceParams, progress: &dyn Progress) 
     progress.finish();
 
     progress.start("triangulating with them", 0);
-    let mut input = input_of(map, &spots, &frame, &links, tolerance);
+    let mut input = parts.input(&spots);
     push_skeleton(&mut input, &tin, &skeleton);
     drop((tin, sub_domains));
     let tin = with_frame(triangulate(input)?, params, &frame);
     let sub_domains = regions(&tin, &interval).value;
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
-    let surface = Surface { tin, regions: sub_domains, break_lines: skeleton.lines, frame, interval };
+    let surface = Surface { map, tin, regions: sub_domains, break_lines: skeleton.lines, frame, interval };
     Ok(Report { value: surface, findings })
 }
 
@@ -83,30 +96,44 @@ fn too_few_levels(map: &ContourMap) -> Error {
     })
 }
 
-/// Contours first, so that their heights win where points coincide.
-fn input_of(map: &ContourMap, spots: &[bool], frame: &FrameRing, links: &[Link], tolerance: f64) -> TinInput {
-    let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    let corners: Vec<Vec<DVec2>> = frame.rings().collect();
-    for &p in map.contours.iter().flat_map(|c| &c.points).chain(corners.iter().flatten()) {
-        lo = lo.min(p);
-        hi = hi.max(p);
-    }
-    let mut input = TinInput::new([lo, hi], tolerance);
-    for contour in &map.contours {
-        input.push_line(&contour.points, contour.elevation, VertexKind::Contour);
-    }
-    for link in links {
-        input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
-    }
-    for spot in map.spots.iter().zip(spots).filter(|(_, used)| **used).map(|(s, _)| s) {
-        input.push(spot.truncate(), spot.z, VertexKind::Spot);
-    }
-    for ring in corners {
-        for corner in ring {
-            input.push(corner, f64::NAN, VertexKind::Frame);
+/// All that is triangulated, contours first, so that their heights win where points coincide.
+struct Parts<'a> {
+    map: &'a ContourMap,
+    frame: &'a FrameRing,
+    /// The frame's edges go in too: it is a polygon that the convex hull of all points does not follow.
+    frame_edges: bool,
+    links: &'a [Link],
+    tolerance: f64,
+}
+
+impl Parts<'_> {
+    /// `spots` says which spot heights are used.
+    fn input(&self, spots: &[bool]) -> TinInput {
+        let rings: Vec<Vec<DVec2>> = self.frame.rings().collect();
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for &p in self.map.contours.iter().flat_map(|c| &c.points).chain(rings.iter().flatten()) {
+            lo = lo.min(p);
+            hi = hi.max(p);
         }
+        let mut input = TinInput::new([lo, hi], self.tolerance);
+        for contour in &self.map.contours {
+            input.push_line(&contour.points, contour.elevation, VertexKind::Contour);
+        }
+        for link in self.links {
+            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+        }
+        for spot in self.map.spots.iter().zip(spots).filter(|(_, used)| **used).map(|(s, _)| s) {
+            input.push(spot.truncate(), spot.z, VertexKind::Spot);
+        }
+        for ring in rings {
+            let corners: Vec<u32> = ring.iter().map(|&c| input.push(c, f64::NAN, VertexKind::Frame)).collect();
+            if self.frame_edges {
+                let next = corners.iter().cycle().skip(1);
+                corners.iter().zip(next).for_each(|(&a, &b)| input.push_edge(a, b));
+            }
+        }
+        input
     }
-    input
 }
 
 fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {

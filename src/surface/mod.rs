@@ -8,7 +8,7 @@ mod build;
 
 pub use build::build;
 
-use crate::contour::Interval;
+use crate::contour::{ContourMap, Interval};
 use crate::skeleton::BreakLine;
 use crate::tin::{Frame, FrameRing, Regions, Tin};
 
@@ -42,6 +42,8 @@ impl Default for SurfaceParams {
 /// Heights everywhere inside the frame.
 #[derive(Debug, Clone)]
 pub struct Surface {
+    /// The map that the surface was built from, cut to the frame.
+    pub map: ContourMap,
     /// The triangulation, contours among its edges, every vertex with a height.
     pub tin: Tin,
     /// The sub-domains of its triangles.

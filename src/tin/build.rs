@@ -180,3 +180,61 @@ fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(input: &mut TinInput, half: f64, height: f64) {
+        let ring = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);
+        input.push_line(&ring, height, VertexKind::Contour);
+    }
+
+    #[test]
+    fn nested_squares_far_from_zero_keep_their_coordinates() {
+        let far = DVec2::new(-35_000.125, 4_123_456.7);
+        let mut input = TinInput::new([far, far + 4.0], 1e-9);
+        let ring = [(0.1, 0.1), (3.9, 0.1), (3.9, 3.9), (0.1, 3.9), (0.1, 0.1)].map(|p| far + DVec2::from(p));
+        input.push_line(&ring, 10.0, VertexKind::Contour);
+        let tin = triangulate(input).unwrap();
+        tin.validate().unwrap();
+        assert_eq!(tin.positions.len(), 4);
+        for (v, p) in ring[..4].iter().enumerate() {
+            assert_eq!(tin.point(v as u32).truncate(), *p);
+        }
+    }
+
+    #[test]
+    fn the_first_point_of_a_position_wins() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0);
+        square(&mut input, 1.0, 10.0);
+        input.push(DVec2::new(1.0, 1.0), 99.0, VertexKind::Spot);
+        let tin = triangulate(input).unwrap();
+        assert_eq!(tin.positions.len(), 4);
+        assert!(tin.heights.iter().all(|&h| h == 10.0));
+    }
+
+    #[test]
+    fn crossing_lines_and_a_single_line_are_errors() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0);
+        input.push_line(&[DVec2::new(0.0, 0.0), DVec2::new(1.0, 1.0)], 1.0, VertexKind::Contour);
+        input.push_line(&[DVec2::new(0.0, 1.0), DVec2::new(1.0, 0.0)], 2.0, VertexKind::Contour);
+        assert!(triangulate(input).unwrap_err().to_string().contains("lines cross near 0.5"));
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0);
+        input.push_line(&[DVec2::new(0.0, 0.0), DVec2::new(1.0, 1.0)], 1.0, VertexKind::Contour);
+        assert!(triangulate(input).unwrap_err().to_string().contains("no area"));
+        assert!(triangulate(TinInput::new([DVec2::ZERO, DVec2::ONE], 0.0)).is_err());
+    }
+
+    #[test]
+    fn slivers_on_the_border_are_peeled_off() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(10.0)], 1e-6);
+        for p in [(0.0, 0.0), (5.0, 1e-8), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
+            input.push(p.into(), 1.0, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let outside: Vec<u32> = (0..tin.len() as u32).filter(|&t| !tin.is_inside(t)).collect();
+        assert_eq!(outside.len(), 1);
+        assert!(tin.triangles[outside[0] as usize].contains(&1));
+    }
+}

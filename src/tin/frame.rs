@@ -1,7 +1,9 @@
 //! The frame: the outermost border, which closes the contours that run off the map.
 
-use geo::{BoundingRect, ConvexHull, MultiPoint, MultiPolygon, Polygon};
+use geo::{BoundingRect, ConvexHull, Coord, LineString, MultiPoint, MultiPolygon, Polygon};
 use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Line};
 
 use crate::contour::ContourMap;
 
@@ -39,6 +41,36 @@ impl FrameRing {
             .iter()
             .flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors()))
             .flat_map(|ring| ring.lines().map(|l| [DVec2::new(l.start.x, l.start.y), DVec2::new(l.end.x, l.end.y)]))
+    }
+
+    /// The same outline with further vertices, each on the edge that is nearest to it.
+    pub fn with_points(&self, points: &[DVec2]) -> Self {
+        let edges = self.edges().enumerate().map(|(id, [a, b])| GeomWithData::new(Line::new(a.into(), b.into()), id));
+        let tree: RTree<GeomWithData<Line<[f64; 2]>, usize>> = RTree::bulk_load(edges.collect());
+        let mut on_edge: Vec<Vec<DVec2>> = vec![Vec::new(); tree.size()];
+        for p in points {
+            if let Some(edge) = tree.nearest_neighbor(&p.to_array()) {
+                on_edge[edge.data].push(*p);
+            }
+        }
+        let mut id = 0;
+        let mut ring_with = |ring: &LineString<f64>| {
+            let mut coords = Vec::with_capacity(ring.0.len());
+            for line in ring.lines() {
+                let start = DVec2::new(line.start.x, line.start.y);
+                coords.push(line.start);
+                let new = &mut on_edge[id];
+                new.sort_by(|a, b| a.distance_squared(start).total_cmp(&b.distance_squared(start)));
+                coords.extend(new.iter().map(|p| Coord { x: p.x, y: p.y }));
+                id += 1;
+            }
+            LineString::new(coords)
+        };
+        let polygons = self.area.iter().map(|p| {
+            let exterior = ring_with(p.exterior());
+            Polygon::new(exterior, p.interiors().iter().map(&mut ring_with).collect())
+        });
+        Self { area: polygons.collect() }
     }
 
     /// Length of the diagonal of the box around the frame.

@@ -89,3 +89,46 @@ fn segments_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     line(a, b).intersects(&line(c, d))
 }
 
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::Contour;
+    use crate::tin::{Frame, frame_ring};
+
+    fn map(lines: &[(f64, &[(f64, f64)])]) -> ContourMap {
+        let contours = lines.iter().map(|&(elevation, points)| {
+            Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: 0 }
+        });
+        ContourMap { contours: contours.collect(), ..ContourMap::default() }
+    }
+
+    #[test]
+    fn ends_that_see_the_frame_are_linked_and_others_stay_open() {
+        // The middle line stops short of the frame on the left; on the right a wall of another level blocks the view.
+        let map = map(&[
+            (0.0, &[(0.0, 0.0), (100.0, 0.0)]),
+            (10.0, &[(2.0, 50.0), (70.0, 50.0)]),
+            (20.0, &[(80.0, 20.0), (80.0, 80.0)]),
+            (30.0, &[(0.0, 100.0), (100.0, 100.0)]),
+        ]);
+        let ring = frame_ring(&map, &Frame::Hull);
+        let links = link_open_ends(&map, &ring, 1e-7);
+        let of = |z: f64| links.iter().filter(|l| l.elevation == z).map(|l| (l.end, l.frame)).collect::<Vec<_>>();
+        assert_eq!(of(10.0), [(DVec2::new(2.0, 50.0), DVec2::new(0.0, 50.0))]);
+        assert!(of(0.0).is_empty() && of(30.0).is_empty(), "those ends lie on the frame");
+        assert_eq!(of(20.0).len(), 2);
+    }
+
+    #[test]
+    fn the_two_ends_at_a_gap_are_not_sent_to_the_frame() {
+        let map = map(&[
+            (0.0, &[(0.0, 0.0), (100.0, 0.0)]),
+            (10.0, &[(0.0, 50.0), (48.0, 50.0)]),
+            (10.0, &[(52.0, 50.0), (100.0, 50.0)]),
+            (20.0, &[(0.0, 100.0), (100.0, 100.0)]),
+        ]);
+        let ring = frame_ring(&map, &Frame::Hull);
+        assert!(link_open_ends(&map, &ring, 1e-7).is_empty());
+    }
+}

@@ -301,3 +301,66 @@ fn steepest_place(tin: &Tin, of_triangle: &[u32], region: u32, first: u32) -> DV
     let [a, b, c] = tin.corners(best);
     (a + b + c) / 3.0 + tin.origin
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tin::{TinInput, VertexKind, triangulate};
+
+    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+
+    /// Square rings (half side, height) around one centre.
+    fn rings(squares: &[(f64, f64)]) -> Tin {
+        let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
+        for &(h, z) in squares {
+            let ring = [(-h, -h), (h, -h), (h, h), (-h, h), (-h, -h)].map(DVec2::from);
+            input.push_line(&ring, z, VertexKind::Contour);
+        }
+        triangulate(input).unwrap()
+    }
+
+    fn band_at(tin: &Tin, regions: &Regions, p: DVec2) -> Band {
+        let inside = |t: u32| {
+            let [a, b, c] = tin.corners(t);
+            [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
+        };
+        let t = (0..tin.len() as u32).find(|&t| inside(t)).unwrap();
+        regions.region(t).unwrap().band
+    }
+
+    #[test]
+    fn a_hill_has_a_peak_above_and_a_crater_a_floor_below() {
+        let hill = rings(&[(90.0, 100.0), (60.0, 110.0), (30.0, 120.0)]);
+        let report = regions(&hill, &TEN);
+        assert!(report.findings.is_empty());
+        let band = |x: f64| band_at(&hill, &report.value, DVec2::new(x, 1.0));
+        assert_eq!(band(75.0), Band { lo: 100.0, hi: 110.0, side: Side::Between });
+        assert_eq!(band(10.0), Band { lo: 120.0, hi: 130.0, side: Side::Above });
+
+        let crater = rings(&[(90.0, 100.0), (60.0, 110.0), (45.0, 110.0), (30.0, 100.0)]);
+        let report = regions(&crater, &TEN);
+        assert!(report.findings.is_empty());
+        let band = |x: f64| band_at(&crater, &report.value, DVec2::new(x, 1.0));
+        assert_eq!(band(50.0), Band { lo: 110.0, hi: 120.0, side: Side::Above });
+        assert_eq!(band(40.0), Band { lo: 100.0, hi: 110.0, side: Side::Between });
+        assert_eq!(band(10.0), Band { lo: 90.0, hi: 100.0, side: Side::Below });
+    }
+
+    #[test]
+    fn a_missing_contour_is_told_with_its_place() {
+        let tin = rings(&[(90.0, 100.0), (60.0, 110.0), (30.0, 140.0)]);
+        let findings = regions(&tin, &TEN).findings;
+        assert_eq!(findings.len(), 1);
+        assert_eq!(findings[0].kind, FindingKind::SkippedLevel);
+        let place = findings[0].place.unwrap().abs().max_element();
+        assert!((30.0..=60.0).contains(&place), "{place}");
+    }
+
+    #[test]
+    fn a_wrong_label_contradicts_its_neighbours() {
+        let tin = rings(&[(90.0, 100.0), (60.0, 110.0), (45.0, 100.0), (30.0, 110.0)]);
+        // 110 between two lines of 100 is a ridge, drawn once: its two sides are both below it.
+        let findings = regions(&tin, &TEN).findings;
+        assert!(findings.iter().any(|f| f.kind == FindingKind::BandContradiction), "{findings:?}");
+    }
+}

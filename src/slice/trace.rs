@@ -61,6 +61,9 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
 /// inside the band of its sub-domain.
 fn levels_of(tin: &Tin, regions: &Regions, levels: &[f64], t: u32) -> (u32, u32) {
     let Some(region) = regions.region(t) else { return (0, 0) };
+    if !region.band.lo.is_finite() {
+        return (0, 0);
+    }
     let [a, b, c] = tin.corner_heights(t);
     let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
     let first = levels.partition_point(|&l| l <= lowest || l <= region.band.lo);
@@ -268,5 +271,59 @@ fn push_line(points: Vec<DVec2>, lines: &mut Vec<Vec<DVec2>>) {
     let ring = points.first() == points.last();
     if points.len() >= if ring { 4 } else { 2 } {
         lines.push(points);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::Interval;
+    use crate::tin::{TinInput, VertexKind, regions, triangulate};
+
+    /// A square of level 0 with inner points, sliced.
+    fn lines_of(points: &[(f64, f64, f64)], level: f64) -> Vec<Vec<DVec2>> {
+        let mut input = TinInput::new([DVec2::splat(-10.0), DVec2::splat(10.0)], 0.0);
+        let ring = [(-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0), (-10.0, -10.0)].map(DVec2::from);
+        input.push_line(&ring, 0.0, VertexKind::Contour);
+        let core = [(-1.0, -9.0), (0.0, -9.0), (-1.0, -8.5), (-1.0, -9.0)].map(DVec2::from);
+        input.push_line(&core, 10.0, VertexKind::Contour);
+        for &(x, y, z) in points {
+            input.push(DVec2::new(x, y), z, VertexKind::Spot);
+        }
+        let tin = triangulate(input).unwrap();
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 }).value;
+        slice(&tin, &regions, &[level], &()).remove(0)
+    }
+
+    #[test]
+    fn a_vertex_on_the_level_belongs_to_the_line_once() {
+        let lines = lines_of(&[(0.0, 0.0, 8.0), (0.0, 5.0, 5.0)], 5.0);
+        let through = lines.iter().flatten().filter(|p| **p == DVec2::new(0.0, 5.0)).count();
+        assert_eq!(through, 1, "{lines:?}");
+    }
+
+    #[test]
+    fn a_saddle_on_the_level_does_not_make_a_line_touch_itself() {
+        // Two tops joined by a pass that lies exactly on the level.
+        let lines = lines_of(&[(-5.0, 2.0, 9.0), (5.0, 2.0, 9.0), (0.0, 2.0, 5.0), (0.0, 6.0, 1.0), (0.0, -2.0, 1.0)], 5.0);
+        for line in &lines {
+            let inner = &line[..line.len() - usize::from(line.first() == line.last())];
+            let mut seen = std::collections::HashSet::new();
+            assert!(inner.iter().all(|p| seen.insert([p.x.to_bits(), p.y.to_bits()])), "{line:?}");
+        }
+        assert!(lines.len() >= 2);
+    }
+
+    #[test]
+    fn a_single_point_at_the_level_is_no_line() {
+        let before = lines_of(&[], 5.0).len();
+        assert_eq!(lines_of(&[(6.0, 6.0, 5.0)], 5.0).len(), before);
+    }
+
+    #[test]
+    fn higher_ground_is_on_the_right() {
+        let lines = lines_of(&[(4.0, 4.0, 9.0)], 6.0);
+        assert_eq!(lines.len(), 1, "one line around both tops");
+        assert!(crate::slice::signed_area(&lines[0]) < 0.0, "clockwise around higher ground");
     }
 }

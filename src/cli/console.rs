@@ -1,0 +1,114 @@
+//! What the user sees: progress bars on a terminal, findings, the summary. Nothing else prints.
+
+use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tokosen::progress::Progress;
+
+/// The terminal, and how long each step took.
+pub struct Console {
+    quiet: bool,
+    pub verbose: bool,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    running: Option<(&'static str, Instant, ProgressBar)>,
+    times: Vec<(&'static str, Duration)>,
+}
+
+impl Console {
+    pub fn new(quiet: bool, verbose: bool) -> Self {
+        Self { quiet, verbose, state: Mutex::default() }
+    }
+
+    /// One line of the summary, on standard output. A closed pipe is no error.
+    pub fn say(&self, line: &str) {
+        if !self.quiet {
+            let _ = writeln!(std::io::stdout(), "{line}");
+        }
+    }
+
+    /// One line about a finding, on standard error.
+    pub fn warn(&self, line: &str) {
+        if !self.quiet {
+            let _ = writeln!(std::io::stderr(), "{line}");
+        }
+    }
+
+    /// Runs a step that tells no progress of its own.
+    pub fn step<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        self.start(name, 0);
+        let result = work();
+        self.finish();
+        result
+    }
+
+    /// The steps so far and the time each took; steps of one name together.
+    pub fn times(&self) -> Vec<(&'static str, Duration)> {
+        let mut sums: Vec<(&'static str, Duration)> = Vec::new();
+        for &(name, time) in &self.state().times {
+            match sums.iter_mut().find(|(n, _)| *n == name) {
+                Some((_, sum)) => *sum += time,
+                None => sums.push((name, time)),
+            }
+        }
+        sums
+    }
+
+    /// Takes a bar that is left off the screen.
+    pub fn clear(&self) {
+        if let Some((_, _, bar)) = self.state().running.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Progress for Console {
+    fn start(&self, step: &'static str, total: u64) {
+        let bar = if self.quiet || !std::io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else if total == 0 {
+            let bar = ProgressBar::new_spinner();
+            bar.set_style(style("{spinner} {msg} {elapsed}"));
+            bar.enable_steady_tick(Duration::from_millis(120));
+            bar
+        } else {
+            let bar = ProgressBar::new(total);
+            bar.set_style(style("{msg:24} [{bar:40}] {percent:>3} %  {eta} left").progress_chars("=> "));
+            bar
+        };
+        bar.set_message(step);
+        self.state().running = Some((step, Instant::now(), bar));
+    }
+
+    fn advance(&self, amount: u64) {
+        if let Some((_, _, bar)) = &self.state().running {
+            bar.inc(amount);
+        }
+    }
+
+    fn finish(&self) {
+        let mut state = self.state();
+        if let Some((step, started, bar)) = state.running.take() {
+            bar.finish_and_clear();
+            state.times.push((step, started.elapsed()));
+        }
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// An error message, on standard error.
+pub fn error(message: &str) {
+    let _ = writeln!(std::io::stderr(), "error: {message}");
+}

@@ -1,0 +1,75 @@
+//! `tokosen dem`: contour lines in, a height map out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::slice::{LayerParams, Target, contour_layers};
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::output::{self, DemOutput, GridArgs};
+use super::preview;
+use super::surface::{SurfaceArgs, build_surface};
+use super::{Failure, summary};
+
+/// A height map (DEM) from contour lines
+///
+/// Heights are those of the surface at the cell centres; cells outside the frame are nodata.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct DemArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr) or 16-bit PNG (.png)
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: PathBuf,
+    #[command(flatten, next_help_heading = "Output")]
+    grid: GridArgs,
+    /// Also draw a picture of surface and contours: .png
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen dem contours.gpkg --cell 10 -o dem.tif
+  tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
+  tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
+
+/// Runs the verb.
+pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
+    if args.grid.cell.is_none() && args.grid.like.is_none() {
+        return Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into()));
+    }
+    let inputs: Vec<&Path> =
+        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
+    let picture = preview::open(args.preview.as_deref(), &inputs)?;
+    let mut inputs_and_grid = inputs.clone();
+    inputs_and_grid.extend(args.grid.like.as_deref());
+    // Opened once before reading, so that a missing folder is told at once.
+    output::open(&args.output, &inputs_and_grid)?;
+
+    let mut input = args.input.read(console)?;
+    let output = DemOutput::open(&args.output, &args.grid, &inputs_and_grid, input.map.crs.as_ref())?;
+    let params = args.surface.params(&input.map)?;
+    let surface = build_surface(input.map, &params, &mut input.findings, console)?;
+    args.input.check_strict(&input.findings, console)?;
+    let dem = output.write(&surface, console)?;
+    if let Some(picture) = &picture {
+        let params = LayerParams { targets: vec![Target::Levels(Vec::new())], index_every: 5 };
+        let layers = contour_layers(&surface, &params, &())?;
+        preview::write(picture, &surface, &layers[0].lines, console)?;
+    }
+
+    summary::findings(&input.findings, console);
+    args.input.describe(&surface.map, console);
+    summary::surface(&surface, console);
+    let path = output.staged.target().to_owned();
+    output.staged.commit()?;
+    output::describe(&path, &dem, console);
+    preview::commit(picture, console)?;
+    summary::close(input.findings.len(), console);
+    Ok(())
+}

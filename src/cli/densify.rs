@@ -1,0 +1,138 @@
+//! `tokosen densify`: contour lines in, denser contour lines out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::contour::{ContourLayer, Source};
+use tokosen::io::{VectorFormat, write_contours};
+use tokosen::slice::{LayerParams, Target, contour_layers};
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::output::{self, DemOutput, GridArgs};
+use super::preview;
+use super::surface::{SurfaceArgs, build_surface};
+use super::{Failure, summary};
+
+/// Contour lines at a finer interval
+///
+/// All contours of the input come out unchanged, vertex for vertex, with new lines between them. Each line has the
+/// attributes elev, source (input or interpolated), is_index, depression (lower inside) and closed; higher ground is on
+/// the right of its direction.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct DensifyArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Contour lines to write: .geojson, .gpkg or .shp. With several intervals a GeoPackage gets a layer each, the other
+    /// formats a file each
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: PathBuf,
+    /// Interval of the new contours [metres], or several: 5,2,1
+    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present = "levels", help_heading = "Output")]
+    interval: Vec<f64>,
+    /// Elevations of the new contours [metres] instead of an interval: 12.5,13
+    #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true, conflicts_with = "interval", help_heading = "Output")]
+    levels: Vec<f64>,
+    /// Levels lie at BASE plus whole intervals [metres]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output")]
+    base: f64,
+    /// Every so many levels one is an index contour; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
+    index: u32,
+    /// Also write a height map: .tif, .exr or .png (needs --cell or --like)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    dem: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    grid: GridArgs,
+    /// Also draw a picture of surface and lines: .png
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
+  tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg
+  tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
+  tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
+
+/// Runs the verb.
+pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
+    if args.dem.is_none() && (args.grid.cell.is_some() || args.grid.like.is_some()) {
+        return Err(Failure::Usage("--cell and --like are about a height map: add --dem FILE".into()));
+    }
+    if VectorFormat::from_path(&args.output).is_err() {
+        let message = format!("{}: contours are written as .geojson, .gpkg or .shp", args.output.display());
+        return Err(Failure::Usage(message));
+    }
+    let targets = args.targets()?;
+    let inputs: Vec<&Path> = std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
+    let staged = output::open(&args.output, &inputs)?;
+    let picture = preview::open(args.preview.as_deref(), &inputs)?;
+
+    let mut input = args.input.read(console)?;
+    let crs = input.map.crs.clone();
+    let dem_output = match &args.dem {
+        Some(path) => Some(DemOutput::open(path, &args.grid, &inputs, crs.as_ref())?),
+        None => None,
+    };
+    let params = args.surface.params(&input.map)?;
+    let surface = build_surface(input.map, &params, &mut input.findings, console)?;
+    args.input.check_strict(&input.findings, console)?;
+    let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
+    let written = console.step("writing", || write_contours(&staged, &layers, crs.as_ref()))?;
+    let dem = match &dem_output {
+        Some(output) => Some(output.write(&surface, console)?),
+        None => None,
+    };
+    if let Some(picture) = &picture {
+        preview::write(picture, &surface, finest(&layers), console)?;
+    }
+
+    summary::findings(&input.findings, console);
+    args.input.describe(&surface.map, console);
+    summary::surface(&surface, console);
+    staged.commit()?;
+    for (k, layer) in layers.iter().enumerate() {
+        describe(written.get(k).or(written.first()), layer, console);
+    }
+    if let (Some(output), Some(dem)) = (dem_output, &dem) {
+        let path = output.staged.target().to_owned();
+        output.staged.commit()?;
+        output::describe(&path, dem, console);
+    }
+    preview::commit(picture, console)?;
+    summary::close(input.findings.len(), console);
+    Ok(())
+}
+
+impl DensifyArgs {
+    fn targets(&self) -> Result<Vec<Target>, Failure> {
+        if !self.levels.is_empty() {
+            return Ok(vec![Target::Levels(self.levels.clone())]);
+        }
+        if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
+            return Err(Failure::Usage(format!("the interval is {bad}, it must be more than 0")));
+        }
+        Ok(self.interval.iter().map(|&step| Target::Interval { step, base: self.base }).collect())
+    }
+}
+
+/// The layer with the most lines, for the picture.
+fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
+    layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
+}
+
+fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
+    let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
+    let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
+    let path = path.map(|p| p.display().to_string()).unwrap_or_default();
+    console.say(&format!(
+        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices)",
+        layer.name,
+        layer.lines.len() - new
+    ));
+}

@@ -1,0 +1,120 @@
+//! The arguments about the input, and reading it into a clean map.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::contour::{CleanParams, ContourMap, clean, find_interval};
+use tokosen::error::{Error, Finding};
+use tokosen::io::{ReadOptions, looks_like_degrees, read_contours, read_spot_heights};
+
+use super::Failure;
+use super::console::Console;
+use super::summary;
+
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Input")]
+pub struct InputArgs {
+    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg) or shapefile (.shp), in a projected coordinate
+    /// reference system
+    pub contours: PathBuf,
+    /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
+    #[arg(short = 'a', long, value_name = "FIELD")]
+    pub elevation_field: Option<String>,
+    /// Layer of a GeoPackage with several
+    #[arg(long, value_name = "NAME")]
+    pub layer: Option<String>,
+    /// Spot heights: points with an elevation, which the surface then passes through
+    #[arg(long, value_name = "FILE")]
+    pub points: Option<PathBuf>,
+    /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [map units]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01)]
+    pub snap: f64,
+    /// Stop with exit status 1 when anything is wrong with the input, instead of going on without the smallest piece
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// A clean map with all that was noticed about it.
+pub struct Input {
+    pub map: ContourMap,
+    pub findings: Vec<Finding>,
+}
+
+impl InputArgs {
+    /// Reads and cleans the map.
+    pub fn read(&self, console: &Console) -> Result<Input, Failure> {
+        if !(self.snap.is_finite() && self.snap >= 0.0) {
+            return Err(Failure::Usage(format!("--snap is {}, it must be 0 or more", self.snap)));
+        }
+        let options = ReadOptions { elevation_field: self.elevation_field.clone(), layer: self.layer.clone() };
+        let mut findings = Vec::new();
+        let map = console.step("reading", || -> Result<ContourMap, Error> {
+            let mut map = read_contours(&self.contours, &options)?.collect(&mut findings);
+            if let Some(path) = &self.points {
+                let spots = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
+                if let (Some(a), Some(b)) = (&map.crs, &spots.crs)
+                    && !a.matches(b)
+                {
+                    return Err(Error::file(path, "is in another coordinate reference system than the contours"));
+                }
+                map.spots.extend(spots.points);
+            }
+            Ok(map)
+        })?;
+        refuse_degrees(&self.contours, &map)?;
+        let params = CleanParams { snap: self.snap, ..CleanParams::default() };
+        let map = console.step("cleaning", || clean(map, &params))?.collect(&mut findings);
+        self.check_strict(&findings, console)?;
+        Ok(Input { map, findings })
+    }
+
+    /// With `--strict`, any finding ends the work.
+    pub fn check_strict(&self, findings: &[Finding], console: &Console) -> Result<(), Failure> {
+        if self.strict && !findings.is_empty() {
+            console.clear();
+            summary::findings(findings, console);
+            return Err(Failure::Work(Error::Data(format!(
+                "{} findings about {}, and --strict is set",
+                findings.len(),
+                self.contours.display()
+            ))));
+        }
+        Ok(())
+    }
+
+    /// The lines of the summary that describe the input.
+    pub fn describe(&self, map: &ContourMap, console: &Console) {
+        let levels = || map.contours.iter().map(|c| c.elevation);
+        let (low, high) = levels().fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
+        let mut distinct: Vec<f64> = levels().collect();
+        distinct.sort_by(f64::total_cmp);
+        distinct.dedup();
+        let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
+        let crs = map.crs.as_ref().and_then(|c| c.name()).unwrap_or_else(|| "unknown".into());
+        console.say(&format!("input      {}", self.contours.display()));
+        console.say(&format!(
+            "contours   {} lines, {} vertices, {} levels from {low} to {high} m, vertical interval {interval}",
+            map.contours.len(),
+            map.vertex_count(),
+            distinct.len(),
+        ));
+        if !map.spots.is_empty() {
+            console.say(&format!("spots      {}", map.spots.len()));
+        }
+        console.say(&format!("crs        {crs}"));
+    }
+}
+
+/// Lengths and slopes in degrees mean nothing, so such a map is not taken.
+fn refuse_degrees(path: &Path, map: &ContourMap) -> Result<(), Error> {
+    let geographic = map.crs.as_ref().map(|c| c.is_geographic());
+    if geographic == Some(true) || (geographic.is_none() && looks_like_degrees(map)) {
+        return Err(Error::file(
+            path,
+            "the coordinates are degrees; reproject to a metric system first, for instance \
+             'ogr2ogr -t_srs EPSG:6677 metric.gpkg contours.gpkg' (EPSG:6669 to 6687 are the Japanese plane \
+             rectangular zones, EPSG:326xx and 327xx UTM), or in QGIS with Export > Save Features As",
+        ));
+    }
+    Ok(())
+}

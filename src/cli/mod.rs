@@ -1,0 +1,109 @@
+//! The command line: arguments in, the library's parameter structs out. Nothing in the library knows of it.
+//!
+//! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
+
+mod console;
+mod dem;
+mod densify;
+mod input;
+mod output;
+mod preview;
+mod summary;
+mod surface;
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use tokosen::error::Error;
+
+use console::Console;
+
+/// Denser contour lines and height maps from a map's contour lines
+#[derive(Debug, Parser)]
+#[command(name = "tokosen", version, about, max_term_width = 100, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+    #[command(flatten)]
+    common: Common,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
+  tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
+  tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
+
+'tokosen help VERB' or 'tokosen VERB --help' tells all about a verb.";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Densify(Box<densify::DensifyArgs>),
+    Dem(Box<dem::DemArgs>),
+}
+
+/// Options that every verb has.
+#[derive(Debug, Clone, Args)]
+struct Common {
+    /// Print errors only
+    #[arg(short, long, global = true)]
+    quiet: bool,
+    /// List every finding about the input, not just the first ones of each kind
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    verbose: bool,
+    /// Number of threads [default: all cores]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Why a verb did not finish.
+#[derive(Debug)]
+enum Failure {
+    /// The arguments contradict each other.
+    Usage(String),
+    /// The library's word.
+    Work(Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Parameter(message) => Self::Usage(message),
+            error => Self::Work(error),
+        }
+    }
+}
+
+/// Parses the arguments, runs the verb, and turns its outcome into an exit status.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(threads) = cli.common.threads
+        && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
+    {
+        console::error(&format!("cannot start {threads} threads: {e}"));
+        return ExitCode::from(1);
+    }
+    let console = Console::new(cli.common.quiet, cli.common.verbose);
+    let outcome = match &cli.verb {
+        Verb::Densify(args) => densify::run(args, &console),
+        Verb::Dem(args) => dem::run(args, &console),
+    };
+    console.clear();
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(message)) => {
+            console::error(&format!("{message}\n\nFor more information, try '--help'."));
+            ExitCode::from(2)
+        }
+        Err(Failure::Work(error)) => {
+            let mut text = error.to_string();
+            let mut cause = std::error::Error::source(&error);
+            while let Some(inner) = cause {
+                text.push_str(&format!(": {inner}"));
+                cause = inner.source();
+            }
+            console::error(&text);
+            ExitCode::from(1)
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The arguments about height maps, and the files that a run writes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::DVec2;
+use tokosen::crs::Crs;
+use tokosen::dem::{Dem, Grid, rasterise};
+use tokosen::error::Error;
+use tokosen::io::StagedOutput;
+use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
+use tokosen::surface::Surface;
+
+use super::Failure;
+use super::console::Console;
+
+/// Where the cells of a height map are.
+#[derive(Debug, Clone, Args)]
+pub struct GridArgs {
+    /// Cell size of the height map [map units]; cells lie on multiples of it
+    #[arg(long, value_name = "SIZE")]
+    pub cell: Option<f64>,
+    /// Take the grid of this GeoTIFF: size, place and cells, square or not
+    #[arg(long, value_name = "RASTER", conflicts_with = "cell")]
+    pub like: Option<PathBuf>,
+}
+
+/// A grid that is asked for, before the extent of the surface is known.
+pub enum GridChoice {
+    Cell(f64),
+    Like(Grid),
+}
+
+/// Cells that a height map may have; the memory it takes is four bytes each.
+const MOST_CELLS: f64 = 4e9;
+
+impl GridArgs {
+    /// Checks the arguments and reads the grid of `--like`.
+    pub fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+        match (self.cell, &self.like) {
+            (Some(cell), _) if cell.is_finite() && cell > 0.0 => Ok(GridChoice::Cell(cell)),
+            (Some(cell), _) => Err(Failure::Usage(format!("--cell is {cell}, it must be more than 0"))),
+            (None, Some(path)) => {
+                let (grid, like_crs) = read_grid(path)?;
+                if let (Some(a), Some(b)) = (crs, &like_crs)
+                    && !a.matches(b)
+                {
+                    return Err(Failure::Work(Error::file(
+                        path,
+                        "is in another coordinate reference system than the contours; reproject one of them first",
+                    )));
+                }
+                Ok(GridChoice::Like(grid))
+            }
+            (None, None) => Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into())),
+        }
+    }
+}
+
+/// The grid for a surface.
+pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure> {
+    match choice {
+        GridChoice::Like(grid) => Ok(*grid),
+        GridChoice::Cell(cell) => {
+            let (lo, hi) = extent(surface);
+            let (west, south) = ((lo.x / cell).floor() * cell, (lo.y / cell).floor() * cell);
+            let (east, north) = ((hi.x / cell).ceil() * cell, (hi.y / cell).ceil() * cell);
+            let (cols, rows) = (((east - west) / cell).round(), ((north - south) / cell).round());
+            if cols * rows > MOST_CELLS {
+                return Err(Failure::Usage(format!(
+                    "--cell {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell"
+                )));
+            }
+            let grid = Grid {
+                corner: DVec2::new(west, north),
+                cell: DVec2::splat(*cell),
+                cols: cols as usize,
+                rows: rows as usize,
+            };
+            Ok(grid)
+        }
+    }
+}
+
+/// The lower left and the upper right corner of the frame.
+pub fn extent(surface: &Surface) -> (DVec2, DVec2) {
+    surface
+        .frame
+        .rings()
+        .flatten()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+/// A height map on its way: the file was opened before the work, the grid chosen.
+pub struct DemOutput {
+    pub staged: StagedOutput,
+    pub choice: GridChoice,
+}
+
+impl DemOutput {
+    /// Opens the file and checks the grid.
+    pub fn open(path: &Path, grid: &GridArgs, inputs: &[&Path], crs: Option<&Crs>) -> Result<Self, Failure> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if !DEM_EXTENSIONS.contains(&extension.as_str()) {
+            return Err(Failure::Usage(format!(
+                "{}: height maps are written as {}",
+                path.display(),
+                DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+            )));
+        }
+        let choice = grid.choice(crs)?;
+        Ok(Self { staged: open(path, inputs)?, choice })
+    }
+
+    /// Rasterises the surface and writes the file, still under its temporary name.
+    pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
+        let grid = grid_for(&self.choice, surface)?;
+        let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), console);
+        console.step("writing", || write_dem(&self.staged.path(), &dem))?;
+        Ok(dem)
+    }
+}
+
+/// Opens an output before the work starts, so that a missing folder is told at once.
+pub fn open(path: &Path, inputs: &[&Path]) -> Result<StagedOutput, Failure> {
+    let same = |input: &&Path| match (input.canonicalize(), path.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    if inputs.iter().any(same) {
+        return Err(Failure::Usage(format!("{} is an input: choose another name for the output", path.display())));
+    }
+    Ok(StagedOutput::create(path)?)
+}
+
+/// One line of the summary about a height map.
+pub fn describe(path: &Path, dem: &Dem, console: &Console) {
+    let valid = dem.values.iter().filter(|v| !v.is_nan());
+    let (low, high) = valid.clone().fold((f32::INFINITY, f32::NEG_INFINITY), |m, &v| (m.0.min(v), m.1.max(v)));
+    let count = valid.count();
+    let range = if count == 0 { "no data".into() } else { format!("heights {low:.2} to {high:.2} m") };
+    console.say(&format!(
+        "written    {} ({} x {} cells, {:.1} % with data, {range})",
+        path.display(),
+        dem.grid.cols,
+        dem.grid.rows,
+        100.0 * count as f64 / dem.grid.len().max(1) as f64,
+    ));
+}

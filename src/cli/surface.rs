@@ -1,0 +1,71 @@
+//! The arguments about the surface.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use tokosen::contour::ContourMap;
+use tokosen::error::{Error, Finding};
+use tokosen::io::{ReadOptions, read_area};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::tin::Frame;
+
+use super::Failure;
+use super::console::Console;
+
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceArgs {
+    /// How heights between contours are found
+    #[arg(long, value_enum, default_value_t = KindArg::Skeleton)]
+    pub surface: KindArg,
+    /// Outermost border: the convex hull of the contours, the box around them, or a polygon in a vector file
+    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
+    pub frame: String,
+    /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
+    #[arg(long, value_name = "W", default_value_t = 1.0)]
+    pub resolution: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum KindArg {
+    /// The triangulated contours as they stand
+    Linear,
+    /// With ridge and canyon lines, without flat triangles
+    Skeleton,
+}
+
+impl SurfaceArgs {
+    /// The library's parameters; reads the boundary polygon if there is one.
+    pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
+        let frame = match self.frame.as_str() {
+            "hull" => Frame::Hull,
+            "bbox" => Frame::Box,
+            file => {
+                let path = PathBuf::from(file);
+                let (area, crs) = read_area(&path, &ReadOptions::default())?;
+                if let (Some(a), Some(b)) = (&map.crs, &crs)
+                    && !a.matches(b)
+                {
+                    let message = "is in another coordinate reference system than the contours";
+                    return Err(Failure::Work(Error::file(&path, message)));
+                }
+                Frame::Polygon(area)
+            }
+        };
+        let kind = match self.surface {
+            KindArg::Linear => SurfaceKind::Linear,
+            KindArg::Skeleton => SurfaceKind::Skeleton,
+        };
+        Ok(SurfaceParams { kind, frame, resolution: self.resolution })
+    }
+}
+
+/// Builds the surface and adds what was noticed to `findings`.
+pub fn build_surface(
+    map: ContourMap,
+    params: &SurfaceParams,
+    findings: &mut Vec<Finding>,
+    console: &Console,
+) -> Result<Surface, Failure> {
+    Ok(build(map, params, console)?.collect(findings))
+}

@@ -1,0 +1,94 @@
+//! Map layers: the input's contours as they are, and new ones between them.
+
+use rayon::prelude::*;
+
+use super::{Target, ascends_right, signed_area, slice};
+use crate::contour::{ContourLayer, ContourLine, Source};
+use crate::error::{Error, Result};
+use crate::progress::Progress;
+use crate::surface::Surface;
+
+/// Parameters of [`contour_layers`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerParams {
+    /// One layer each.
+    pub targets: Vec<Target>,
+    /// Every so many levels there is an index contour, counted from the base; 0 for none.
+    pub index_every: u32,
+}
+
+/// The contour lines of each target: all input contours bit for bit, and traced lines at the other levels.
+///
+/// A target's level that the input has is not traced where the input's contours divide the ground; where one of them
+/// ends in the open, a traced line goes on from its end. Lines are ordered by elevation, input before interpolated.
+///
+/// # Errors
+/// When a target's levels are out of range (see [`Target::levels`]).
+pub fn contour_layers(
+    surface: &Surface,
+    params: &LayerParams,
+    progress: &dyn Progress,
+) -> Result<Vec<ContourLayer>> {
+    let map = &surface.map;
+    let bands = || surface.regions.regions.iter().map(|r| r.band);
+    let lowest = bands().map(|b| b.lo).filter(|l| l.is_finite()).fold(f64::INFINITY, f64::min);
+    let highest = bands().map(|b| b.hi).filter(|h| h.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+    if params.targets.is_empty() {
+        return Err(Error::Parameter("no interval and no levels are given".into()));
+    }
+    let mut given: Vec<f64> = map.contours.iter().map(|c| c.elevation).collect();
+    given.sort_by(f64::total_cmp);
+    given.dedup();
+    let wanted: Vec<Vec<f64>> = params
+        .targets
+        .iter()
+        .map(|t| Ok(t.levels(lowest, highest)?.into_iter().map(|l| as_given(&given, l)).collect()))
+        .collect::<Result<_>>()?;
+    let mut levels: Vec<f64> = wanted.iter().flatten().copied().collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let traced = slice(&surface.tin, &surface.regions, &levels, progress);
+    let right = ascends_right(map, &surface.tin, &surface.regions);
+    let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
+        let index = |level: f64| is_index(target, surface.interval.step, params.index_every, level);
+        let input = map.contours.par_iter().zip(&right).map(|(c, &right)| {
+            let mut points = c.points.clone();
+            if !right {
+                points.reverse();
+            }
+            line(c.elevation, points, Source::Input, index(c.elevation))
+        });
+        let mut lines: Vec<ContourLine> = input.collect();
+        for level in wanted {
+            let Ok(k) = levels.binary_search_by(|l| l.total_cmp(level)) else { continue };
+            lines.extend(traced[k].iter().map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
+        }
+        lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
+        ContourLayer { name: target.layer_name(), lines }
+    });
+    Ok(layers.collect())
+}
+
+/// The input's own number for a level that differs from it only by rounding.
+fn as_given(given: &[f64], level: f64) -> f64 {
+    let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
+    let at = given.partition_point(|&l| l < level);
+    [at.checked_sub(1), Some(at)].into_iter().flatten().filter_map(|i| given.get(i)).copied().find(near).unwrap_or(level)
+}
+
+fn line(elevation: f64, points: Vec<glam::DVec2>, source: Source, index: bool) -> ContourLine {
+    let mut line = ContourLine { elevation, points, source, index, depression: false };
+    // Higher ground is on the right: a counter-clockwise ring has it outside.
+    line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
+    line
+}
+
+/// Whether a level is a whole multiple of `every` steps. A list of levels counts in the input's interval.
+fn is_index(target: &Target, interval: f64, every: u32, level: f64) -> bool {
+    let (step, base) = match target {
+        Target::Interval { step, base } => (*step, *base),
+        Target::Levels(_) => (interval, 0.0),
+    };
+    let steps = (level - base) / (step * f64::from(every));
+    every > 0 && (steps - steps.round()).abs() < 1e-6
+}

@@ -1,0 +1,83 @@
+//! Which levels an output layer asks for.
+
+use crate::error::{Error, Result};
+
+/// The most levels that one target may ask for.
+const MOST_LEVELS: f64 = 1e6;
+
+/// The levels of one output layer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// Every level `base + k * step`, metres.
+    Interval {
+        /// Distance between levels.
+        step: f64,
+        /// Offset of the levels.
+        base: f64,
+    },
+    /// These elevations, metres.
+    Levels(Vec<f64>),
+}
+
+impl Target {
+    /// The levels from `lowest` to `highest`, ascending.
+    ///
+    /// Steps that divide one metre give the decimal that one would write (0.3, not 0.30000000000000004).
+    ///
+    /// # Errors
+    /// When the step is not a positive number, a level is not finite, or there would be more than a million levels.
+    pub fn levels(&self, lowest: f64, highest: f64) -> Result<Vec<f64>> {
+        match self {
+            Self::Interval { step, base } => {
+                if !(step.is_finite() && *step > 0.0 && base.is_finite()) {
+                    return Err(Error::Parameter(format!("the interval is {step}, it must be more than 0")));
+                }
+                let (first, last) = (((lowest - base) / step).ceil(), ((highest - base) / step).floor());
+                if last - first >= MOST_LEVELS {
+                    return Err(Error::Parameter(format!(
+                        "an interval of {step} m gives {:.0} levels between {lowest} and {highest} m: choose a larger one",
+                        last - first
+                    )));
+                }
+                let parts = (1.0 / step).round();
+                let divides = parts >= 1.0 && (parts * step - 1.0).abs() < 1e-9;
+                let level = |k: i64| base + if divides { k as f64 / parts } else { k as f64 * step };
+                Ok((first as i64..=last as i64).map(level).collect())
+            }
+            Self::Levels(levels) => {
+                if let Some(bad) = levels.iter().find(|l| !l.is_finite()) {
+                    return Err(Error::Parameter(format!("the level {bad} is not a number")));
+                }
+                let mut levels: Vec<f64> =
+                    levels.iter().copied().filter(|l| (lowest..=highest).contains(l)).collect();
+                levels.sort_by(f64::total_cmp);
+                levels.dedup();
+                Ok(levels)
+            }
+        }
+    }
+
+    /// The name of the layer: `contours_2m`, or `contours` for a list of levels.
+    pub fn layer_name(&self) -> String {
+        match self {
+            Self::Interval { step, .. } => format!("contours_{step}m"),
+            Self::Levels(_) => "contours".into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_the_decimals_that_one_writes() {
+        let target = Target::Interval { step: 0.1, base: 0.0 };
+        assert_eq!(target.levels(0.05, 0.45).unwrap(), [0.1, 0.2, 0.3, 0.4]);
+        let target = Target::Interval { step: 4.0, base: 1.0 };
+        assert_eq!(target.levels(-8.0, 9.0).unwrap(), [-7.0, -3.0, 1.0, 5.0, 9.0]);
+        assert!(Target::Interval { step: 1e-6, base: 0.0 }.levels(0.0, 10.0).is_err());
+        assert!(Target::Interval { step: -1.0, base: 0.0 }.levels(0.0, 10.0).is_err());
+        assert_eq!(Target::Levels(vec![5.0, 1.0, 5.0, 99.0]).levels(0.0, 10.0).unwrap(), [1.0, 5.0]);
+    }
+}
