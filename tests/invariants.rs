@@ -1,0 +1,248 @@
+//! The guarantees of the whole pipeline, on random and nasty terrain:
+//!
+//! 1. an input contour comes out vertex for vertex, bit for bit;
+//! 2. lines of different levels do not meet, no line crosses itself;
+//! 3. a line's elevation is exactly its level;
+//! 4. every height lies in the band of its sub-domain;
+//! 5. new lines end at the frame or at the end of an input line of their level;
+//! 6. neither the number of threads nor the order of the input changes the result.
+
+mod common;
+
+use std::collections::HashSet;
+
+use common::Terrain;
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, Source, clean};
+use tokosen::dem::{Grid, rasterise};
+use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::tin::{Frame, VertexKind};
+
+fn map_of(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
+    let contours = lines
+        .iter()
+        .enumerate()
+        .map(|(i, (elevation, points))| Contour { elevation: *elevation, points: points.clone(), feature: i as u64 });
+    ContourMap { contours: contours.collect(), ..ContourMap::default() }
+}
+
+fn clean_map(map: ContourMap) -> ContourMap {
+    clean(map, &CleanParams::default()).expect("the terrain's contours are no heap of crossings").value
+}
+
+fn layer_of(surface: &Surface, step: f64) -> ContourLayer {
+    let params = LayerParams { targets: vec![Target::Interval { step, base: 0.0 }], index_every: 5 };
+    contour_layers(surface, &params, &()).expect("the step is sound").remove(0)
+}
+
+fn pairs(layer: &ContourLayer) -> Vec<(f64, Vec<DVec2>)> {
+    layer.lines.iter().map(|l| (l.elevation, l.points.clone())).collect()
+}
+
+fn bits(p: DVec2) -> [u64; 2] {
+    [p.x.to_bits(), p.y.to_bits()]
+}
+
+/// All that must hold for a surface and the lines cut from it.
+fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
+    surface.tin.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+    let layer = layer_of(surface, step);
+
+    // 1 and 3: input lines in the order of the map's, forward or backward.
+    let kept: Vec<_> = layer.lines.iter().filter(|l| l.source == Source::Input).collect();
+    let mut wanted: Vec<&Contour> = map.contours.iter().collect();
+    wanted.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
+    assert_eq!(kept.len(), wanted.len(), "{what}: number of input lines");
+    for (line, contour) in kept.iter().zip(wanted) {
+        assert_eq!(line.elevation.to_bits(), contour.elevation.to_bits(), "{what}");
+        let forward = line.points.iter().map(|p| bits(*p)).eq(contour.points.iter().map(|p| bits(*p)));
+        let backward = line.points.iter().rev().map(|p| bits(*p)).eq(contour.points.iter().map(|p| bits(*p)));
+        assert!(forward || backward, "{what}: an input line changed");
+    }
+    for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated) {
+        let k = line.elevation / step;
+        assert!((k - k.round()).abs() < 1e-9, "{what}: {} is no level", line.elevation);
+    }
+
+    // 2
+    let lines = pairs(&layer);
+    let bad = common::crossings(&lines);
+    assert!(bad.is_empty(), "{what}: {} crossings, the first: {}", bad.len(), bad[0]);
+    let input_levels: HashSet<u64> = map.contours.iter().map(|c| c.elevation.to_bits()).collect();
+    let new: Vec<_> = layer
+        .lines
+        .iter()
+        .filter(|l| l.source == Source::Interpolated && !input_levels.contains(&l.elevation.to_bits()))
+        .map(|l| (l.elevation, l.points.clone()))
+        .collect();
+    let bad = common::same_level_crossings(&new);
+    assert!(bad.is_empty(), "{what}: {} crossings of one level, the first: {}", bad.len(), bad[0]);
+
+    // 4
+    let tin = &surface.tin;
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let band = surface.regions.region(t).expect("inside triangles have a region").band;
+        for v in tin.triangles[t as usize] {
+            let height = tin.heights[v as usize];
+            assert!(band.contains(height), "{what}: {height} is not in {band:?}");
+            if tin.kinds[v as usize] == VertexKind::Axis {
+                assert!(band.lo < height && height < band.hi, "{what}: {height} is on the edge of {band:?}");
+            }
+        }
+    }
+
+    // 5
+    let frame: Vec<[DVec2; 2]> = surface.frame.edges().collect();
+    let diagonal = surface.frame.diagonal();
+    let ends: HashSet<([u64; 2], u64)> = kept
+        .iter()
+        .filter(|l| !l.is_closed())
+        .flat_map(|l| [l.points[0], l.points[l.points.len() - 1]].map(|p| (bits(p), l.elevation.to_bits())))
+        .collect();
+    for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated && !l.is_closed()) {
+        for end in [line.points[0], line.points[line.points.len() - 1]] {
+            let at_frame = frame.iter().any(|[a, b]| distance(end, *a, *b) <= 2e-9 * diagonal);
+            let at_input = ends.contains(&(bits(end), line.elevation.to_bits()));
+            assert!(at_frame || at_input, "{what}: a line of level {} ends in the open at {end}", line.elevation);
+        }
+    }
+}
+
+fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+    p.distance(a + (b - a) * t)
+}
+
+fn check_dem(surface: &Surface, cell: f64, what: &str) {
+    let (lo, hi) = surface
+        .frame
+        .rings()
+        .flatten()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let size = ((hi - lo) / cell).ceil();
+    let corner = DVec2::new(lo.x, hi.y);
+    let grid = Grid { corner, cell: DVec2::splat(cell), cols: size.x as usize, rows: size.y as usize };
+    let dem = rasterise(&surface.tin, &grid, None, &());
+    let bands = surface.regions.regions.iter().map(|r| r.band);
+    let (lowest, highest) = bands.fold((f64::INFINITY, f64::NEG_INFINITY), |m, b| (m.0.min(b.lo), m.1.max(b.hi)));
+    let valid: Vec<f32> = dem.values.into_iter().filter(|v| !v.is_nan()).collect();
+    assert!(!valid.is_empty(), "{what}");
+    assert!(valid.iter().all(|&v| (lowest as f32..=highest as f32).contains(&v)), "{what}: a height is out of range");
+}
+
+fn check_terrain(terrain: &Terrain, frame: &Frame) {
+    let map = clean_map(map_of(&terrain.contours()));
+    for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton] {
+        let what = format!("{} {kind:?} {frame:?}", terrain.kind);
+        let params = SurfaceParams { kind, frame: frame.clone(), ..SurfaceParams::default() };
+        match build(map.clone(), &params, &()) {
+            Ok(report) => {
+                let surface = report.value;
+                check(&surface.map, &surface, terrain.interval / 5.0, &what);
+                check_dem(&surface, terrain.cell, &what);
+            }
+            Err(e) => assert!(e.to_string().contains("contour"), "{what}: {e}"),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 6, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn hold_on_random_terrain(seed in any::<u64>()) {
+        for terrain in common::all_kinds(seed) {
+            check_terrain(&terrain, &Frame::Hull);
+        }
+    }
+
+    #[test]
+    fn hold_in_other_frames(seed in any::<u64>()) {
+        let terrain = common::hills(seed, 60, 50);
+        check_terrain(&terrain, &Frame::Box);
+        let middle = terrain.origin + DVec2::new(295.0, -245.0);
+        let corner = |angle: f64| {
+            let p = middle + 230.0 * DVec2::from_angle(angle) * if angle > 3.0 { 0.6 } else { 1.0 };
+            (p.x, p.y)
+        };
+        let ring: Vec<(f64, f64)> = (0..9).map(|k| corner(f64::from(k) * 0.7)).collect();
+        let area = geo::Polygon::new(ring.into(), vec![]);
+        check_terrain(&terrain, &Frame::Polygon(area.into()));
+    }
+
+    #[test]
+    fn hold_with_pieces_missing_and_spot_heights(seed in any::<u64>(), cut in 2usize..9) {
+        let terrain = common::hills(seed, 70, 60);
+        let mut lines = terrain.contours();
+        // Every so many lines lose a piece out of their middle; some levels end in the open as auxiliary contours do.
+        for (k, (_, points)) in lines.iter_mut().enumerate() {
+            let n = points.len();
+            if k % cut == 0 && n > 24 {
+                points.drain(n / 3..n / 2);
+                points.truncate(n / 2);
+            }
+        }
+        let mut map = map_of(&lines);
+        for k in 0..40 {
+            let (col, row) = ((k * 37) % terrain.cols, (k * 23) % terrain.rows);
+            let place = terrain.origin + terrain.cell * DVec2::new(col as f64, -(row as f64)) + DVec2::splat(0.25);
+            // Whole metres: many lie exactly on a new level.
+            map.spots.push(DVec3::new(place.x, place.y, terrain.heights[row * terrain.cols + col].round()));
+        }
+        let map = clean_map(map);
+        for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton] {
+            let params = SurfaceParams { kind, ..SurfaceParams::default() };
+            if let Ok(report) = build(map.clone(), &params, &()) {
+                check(&report.value.map, &report.value, terrain.interval / 5.0, "pieces missing");
+            }
+        }
+    }
+
+    #[test]
+    fn neither_threads_nor_order_matter(seed in any::<u64>()) {
+        let terrain = common::fractal(seed, 60, 60);
+        let lines = terrain.contours();
+        let run = |lines: &[(f64, Vec<DVec2>)], threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| {
+                let map = clean_map(map_of(lines));
+                let surface = build(map, &SurfaceParams::default(), &()).map(|r| r.value);
+                surface.map(|s| pairs(&layer_of(&s, 2.0))).map_err(|e| e.to_string())
+            })
+        };
+        let one = run(&lines, 1);
+        prop_assert_eq!(&one, &run(&lines, 2));
+        let mut turned = lines.clone();
+        turned.reverse();
+        turned.rotate_left(lines.len() / 3);
+        prop_assert_eq!(&one, &run(&turned, 2));
+    }
+}
+
+/// Tops, hollows, spurs and gullies do not stay level.
+#[test]
+fn no_flat_triangle_is_left_by_the_skeleton() {
+    for seed in 1..4 {
+        let terrain = common::hills(seed, 80, 80);
+        let map = clean_map(map_of(&terrain.contours()));
+        let flat = |kind| {
+            let params = SurfaceParams { kind, ..SurfaceParams::default() };
+            let surface = build(map.clone(), &params, &()).expect("hills have levels").value;
+            let tin = &surface.tin;
+            let area = |t: u32| {
+                let [a, b, c] = tin.corners(t);
+                (b - a).perp_dot(c - a)
+            };
+            let level = |t: u32| {
+                let [a, b, c] = tin.corner_heights(t);
+                a == b && b == c
+            };
+            let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+            inside().filter(|&t| level(t)).map(area).sum::<f64>() / inside().map(area).sum::<f64>()
+        };
+        assert!(flat(SurfaceKind::Linear) > 0.02, "the terrain has tops to flatten");
+        assert!(flat(SurfaceKind::Skeleton) < 1e-3, "{}", flat(SurfaceKind::Skeleton));
+    }
+}
