@@ -3,6 +3,8 @@
 //! This is no parser of the whole language: it walks over the bracketed elements of WKT 1 and WKT 2 and picks the
 //! horizontal system, its name, its code and its unit. Whatever it cannot find is `None`.
 
+use std::borrow::Cow;
+
 /// What the coordinates of a horizontal system are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -101,6 +103,22 @@ pub(crate) fn epsg(wkt: &str) -> Option<u32> {
     code[..code.bytes().take_while(u8::is_ascii_digit).count()].parse().ok()
 }
 
+/// The text without `TOWGS84[...]` where the system has an EPSG code.
+///
+/// One of several datum shifts in the text makes programs take the system for another one than the code names.
+pub(crate) fn without_shift(wkt: &str) -> Cow<'_, str> {
+    if epsg(wkt).is_none() {
+        return Cow::Borrowed(wkt);
+    }
+    let (mut text, mut done) = (String::with_capacity(wkt.len()), 0);
+    for shift in elements(wkt).iter().filter(|e| e.keyword == "TOWGS84") {
+        text.push_str(wkt.get(done..shift.start).unwrap_or_default().trim_end_matches(','));
+        done = shift.start + balanced(wkt, shift.start).len();
+    }
+    text.push_str(&wkt[done..]);
+    Cow::Owned(text)
+}
+
 /// The unit of the plane coordinates: its name and its length in metres. `None` for degrees.
 pub(crate) fn linear_unit(wkt: &str) -> Option<(&str, f64)> {
     let (Kind::Projected, text) = horizontal(wkt)? else { return None };
@@ -148,6 +166,14 @@ mod tests {
         assert_eq!(epsg(text), Some(2225));
         assert_eq!(name(text), Some("plan"));
         assert_eq!(linear_unit(text), Some(("US survey foot", 0.304800609601219)));
+    }
+
+    #[test]
+    fn the_shift_goes_where_a_code_tells_the_system() {
+        let text = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\",TOWGS84[1,2,3]]],AUTHORITY[\"EPSG\",\"31287\"]]";
+        assert_eq!(without_shift(text), text.replace(",TOWGS84[1,2,3]", ""));
+        let own = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\",TOWGS84[1,2,3]]]]";
+        assert_eq!(without_shift(own), own);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The coordinate reference system in a GeoTIFF: the GeoKey directory, written and read.
 //!
 //! An EPSG code is one key. A system that has only well-known text is written as a citation that starts with
-//! `ESRI PE String = `, which GDAL, QGIS and ArcGIS read back.
+//! `ESRI PE String = `, beside a model type that says "user-defined": that is the form in which GDAL, and with it QGIS,
+//! looks for the text.
 
 use crate::crs::Crs;
 use crate::wkt::{self, Kind};
@@ -22,6 +23,9 @@ const RASTER_PIXEL_IS_AREA: u16 = 1;
 const RASTER_PIXEL_IS_POINT: u16 = 2;
 const USER_DEFINED: u16 = 32767;
 
+/// Placement names the corners of cells.
+const AREA: [u16; 4] = [RASTER_TYPE, 0, 1, RASTER_PIXEL_IS_AREA];
+
 /// The tag that holds a key's text.
 const ASCII_PARAMS: u16 = 34737;
 const PE_STRING: &str = "ESRI PE String = ";
@@ -36,36 +40,44 @@ pub(super) struct GeoKeys {
 }
 
 impl GeoKeys {
-    /// The keys of a system. `None` if it cannot be told whether it is projected.
+    /// The keys of a system. `None` if it has neither a code nor a text.
     pub fn of(crs: &Crs) -> Option<Self> {
-        let text = crs_wkt(crs).and_then(wkt::horizontal);
-        let own = text.and_then(|(_, text)| wkt::epsg(text));
+        let wkt = crs_wkt(crs);
+        let horizontal = wkt.as_deref().and_then(wkt::horizontal);
         // A compound system's code has no key: the code of its horizontal part stands there.
+        let own = horizontal.and_then(|(_, text)| wkt::epsg(text));
         let code = own.or_else(|| crs_epsg(crs)).and_then(|code| u16::try_from(code).ok());
-        let kind = text.map(|(kind, _)| kind).or_else(|| code.map(guess_kind))?;
-        let (model, type_key, citation_key) = match kind {
-            Kind::Projected => (MODEL_PROJECTED, PROJECTED_TYPE, PROJECTED_CITATION),
-            Kind::Geographic => (MODEL_GEOGRAPHIC, GEOGRAPHIC_TYPE, GEOGRAPHIC_CITATION),
-        };
-        let mut ascii = String::new();
-        let mut keys = vec![[MODEL_TYPE, 0, 1, model], [RASTER_TYPE, 0, 1, RASTER_PIXEL_IS_AREA]];
+        let mut keys = Self::default();
         match code {
-            Some(code) => keys.push([type_key, 0, 1, code]),
+            Some(code) => match horizontal.map_or_else(|| guess_kind(code), |(kind, _)| kind) {
+                Kind::Projected => {
+                    keys.push(&[[MODEL_TYPE, 0, 1, MODEL_PROJECTED], AREA, [PROJECTED_TYPE, 0, 1, code]])
+                }
+                Kind::Geographic => {
+                    keys.push(&[[MODEL_TYPE, 0, 1, MODEL_GEOGRAPHIC], AREA, [GEOGRAPHIC_TYPE, 0, 1, code]])
+                }
+            },
             None => {
-                // The texts are ASCII and the bar ends them.
-                ascii = format!("{PE_STRING}{}", text?.1)
-                    .chars()
-                    .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
-                    .map(|c| if c == '|' { '/' } else { c })
-                    .chain(['|'])
-                    .collect();
-                keys.push([type_key, 0, 1, USER_DEFINED]);
-                keys.push([citation_key, ASCII_PARAMS, u16::try_from(ascii.len()).ok()?, 0]);
+                let text = horizontal.map(|(_, text)| text).or(wkt.as_deref())?;
+                // The texts are ASCII, and a bar ends each.
+                let plain = text.chars().map(|c| match c {
+                    '|' => '/',
+                    ' '..='~' => c,
+                    _ if c.is_whitespace() => ' ',
+                    _ => '?',
+                });
+                keys.ascii = PE_STRING.chars().chain(plain).chain(['|']).collect();
+                let length = u16::try_from(keys.ascii.len()).ok()?;
+                keys.push(&[[MODEL_TYPE, 0, 1, USER_DEFINED], AREA, [PROJECTED_CITATION, ASCII_PARAMS, length, 0]]);
             }
         }
-        let mut directory = vec![1, 1, 0, keys.len() as u16];
-        directory.extend(keys.into_iter().flatten());
-        Some(Self { directory, ascii })
+        Some(keys)
+    }
+
+    /// Fills the directory: the version, the number of keys, and the keys.
+    fn push(&mut self, keys: &[[u16; 4]]) {
+        self.directory = vec![1, 1, 0, keys.len() as u16];
+        self.directory.extend(keys.iter().flatten());
     }
 
     /// The value of a key that is a number.
@@ -136,7 +148,6 @@ mod tests {
         let back = keys.crs().unwrap();
         assert_eq!(back.wkt.unwrap(), "PROJCS[\"Site / ??\",GEOGCS[\"g\"],UNIT[\"metre\",1]]");
         assert_eq!(back.epsg, None);
-        assert_eq!(GeoKeys::of(&Crs { epsg: None, wkt: Some("ENGCRS[\"site\"]".into()) }), None);
         assert_eq!(GeoKeys::of(&Crs { epsg: None, wkt: None }), None);
     }
 

@@ -18,6 +18,7 @@ mod pam;
 mod picture;
 mod png;
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -113,9 +114,10 @@ impl From<std::io::Error> for Filled {
 }
 
 /// The well-known text of a system, looked up by its EPSG code where it has none of its own.
-fn crs_wkt(crs: &Crs) -> Option<&str> {
+fn crs_wkt(crs: &Crs) -> Option<Cow<'_, str>> {
     let code = crs.epsg.and_then(|code| u16::try_from(code).ok());
-    crs.wkt.as_deref().or_else(|| Some(crs_definitions::from_code(code?)?.wkt))
+    let text = crs.wkt.as_deref().or_else(|| Some(crs_definitions::from_code(code?)?.wkt))?;
+    Some(wkt::without_shift(text))
 }
 
 /// The EPSG code of a system, looked for in its well-known text where it has none of its own.

@@ -1,5 +1,6 @@
 //! The sidecar files that GDAL and QGIS read beside a picture: `.aux.xml` and the world file.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -28,7 +29,7 @@ pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
     let name = dem
         .crs
         .as_ref()
-        .and_then(|crs| crs_wkt(crs).map(str::to_owned).or_else(|| crs_epsg(crs).map(|code| format!("EPSG:{code}"))));
+        .and_then(|crs| crs_wkt(crs).map(Cow::into_owned).or_else(|| crs_epsg(crs).map(|code| format!("EPSG:{code}"))));
     // Writing to a String cannot fail.
     if let Some(name) = name {
         let _ = writeln!(xml, "  <SRS>{}</SRS>", escape(&name));

@@ -62,7 +62,7 @@ fn encode(out: impl Write, dem: &Dem, coding: &Coding) -> std::result::Result<()
         }
         // Well-known text may hold any script, which only the international chunk can.
         if let Some(wkt) = crs_wkt(crs) {
-            encoder.add_itxt_chunk("WKT".into(), wkt.to_owned())?;
+            encoder.add_itxt_chunk("WKT".into(), wkt.into_owned())?;
         }
     }
     let mut writer = encoder.write_header()?;
