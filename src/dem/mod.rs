@@ -1,5 +1,7 @@
 //! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
 
+pub mod shade;
+
 use glam::DVec2;
 
 use crate::crs::Crs;

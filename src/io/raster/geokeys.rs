@@ -108,11 +108,10 @@ impl GeoKeys {
             Some(MODEL_PROJECTED) => [PROJECTED_TYPE, PROJECTED_TYPE],
             _ => [PROJECTED_TYPE, GEOGRAPHIC_TYPE],
         };
-        if let Some(code) = keys.iter().filter_map(|&key| self.number(key)).find(|&code| code > 0) {
-            if code != USER_DEFINED {
-                let wkt = crs_definitions::from_code(code).map(|definition| definition.wkt.to_owned());
-                return Some(Crs { epsg: Some(u32::from(code)), wkt });
-            }
+        let code = keys.iter().filter_map(|&key| self.number(key)).find(|&code| code > 0);
+        if let Some(code) = code.filter(|&code| code != USER_DEFINED) {
+            let wkt = crs_definitions::from_code(code).map(|definition| definition.wkt.to_owned());
+            return Some(Crs { epsg: Some(u32::from(code)), wkt });
         }
         let citations = [PROJECTED_CITATION, GEOGRAPHIC_CITATION, CITATION];
         let text = citations.iter().filter_map(|&key| self.text(key)).find_map(|text| text.strip_prefix(PE_STRING))?;

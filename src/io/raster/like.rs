@@ -183,7 +183,8 @@ mod tests {
         const ROTATED: [f64; 16] = [10., 1., 0., 0., 1., -10., 0., 0., 0., 0., 0., 0., 0., 0., 0., 1.];
         const MIRRORED: [f64; 16] = [-10., 0., 0., 0., 0., -10., 0., 0., 0., 0., 0., 0., 0., 0., 0., 1.];
         let matrix = |m: &'static [f64]| vec![(Tag::ModelTransformationTag, m)];
-        let cases: [(Vec<(Tag, &[f64])>, &str); 8] = [
+        type Tags<'a> = Vec<(Tag, &'a [f64])>;
+        let cases: [(Tags<'_>, &str); 8] = [
             (vec![], "no georeferencing"),
             (vec![tie], "no georeferencing"),
             (vec![SCALE], "no tie point"),
