@@ -44,7 +44,8 @@ pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
         AnyChannels::sort(std::iter::once(channel).collect()),
     );
     let mut image = Image::from_layer(layer);
-    image.attributes.pixel_aspect = (dem.grid.cell.x / dem.grid.cell.y) as f32;
+    // Readers refuse ratios beyond this range.
+    image.attributes.pixel_aspect = (dem.grid.cell.x / dem.grid.cell.y).clamp(1e-6, 1e6) as f32;
     let [x, width, _, y, _, height] = geo_transform(&dem.grid);
     let matrix = [width, 0.0, x, 0.0, height, y, 0.0, 0.0, 1.0];
     let bytes = matrix.iter().flat_map(|v| v.to_le_bytes()).collect();
