@@ -1,6 +1,7 @@
 //! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
 
 mod rasterise;
+pub mod shade;
 
 pub use rasterise::rasterise;
 

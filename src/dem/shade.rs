@@ -1,0 +1,181 @@
+//! Hillshade: how bright each cell of a height map is under one or more distant lights.
+//!
+//! The gradient is Horn's (1981), as in GDAL: the eight neighbours, the nearer ones counted twice. Where a neighbour is
+//! missing, at the border or beside nodata, the height opposite is carried on through the cell in a straight line, so
+//! that every cell with a height has a brightness.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::Dem;
+
+/// A distant light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Where it comes from, degrees clockwise from north.
+    pub azimuth: f64,
+    /// Its height above the horizon, degrees.
+    pub altitude: f64,
+    /// Its share of the brightness; shares are taken relative to their sum.
+    pub weight: f64,
+}
+
+impl Light {
+    /// Unit vector towards the light: east, north, up.
+    fn direction(&self) -> DVec3 {
+        let (azimuth, altitude) = (self.azimuth.to_radians(), self.altitude.to_radians());
+        DVec3::new(azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos(), altitude.sin())
+    }
+}
+
+/// How to shade.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadeParams {
+    /// The lights; none makes everything dark.
+    pub lights: Vec<Light>,
+    /// Factor on the heights.
+    pub exaggeration: f64,
+    /// Metres a map unit in x and y, for maps in feet or degrees.
+    pub metres_per_unit: DVec2,
+}
+
+impl Default for ShadeParams {
+    /// One light from the north-west, half-way up the sky.
+    fn default() -> Self {
+        let light = Light { azimuth: 315.0, altitude: 45.0, weight: 1.0 };
+        Self { lights: vec![light], exaggeration: 1.0, metres_per_unit: DVec2::ONE }
+    }
+}
+
+impl ShadeParams {
+    /// A main light from the north-west and two weak ones beside it, which shape slopes that the main light only grazes.
+    pub fn soft() -> Self {
+        let light = |azimuth, weight| Light { azimuth, altitude: 45.0, weight };
+        Self { lights: vec![light(315.0, 0.6), light(255.0, 0.2), light(15.0, 0.2)], ..Self::default() }
+    }
+
+    /// The brightness of level ground.
+    pub fn level(&self) -> f64 {
+        self.sum().z.max(0.0)
+    }
+
+    /// Mean direction of the lights by weight.
+    fn sum(&self) -> DVec3 {
+        let total: f64 = self.lights.iter().map(|l| l.weight).sum();
+        if total > 0.0 {
+            self.lights.iter().map(|l| l.direction() * l.weight).sum::<DVec3>() / total
+        } else {
+            DVec3::ZERO
+        }
+    }
+}
+
+/// The brightness of every cell, 0 (turned away from all lights) to 1 (facing them), row by row; NaN without a height.
+///
+/// GDAL's 8-bit hillshade is 1 + 254 times this value for a single light.
+pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
+    let total: f64 = params.lights.iter().map(|l| l.weight).sum();
+    let lights: Vec<(DVec3, f64)> = params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect();
+    map_gradients(dem, params.metres_per_unit, |gradient| {
+        let slope = gradient * params.exaggeration;
+        let normal = DVec3::new(-slope.x, -slope.y, 1.0).normalize();
+        lights.iter().map(|(light, weight)| weight * normal.dot(*light).max(0.0)).sum::<f64>() as f32
+    })
+}
+
+/// The steepness of every cell as rise over run, row by row; NaN without a height.
+pub fn steepness(dem: &Dem, metres_per_unit: DVec2) -> Vec<f32> {
+    map_gradients(dem, metres_per_unit, |gradient| gradient.length() as f32)
+}
+
+/// Calls `value` with the gradient (per metre east and north) of every cell that has a height.
+fn map_gradients(dem: &Dem, metres_per_unit: DVec2, value: impl Fn(DVec2) -> f32 + Sync) -> Vec<f32> {
+    let (cols, rows) = (dem.grid.cols, dem.grid.rows);
+    let mut out = vec![f32::NAN; dem.values.len()];
+    if cols == 0 {
+        return out;
+    }
+    let step = dem.grid.cell * metres_per_unit * 8.0;
+    out.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
+        for (col, out) in line.iter_mut().enumerate() {
+            let center = f64::from(dem.values[row * cols + col]);
+            if !center.is_finite() {
+                continue;
+            }
+            let neighbour = |right: isize, down: isize| -> Option<f64> {
+                let col = col.checked_add_signed(right).filter(|&col| col < cols)?;
+                let row = row.checked_add_signed(down).filter(|&row| row < rows)?;
+                Some(f64::from(dem.values[row * cols + col])).filter(|height| height.is_finite())
+            };
+            // A pair of opposite neighbours as their difference, each standing in for the other if that is missing.
+            let pair = |right: isize, down: isize| match (neighbour(right, down), neighbour(-right, -down)) {
+                (Some(a), Some(b)) => Some(a - b),
+                (Some(a), None) => Some(2.0 * (a - center)),
+                (None, Some(b)) => Some(2.0 * (center - b)),
+                (None, None) => None,
+            };
+            // A pair that is missing altogether, as in a corner, follows from the others as on a plane.
+            let (north_east, south_east) = (pair(1, -1), pair(1, 1));
+            let diagonals = north_east.zip(south_east);
+            let east = pair(1, 0).or(diagonals.map(|(ne, se)| (ne + se) / 2.0)).unwrap_or(0.0);
+            let north = pair(0, -1).or(diagonals.map(|(ne, se)| (ne - se) / 2.0)).unwrap_or(0.0);
+            let (north_east, south_east) = (north_east.unwrap_or(east + north), south_east.unwrap_or(east - north));
+            let rise = DVec2::new(2.0 * east + north_east + south_east, 2.0 * north + north_east - south_east);
+            *out = value(rise / step);
+        }
+    });
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dem::Grid;
+
+    /// A plane that rises by `slope` a map unit.
+    fn plane(slope: DVec2, cell: DVec2) -> Dem {
+        let grid = Grid { corner: DVec2::new(500.0, 900.0), cell, cols: 9, rows: 7 };
+        let values = (0..63).map(|i| grid.center(i % 9, i / 9).dot(slope) as f32).collect();
+        Dem { grid, values, crs: None }
+    }
+
+    #[test]
+    fn a_plane_is_equally_bright_up_to_its_border() {
+        let mut dem = plane(DVec2::new(0.5, -0.25), DVec2::new(2.0, 4.0));
+        dem.values[30] = f32::NAN;
+        let normal = DVec3::new(-0.5, 0.25, 1.0).normalize();
+        let half = 0.5_f64.sqrt();
+        let expected = normal.dot(DVec3::new(-0.5, 0.5, half)) as f32;
+        for (i, value) in hillshade(&dem, &ShadeParams::default()).into_iter().enumerate() {
+            assert_eq!(value.is_nan(), i == 30);
+            assert!(i == 30 || (value - expected).abs() < 1e-6, "{i}: {value} {expected}");
+        }
+        for (i, value) in steepness(&dem, DVec2::ONE).into_iter().enumerate() {
+            assert!(i == 30 || (value - 0.5_f32.hypot(0.25)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn level_ground_has_the_brightness_that_is_promised() {
+        for params in [ShadeParams::default(), ShadeParams::soft()] {
+            let value = hillshade(&plane(DVec2::ZERO, DVec2::ONE), &params)[10];
+            assert!((f64::from(value) - params.level()).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn slopes_towards_the_light_are_bright_and_away_from_it_dark() {
+        let shade = |x, y| hillshade(&plane(DVec2::new(x, y), DVec2::ONE), &ShadeParams::default())[31];
+        assert!((shade(0.5_f64.sqrt(), -(0.5_f64.sqrt())) - 1.0).abs() < 1e-6);
+        assert_eq!(shade(-9.0, 9.0), 0.0);
+    }
+
+    #[test]
+    fn a_lone_cell_is_level() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 1, rows: 1 };
+        let dem = Dem { grid, values: vec![5.0], crs: None };
+        assert!((hillshade(&dem, &ShadeParams::default())[0] - 0.5_f32.sqrt()).abs() < 1e-6);
+        let empty = Dem { grid: Grid { cols: 0, rows: 0, ..grid }, values: vec![], crs: None };
+        assert!(hillshade(&empty, &ShadeParams::default()).is_empty());
+    }
+}

@@ -1,0 +1,104 @@
+//! OpenEXR height maps: one 32-bit floating point channel `Y`, losslessly compressed.
+//!
+//! Image programs show a channel of that name as grey, and GDAL takes it for its grey band. NaN marks cells without
+//! data. The placement is the attribute `gdal:geoTransform`, a 3 x 3 matrix of doubles whose first two rows are
+//! (cell width, 0, corner x) and (0, minus cell height, corner y); the coordinate reference system is the text
+//! `gdal:crsWkt`. EXR has no attribute for nodata that GDAL would read, so that goes into `.exr.aux.xml`.
+
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    LineOrder, Text, WritableImage,
+};
+
+use super::pam::{self, Band};
+use super::{Filled, create, crs_wkt, geo_transform};
+use crate::dem::Dem;
+use crate::error::Result;
+
+/// Rows of a compressed block are scan lines in increasing order, so that the bytes do not depend on the threads.
+const ENCODING: Encoding = Encoding {
+    compression: Compression::ZIP16,
+    blocks: exr::image::Blocks::ScanLines,
+    line_order: LineOrder::Increasing,
+};
+
+/// Writes `dem` to `path` and its nodata mark to `path` + `.aux.xml`.
+pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+    let channel = AnyChannel::new("Y", FlatSamples::F32(dem.values.clone()));
+    let mut attributes = LayerAttributes {
+        comments: Some(Text::from("heights in metres; NaN where there is no data")),
+        software_name: Some(Text::from("tokosen")),
+        ..LayerAttributes::default()
+    };
+    if let Some(wkt) = dem.crs.as_ref().and_then(crs_wkt) {
+        // GDAL takes the bytes of a text for UTF-8, so they are passed on as they are.
+        let text = Text::from_slice_unchecked(wkt.as_bytes());
+        attributes.other.insert(Text::from("gdal:crsWkt"), AttributeValue::Text(text));
+    }
+    let layer = Layer::new(
+        (dem.grid.cols, dem.grid.rows),
+        attributes,
+        ENCODING,
+        AnyChannels::sort(std::iter::once(channel).collect()),
+    );
+    let mut image = Image::from_layer(layer);
+    // Readers refuse ratios beyond this range.
+    image.attributes.pixel_aspect = (dem.grid.cell.x / dem.grid.cell.y).clamp(1e-6, 1e6) as f32;
+    let [x, width, _, y, _, height] = geo_transform(&dem.grid);
+    let matrix = [width, 0.0, x, 0.0, height, y, 0.0, 0.0, 1.0];
+    let bytes = matrix.iter().flat_map(|v| v.to_le_bytes()).collect();
+    // The attributes of image and layer are hash maps. One entry in each keeps their order in the file the same.
+    let matrix = AttributeValue::Custom { kind: Text::from("m33d"), bytes };
+    image.attributes.other.insert(Text::from("gdal:geoTransform"), matrix);
+
+    create(path, |out| {
+        image.write().to_buffered(out).map_err(|error| match error {
+            exr::error::Error::Io(error) => Filled::Io(error),
+            other => Filled::Format(other.into()),
+        })
+    })?;
+    pam::write_aux_xml(path, dem, &Band { offset: 0.0, scale: 1.0, nodata: Some("nan") })
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+
+    use super::super::tests::sample;
+    use super::*;
+    use crate::crs::Crs;
+
+    #[test]
+    fn heights_come_back_bit_for_bit_with_their_place() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("dem.exr");
+        let mut dem = sample(37, 53);
+        dem.crs = Some(Crs { epsg: None, wkt: Some("LOCAL_CS[\"平面\"]".into()) });
+        write(&path, &dem).unwrap();
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_file(&path)
+            .unwrap();
+        let channel = &image.layer_data.channel_data.list[0];
+        assert_eq!(channel.name, Text::from("Y"));
+        let FlatSamples::F32(values) = &channel.sample_data else { panic!("not 32-bit floating point") };
+        assert!(values.iter().zip(&dem.values).all(|(a, b)| a.to_bits() == b.to_bits()));
+        let attribute = |name: &str| {
+            let name = Text::from(name);
+            image.attributes.other.get(&name).or_else(|| image.layer_data.attributes.other.get(&name)).unwrap().clone()
+        };
+        let AttributeValue::Text(wkt) = attribute("gdal:crsWkt") else { panic!("not a text") };
+        assert_eq!(wkt.as_slice(), "LOCAL_CS[\"平面\"]".as_bytes());
+        let AttributeValue::Custom { kind, bytes } = attribute("gdal:geoTransform") else { panic!("not a matrix") };
+        assert_eq!(kind, Text::from("m33d"));
+        let numbers: Vec<f64> = bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect();
+        let corner = dem.grid.corner;
+        assert_eq!(numbers, [10.0, 0.0, corner.x, 0.0, -12.5, corner.y, 0.0, 0.0, 1.0]);
+    }
+}

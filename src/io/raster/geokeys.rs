@@ -1,0 +1,162 @@
+//! The coordinate reference system in a GeoTIFF: the GeoKey directory, written and read.
+//!
+//! An EPSG code is one key. A system that has only well-known text is written as a citation that starts with
+//! `ESRI PE String = `, beside a model type that says "user-defined": that is the form in which GDAL, and with it QGIS,
+//! looks for the text.
+
+use crate::crs::Crs;
+use crate::wkt::{self, Kind};
+
+use super::{crs_epsg, crs_wkt};
+
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const CITATION: u16 = 1026;
+const GEOGRAPHIC_TYPE: u16 = 2048;
+const GEOGRAPHIC_CITATION: u16 = 2049;
+const PROJECTED_TYPE: u16 = 3072;
+const PROJECTED_CITATION: u16 = 3073;
+
+const MODEL_PROJECTED: u16 = 1;
+const MODEL_GEOGRAPHIC: u16 = 2;
+const RASTER_PIXEL_IS_AREA: u16 = 1;
+const RASTER_PIXEL_IS_POINT: u16 = 2;
+const USER_DEFINED: u16 = 32767;
+
+/// Placement names the corners of cells.
+const AREA: [u16; 4] = [RASTER_TYPE, 0, 1, RASTER_PIXEL_IS_AREA];
+
+/// The tag that holds a key's text.
+const ASCII_PARAMS: u16 = 34737;
+const PE_STRING: &str = "ESRI PE String = ";
+
+/// A GeoKey directory and the texts it points into.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct GeoKeys {
+    /// The header and four numbers a key.
+    pub directory: Vec<u16>,
+    /// The texts, each ended by a bar.
+    pub ascii: String,
+}
+
+impl GeoKeys {
+    /// The keys of a system. `None` if it has neither a code nor a text.
+    pub fn of(crs: &Crs) -> Option<Self> {
+        let wkt = crs_wkt(crs);
+        let horizontal = wkt.as_deref().and_then(wkt::horizontal);
+        // A compound system's code has no key: the code of its horizontal part stands there.
+        let own = horizontal.and_then(|(_, text)| wkt::epsg(text));
+        let code = own.or_else(|| crs_epsg(crs)).and_then(|code| u16::try_from(code).ok());
+        let mut keys = Self::default();
+        match code {
+            Some(code) => match horizontal.map_or_else(|| guess_kind(code), |(kind, _)| kind) {
+                Kind::Projected => {
+                    keys.push(&[[MODEL_TYPE, 0, 1, MODEL_PROJECTED], AREA, [PROJECTED_TYPE, 0, 1, code]])
+                }
+                Kind::Geographic => {
+                    keys.push(&[[MODEL_TYPE, 0, 1, MODEL_GEOGRAPHIC], AREA, [GEOGRAPHIC_TYPE, 0, 1, code]])
+                }
+            },
+            None => {
+                let text = horizontal.map(|(_, text)| text).or(wkt.as_deref())?;
+                // The texts are ASCII, and a bar ends each.
+                let plain = text.chars().map(|c| match c {
+                    '|' => '/',
+                    ' '..='~' => c,
+                    _ if c.is_whitespace() => ' ',
+                    _ => '?',
+                });
+                keys.ascii = PE_STRING.chars().chain(plain).chain(['|']).collect();
+                let length = u16::try_from(keys.ascii.len()).ok()?;
+                keys.push(&[[MODEL_TYPE, 0, 1, USER_DEFINED], AREA, [PROJECTED_CITATION, ASCII_PARAMS, length, 0]]);
+            }
+        }
+        Some(keys)
+    }
+
+    /// Fills the directory: the version, the number of keys, and the keys.
+    fn push(&mut self, keys: &[[u16; 4]]) {
+        self.directory = vec![1, 1, 0, keys.len() as u16];
+        self.directory.extend(keys.iter().flatten());
+    }
+
+    /// The value of a key that is a number.
+    fn number(&self, key: u16) -> Option<u16> {
+        self.entries().find(|e| e[0] == key && e[1] == 0).map(|e| e[3])
+    }
+
+    /// The value of a key that is a text.
+    fn text(&self, key: u16) -> Option<&str> {
+        let [_, _, count, start] = *self.entries().find(|e| e[0] == key && e[1] == ASCII_PARAMS)?;
+        let (start, count) = (usize::from(start), usize::from(count));
+        self.ascii.get(start..start + count).map(|text| text.trim_end_matches(['|', '\0', ' ']))
+    }
+
+    fn entries(&self) -> impl Iterator<Item = &[u16; 4]> {
+        self.directory.as_chunks().0.iter().skip(1)
+    }
+
+    /// Whether the placement names the centres of cells and not their corners.
+    pub fn pixel_is_point(&self) -> bool {
+        self.number(RASTER_TYPE) == Some(RASTER_PIXEL_IS_POINT)
+    }
+
+    /// The system that the keys name, if they name one by code or by text.
+    pub fn crs(&self) -> Option<Crs> {
+        let keys = match self.number(MODEL_TYPE) {
+            Some(MODEL_GEOGRAPHIC) => [GEOGRAPHIC_TYPE, GEOGRAPHIC_TYPE],
+            Some(MODEL_PROJECTED) => [PROJECTED_TYPE, PROJECTED_TYPE],
+            _ => [PROJECTED_TYPE, GEOGRAPHIC_TYPE],
+        };
+        let code = keys.iter().filter_map(|&key| self.number(key)).find(|&code| code > 0);
+        if let Some(code) = code.filter(|&code| code != USER_DEFINED) {
+            let wkt = crs_definitions::from_code(code).map(|definition| definition.wkt.to_owned());
+            return Some(Crs { epsg: Some(u32::from(code)), wkt });
+        }
+        let citations = [PROJECTED_CITATION, GEOGRAPHIC_CITATION, CITATION];
+        let text = citations.iter().filter_map(|&key| self.text(key)).find_map(|text| text.strip_prefix(PE_STRING))?;
+        Some(Crs { epsg: wkt::epsg(text), wkt: Some(text.to_owned()) })
+    }
+}
+
+/// Projected or geographic, by the code alone: EPSG keeps most geographic systems between 4000 and 4999.
+fn guess_kind(code: u16) -> Kind {
+    if (4000..5000).contains(&code) { Kind::Geographic } else { Kind::Projected }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_go_into_the_key_of_their_kind_and_come_back() {
+        for (code, model, key) in [(6690, 1, 3072), (4326, 2, 2048), (6668, 2, 2048), (32654, 1, 3072)] {
+            let keys = GeoKeys::of(&Crs { epsg: Some(code), wkt: None }).unwrap();
+            assert_eq!(keys.directory, [1, 1, 0, 3, 1024, 0, 1, model, 1025, 0, 1, 1, key, 0, 1, code as u16]);
+            let back = keys.crs().unwrap();
+            assert_eq!(back.epsg, Some(code));
+            assert_eq!(back.wkt.as_deref(), crs_definitions::from_code(code as u16).map(|d| d.wkt));
+        }
+    }
+
+    #[test]
+    fn a_system_without_a_code_travels_as_text() {
+        let text = "PROJCS[\"Site | 敷地\",GEOGCS[\"g\"],UNIT[\"metre\",1]]";
+        let keys = GeoKeys::of(&Crs { epsg: None, wkt: Some(text.into()) }).unwrap();
+        assert!(keys.ascii.is_ascii() && keys.ascii.ends_with('|'));
+        let back = keys.crs().unwrap();
+        assert_eq!(back.wkt.unwrap(), "PROJCS[\"Site / ??\",GEOGCS[\"g\"],UNIT[\"metre\",1]]");
+        assert_eq!(back.epsg, None);
+        assert_eq!(GeoKeys::of(&Crs { epsg: None, wkt: None }), None);
+    }
+
+    #[test]
+    fn broken_directories_name_no_system() {
+        for directory in [vec![], vec![1, 1, 0], vec![1, 1, 0, 9, 3072, 0, 1], vec![1, 1, 0, 1, 3073, 34737, 900, 900]]
+        {
+            let keys = GeoKeys { directory, ascii: "ESRI PE String".into() };
+            assert_eq!(keys.crs(), None);
+            assert!(!keys.pixel_is_point());
+        }
+    }
+}

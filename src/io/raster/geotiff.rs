@@ -1,0 +1,206 @@
+//! GeoTIFF height maps: 32-bit floating point in compressed tiles.
+//!
+//! Cells without data hold -9999, which the nodata tag names: NaN would do for GDAL and QGIS, but older ArcGIS versions
+//! and most home-made readers take it for a height. The tiles are deflated after the floating point predictor, which
+//! halves the size of smooth terrain. Tiles are compressed in parallel and written in order, so that the file does not
+//! depend on the number of threads.
+
+use std::io::{Seek, Write};
+use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
+use tiff::TiffError;
+use tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard};
+use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Predictor, SampleFormat, Tag};
+
+use super::geokeys::GeoKeys;
+use super::{Filled, create};
+use crate::dem::Dem;
+use crate::error::Result;
+
+/// Side of a tile in cells; a multiple of 16, as the format wants.
+const TILE: usize = 256;
+
+/// Tiles that are compressed before they are written, which bounds the memory beyond the height map's own.
+const BATCH: usize = 64;
+
+/// The offsets of a classic TIFF have 32 bits. The rest of the range is left for tiles that do not compress.
+const CLASSIC_LIMIT: u64 = 4_000_000_000;
+
+/// The usual mark of cells without data. NaN stays the mark if a cell is really that low.
+const NODATA: f32 = -9999.0;
+
+/// What GDAL keeps in its own tag: the heights' unit.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
+const METRES: &str =
+    "<GDALMetadata>\n  <Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">m</Item>\n</GDALMetadata>\n";
+
+/// Writes `dem` to `path`.
+pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+    let tiles = dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
+    let big = tiles * (TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
+    create(path, |out| {
+        let written = if big { write_kind::<TiffKindBig>(out, dem) } else { write_kind::<TiffKindStandard>(out, dem) };
+        written.map_err(|error| match error {
+            TiffError::IoError(error) => Filled::Io(error),
+            other => Filled::Format(other.into()),
+        })
+    })
+}
+
+fn write_kind<K: TiffKind>(out: impl Write + Seek, dem: &Dem) -> std::result::Result<(), TiffError> {
+    let grid = dem.grid;
+    let nodata = if dem.values.contains(&NODATA) { f32::NAN } else { NODATA };
+    let mut encoder = TiffEncoder::<_, K>::new_generic(out)?;
+    let mut directory = encoder.image_directory()?;
+
+    let across = grid.cols.div_ceil(TILE);
+    let count = across * grid.rows.div_ceil(TILE);
+    let (mut offsets, mut lengths) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for first in (0..count).step_by(BATCH) {
+        let batch: Vec<std::io::Result<Vec<u8>>> = (first..count.min(first + BATCH))
+            .into_par_iter()
+            .map(|tile| compress(&tile_bytes(dem, tile % across, tile / across, nodata)))
+            .collect();
+        for tile in batch {
+            let tile = tile?;
+            offsets.push(K::convert_offset(directory.write_data(tile.as_slice())?)?);
+            lengths.push(K::convert_offset(tile.len() as u64)?);
+        }
+    }
+
+    // The caller has checked that both fit into 31 bits.
+    directory.write_tag(Tag::ImageWidth, grid.cols as u32)?;
+    directory.write_tag(Tag::ImageLength, grid.rows as u32)?;
+    directory.write_tag(Tag::BitsPerSample, 32_u16)?;
+    directory.write_tag(Tag::Compression, CompressionMethod::Deflate)?;
+    directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::BlackIsZero)?;
+    directory.write_tag(Tag::SamplesPerPixel, 1_u16)?;
+    directory.write_tag(Tag::PlanarConfiguration, PlanarConfiguration::Chunky)?;
+    directory.write_tag(Tag::Predictor, Predictor::FloatingPoint)?;
+    directory.write_tag(Tag::TileWidth, TILE as u32)?;
+    directory.write_tag(Tag::TileLength, TILE as u32)?;
+    directory.write_tag(Tag::TileOffsets, K::convert_slice(&offsets))?;
+    directory.write_tag(Tag::TileByteCounts, K::convert_slice(&lengths))?;
+    directory.write_tag(Tag::SampleFormat, SampleFormat::IEEEFP.to_u16())?;
+    directory.write_tag(Tag::Software, "tokosen")?;
+    directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
+    directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
+    directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;
+    directory.write_tag(GDAL_METADATA, METRES)?;
+    if let Some(keys) = dem.crs.as_ref().and_then(GeoKeys::of) {
+        directory.write_tag(Tag::GeoKeyDirectoryTag, keys.directory.as_slice())?;
+        if !keys.ascii.is_empty() {
+            directory.write_tag(Tag::GeoAsciiParamsTag, keys.ascii.as_str())?;
+        }
+    }
+    directory.finish()
+}
+
+fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::default());
+    encoder.write_all(bytes)?;
+    encoder.finish()
+}
+
+/// The bytes of one tile after the predictor. Beyond the map's edge the last column and row go on.
+fn tile_bytes(dem: &Dem, tile_col: usize, tile_row: usize, nodata: f32) -> Vec<u8> {
+    let (cols, rows) = (dem.grid.cols, dem.grid.rows);
+    let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
+    for (row, line) in bytes.chunks_exact_mut(TILE * size_of::<f32>()).enumerate() {
+        let start = (tile_row * TILE + row).min(rows - 1) * cols;
+        let left = tile_col * TILE;
+        for col in 0..TILE {
+            let height = dem.values[start + (left + col).min(cols - 1)];
+            let stored = if height.is_nan() { nodata } else { height };
+            for (plane, byte) in stored.to_be_bytes().into_iter().enumerate() {
+                line[plane * TILE + col] = byte;
+            }
+        }
+        // The predictor keeps the difference to the byte before, over all four planes of the line.
+        for at in (1..line.len()).rev() {
+            line[at] = line[at].wrapping_sub(line[at - 1]);
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::io::BufReader;
+
+    use tiff::decoder::{Decoder, DecodingResult};
+
+    use super::super::read_grid;
+    use super::super::tests::sample;
+    use super::*;
+    use crate::crs::Crs;
+
+    fn read(path: &Path) -> (Vec<f32>, String) {
+        let mut decoder = Decoder::new(BufReader::new(File::open(path).unwrap())).unwrap();
+        let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).unwrap();
+        let DecodingResult::F32(values) = decoder.read_image().unwrap() else { panic!("not 32-bit floating point") };
+        (values, nodata)
+    }
+
+    #[test]
+    fn heights_come_back_bit_for_bit() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("dem.tif");
+        for (cols, rows) in [(3, 2), (256, 256), (257, 255), (300, 700)] {
+            let dem = sample(cols, rows);
+            write(&path, &dem).unwrap();
+            let (values, nodata) = read(&path);
+            assert_eq!(nodata, "-9999");
+            assert_eq!(values.len(), cols * rows);
+            for (stored, height) in values.iter().zip(&dem.values) {
+                let expected = if height.is_nan() { -9999.0 } else { *height };
+                assert_eq!(stored.to_bits(), f32::to_bits(expected));
+            }
+            let (grid, crs) = read_grid(&path).unwrap();
+            assert_eq!(grid, dem.grid);
+            assert_eq!(crs.unwrap().epsg, Some(6690));
+        }
+    }
+
+    #[test]
+    fn a_height_that_equals_the_mark_is_not_lost() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("dem.tif");
+        let mut dem = sample(20, 20);
+        dem.values[0] = -9999.0;
+        write(&path, &dem).unwrap();
+        let (values, nodata) = read(&path);
+        assert_eq!(values[0], -9999.0);
+        assert!(values[21].is_nan());
+        assert_eq!(nodata, "nan");
+    }
+
+    #[test]
+    fn a_system_without_a_code_comes_back_as_text() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("dem.tif");
+        let mut dem = sample(4, 4);
+        let wkt = "PROJCS[\"own\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.25]]],UNIT[\"metre\",1]]";
+        dem.crs = Some(Crs { epsg: None, wkt: Some(wkt.into()) });
+        write(&path, &dem).unwrap();
+        assert_eq!(read_grid(&path).unwrap().1, dem.crs);
+        dem.crs = None;
+        write(&path, &dem).unwrap();
+        assert_eq!(read_grid(&path).unwrap().1, None);
+    }
+
+    #[test]
+    fn the_large_kind_reads_back_too() {
+        let dem = sample(300, 20);
+        let mut file = std::io::Cursor::new(Vec::new());
+        write_kind::<TiffKindBig>(&mut file, &dem).unwrap();
+        assert_eq!(file.get_ref()[2], 43);
+        file.set_position(0);
+        let DecodingResult::F32(values) = Decoder::new(file).unwrap().read_image().unwrap() else { panic!("not f32") };
+        assert_eq!(values[299], dem.values[299]);
+    }
+}

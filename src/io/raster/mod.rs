@@ -1,0 +1,224 @@
+//! Raster files: height maps out ([`write_dem`]), the grid of an existing raster in ([`read_grid`]).
+//!
+//! The file's name decides the format:
+//!
+//! | name | values | placement and coordinate reference system |
+//! |---|---|---|
+//! | `.tif`, `.tiff` | 32-bit floating point, lossless | in the file (GeoTIFF) |
+//! | `.exr` | 32-bit floating point, lossless | in the file, as GDAL reads them; nodata in `.exr.aux.xml` |
+//! | `.png` | 16-bit steps of a round size | in the file as text, in `.pgw` and in `.png.aux.xml` |
+//!
+//! Sidecar files are written beside the main file, whatever directory that is.
+
+mod exr;
+mod geokeys;
+mod geotiff;
+mod like;
+mod pam;
+mod picture;
+mod png;
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::crs::Crs;
+use crate::dem::{Dem, Grid};
+use crate::error::{Error, Result};
+use crate::wkt;
+
+pub use like::read_grid;
+pub use picture::write_picture;
+
+/// The extensions [`write_dem`] knows, for messages and help texts.
+pub const DEM_EXTENSIONS: [&str; 4] = ["tif", "tiff", "exr", "png"];
+
+/// Writes a height map in the format that the extension of `path` names, with its sidecar files beside it.
+///
+/// # Errors
+/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
+/// larger than the format can hold, and whatever the operating system refuses.
+pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let write = match extension.as_str() {
+        "tif" | "tiff" => geotiff::write,
+        "exr" => exr::write,
+        "png" => png::write,
+        _ => {
+            return Err(Error::file(
+                path,
+                format!(
+                    "no height map format has this extension; heights are written as {}",
+                    DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+                ),
+            ));
+        }
+    };
+    check(path, dem)?;
+    write(path, dem)
+}
+
+/// Refuses a height map that no format could hold.
+fn check(path: &Path, dem: &Dem) -> Result<()> {
+    let Grid { corner, cell, cols, rows } = dem.grid;
+    if cols.checked_mul(rows) != Some(dem.values.len()) || dem.values.is_empty() {
+        return Err(Error::Parameter(format!(
+            "{}: a height map of {cols} x {rows} cells cannot have {} values",
+            path.display(),
+            dem.values.len()
+        )));
+    }
+    if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
+        return Err(Error::Parameter(format!(
+            "{}: cells of {} x {} at {}, {} have no place on a map",
+            path.display(),
+            cell.x,
+            cell.y,
+            corner.x,
+            corner.y
+        )));
+    }
+    // All three formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
+    if cols.max(rows) > i32::MAX as usize / 2 {
+        return Err(Error::file(path, format!("{cols} x {rows} cells are more than the format can count")));
+    }
+    Ok(())
+}
+
+/// Creates `path`, lets `fill` write to it through a buffer, and makes sure that the last byte has left the buffer.
+///
+/// `fill` gives the operating system's errors as [`Filled::Io`], so that a full disk is named as such.
+fn create(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::result::Result<(), Filled>) -> Result<()> {
+    let file = File::create(path).map_err(|e| Error::io("create", path, e))?;
+    let mut out = BufWriter::with_capacity(1 << 20, file);
+    let filled = fill(&mut out).and_then(|()| out.flush().map_err(Filled::Io));
+    filled.map_err(|error| match error {
+        Filled::Io(source) => Error::io("write", path, source),
+        Filled::Format(cause) => Error::file_cause(path, "cannot be written", cause),
+    })
+}
+
+/// Why a file could not be filled.
+enum Filled {
+    /// The operating system refused.
+    Io(std::io::Error),
+    /// The format's library refused.
+    Format(crate::error::Cause),
+}
+
+impl From<std::io::Error> for Filled {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+/// The well-known text of a system, looked up by its EPSG code where it has none of its own.
+fn crs_wkt(crs: &Crs) -> Option<Cow<'_, str>> {
+    let code = crs.epsg.and_then(|code| u16::try_from(code).ok());
+    let text = crs.wkt.as_deref().or_else(|| Some(crs_definitions::from_code(code?)?.wkt))?;
+    Some(wkt::without_shift(text))
+}
+
+/// The EPSG code of a system, looked for in its well-known text where it has none of its own.
+fn crs_epsg(crs: &Crs) -> Option<u32> {
+    crs.epsg.or_else(|| wkt::epsg(crs.wkt.as_deref()?))
+}
+
+/// The affine placement in GDAL's order: x of the corner, cell width, 0, y of the corner, 0, minus the cell height.
+fn geo_transform(grid: &Grid) -> [f64; 6] {
+    [grid.corner.x, grid.cell.x, 0.0, grid.corner.y, 0.0, -grid.cell.y]
+}
+
+/// `path` with `suffix` appended to its whole name, as in `dem.png` + `.aux.xml`.
+fn beside(path: &Path, suffix: &str) -> std::path::PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
+}
+
+/// Writes a small text file.
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    create(path, |out| Ok(out.write_all(text.as_bytes())?))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    /// A small tilted surface with a hole.
+    pub(super) fn sample(cols: usize, rows: usize) -> Dem {
+        let mut values: Vec<f32> =
+            (0..cols * rows).map(|i| 900.0 + (i % cols) as f32 * 1.25 + (i / cols) as f32 * 0.0625).collect();
+        values[cols + 1] = f32::NAN;
+        let grid =
+            Grid { corner: DVec2::new(735_598.739_979_694_4, 4_033_368.5), cell: DVec2::new(10.0, 12.5), cols, rows };
+        Dem { grid, values, crs: Some(Crs { epsg: Some(6690), wkt: None }) }
+    }
+
+    #[test]
+    fn an_unknown_extension_names_the_known_ones() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["dem.asc", "dem", "dem.TIF.gz"] {
+            let path = dir.path().join(name);
+            let error = write_dem(&path, &sample(4, 4)).unwrap_err().to_string();
+            assert!(error.contains(".tif, .tiff, .exr, .png"), "{error}");
+            assert!(!path.exists());
+        }
+    }
+
+    #[test]
+    fn a_missing_directory_and_a_full_disk_are_errors_with_the_path() {
+        let dir = tempfile::tempdir().unwrap();
+        for extension in DEM_EXTENSIONS {
+            let path = dir.path().join("nowhere").join("dem").with_extension(extension);
+            let error = write_dem(&path, &sample(4, 4)).unwrap_err();
+            assert!(matches!(&error, Error::Io { action: "create", path: p, .. } if *p == path), "{error:?}");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_the_systems_error() {
+        let dir = tempfile::tempdir().unwrap();
+        for extension in DEM_EXTENSIONS {
+            let path = dir.path().join("dem").with_extension(extension);
+            std::os::unix::fs::symlink("/dev/full", &path).unwrap();
+            let error = write_dem(&path, &sample(300, 300)).unwrap_err();
+            assert!(matches!(&error, Error::Io { action: "write", path: p, .. } if *p == path), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn impossible_height_maps_are_refused() {
+        let path = Path::new("dem.tif");
+        let mut short = sample(4, 4);
+        short.values.pop();
+        let mut empty = sample(4, 4);
+        (empty.grid.cols, empty.values) = (0, Vec::new());
+        let mut flat = sample(4, 4);
+        flat.grid.cell.y = 0.0;
+        let mut lost = sample(4, 4);
+        lost.grid.corner.x = f64::NAN;
+        for dem in [short, empty, flat, lost] {
+            assert!(matches!(write_dem(path, &dem), Err(Error::Parameter(_))));
+        }
+    }
+
+    #[test]
+    fn the_same_bytes_come_out_for_any_number_of_threads() {
+        let dir = tempfile::tempdir().unwrap();
+        let dem = sample(700, 600);
+        for extension in ["tif", "exr", "png"] {
+            let bytes = [1, 4].map(|threads| {
+                let path = dir.path().join(format!("{threads}.{extension}"));
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| write_dem(&path, &dem)).unwrap();
+                std::fs::read(path).unwrap()
+            });
+            assert!(bytes[0] == bytes[1], "{extension}");
+        }
+    }
+}

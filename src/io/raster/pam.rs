@@ -1,0 +1,58 @@
+//! The sidecar files that GDAL and QGIS read beside a picture: `.aux.xml` and the world file.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use quick_xml::escape::escape;
+
+use super::{beside, crs_epsg, crs_wkt, geo_transform, write_text};
+use crate::dem::Dem;
+use crate::error::Result;
+
+/// How stored values become heights, and which one of them means that there is no data.
+pub(super) struct Band {
+    /// Height of the value 0, metres.
+    pub offset: f64,
+    /// Metres a step.
+    pub scale: f64,
+    /// The stored value of cells without data, as text.
+    pub nodata: Option<&'static str>,
+}
+
+/// Writes `path` + `.aux.xml`: coordinate reference system, placement, and how to read the values.
+///
+/// # Errors
+/// Whatever the operating system refuses.
+pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
+    let mut xml = String::from("<PAMDataset>\n");
+    let name = dem
+        .crs
+        .as_ref()
+        .and_then(|crs| crs_wkt(crs).map(Cow::into_owned).or_else(|| crs_epsg(crs).map(|code| format!("EPSG:{code}"))));
+    // Writing to a String cannot fail.
+    if let Some(name) = name {
+        let _ = writeln!(xml, "  <SRS>{}</SRS>", escape(&name));
+    }
+    let transform = geo_transform(&dem.grid).map(|v| v.to_string()).join(", ");
+    let _ = writeln!(xml, "  <GeoTransform>{transform}</GeoTransform>");
+    xml.push_str("  <Metadata>\n    <MDI key=\"AREA_OR_POINT\">Area</MDI>\n  </Metadata>\n");
+    xml.push_str("  <PAMRasterBand band=\"1\">\n    <Description>height</Description>\n");
+    if let Some(nodata) = band.nodata {
+        let _ = writeln!(xml, "    <NoDataValue>{nodata}</NoDataValue>");
+    }
+    xml.push_str("    <UnitType>m</UnitType>\n");
+    let _ = writeln!(xml, "    <Offset>{}</Offset>\n    <Scale>{}</Scale>", band.offset, band.scale);
+    xml.push_str("  </PAMRasterBand>\n</PAMDataset>\n");
+    write_text(&beside(path, ".aux.xml"), &xml)
+}
+
+/// Writes the world file: cell size, rotation and the centre of the north-west cell, a number a line.
+///
+/// # Errors
+/// Whatever the operating system refuses.
+pub(super) fn write_world(path: &Path, extension: &str, dem: &Dem) -> Result<()> {
+    let (cell, first) = (dem.grid.cell, dem.grid.center(0, 0));
+    let text = format!("{}\n0\n0\n{}\n{}\n{}\n", cell.x, -cell.y, first.x, first.y);
+    write_text(&path.with_extension(extension), &text)
+}

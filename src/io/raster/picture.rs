@@ -1,0 +1,43 @@
+//! Pictures of the map: 8-bit colour PNG.
+
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError, RgbImage};
+
+use super::{Filled, create};
+use crate::error::{Error, Result};
+
+/// Writes a picture as PNG. The name must end in `.png`.
+///
+/// # Errors
+/// Another extension, and whatever the operating system refuses.
+pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Err(Error::file(path, "pictures are written as .png"));
+    }
+    create(path, |out| {
+        PngEncoder::new(out)
+            .write_image(picture.as_raw(), picture.width(), picture.height(), ExtendedColorType::Rgb8)
+            .map_err(|error| match error {
+                ImageError::IoError(error) => Filled::Io(error),
+                other => Filled::Format(other.into()),
+            })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_comes_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("map.PNG");
+        let picture = RgbImage::from_fn(13, 7, |x, y| image::Rgb([x as u8, y as u8, 200]));
+        write_picture(&path, &picture).unwrap();
+        assert_eq!(image::open(&path).unwrap().to_rgb8(), picture);
+        assert!(write_picture(&dir.path().join("map.jpg"), &picture).is_err());
+        assert!(write_picture(&dir.path().join("nowhere/map.png"), &picture).is_err());
+    }
+}
