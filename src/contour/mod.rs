@@ -1,8 +1,10 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+mod interval_search;
 mod levels;
 mod line;
 
+pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
 use glam::{DVec2, DVec3};
