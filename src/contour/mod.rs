@@ -1,9 +1,11 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+pub mod clean;
 mod interval_search;
 mod levels;
 mod line;
 
+pub use clean::{CleanParams, clean};
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
