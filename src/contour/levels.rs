@@ -1,21 +1,152 @@
 //! Levels: the elevations that lines are drawn at.
+//!
+//! Levels are `base + k * step` with a whole number k. Elevations come as decimal text, so a level is made as the
+//! nearest number to its decimal value (0.3, not 0.1 + 0.1 + 0.1): that is the number that a reader of the text gets,
+//! and levels can then be compared without a tolerance.
 
-/// The vertical interval: levels are `base + k * step`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval { /// Step.
-pub step: f64, /// Base.
-pub base: f64 }
-impl Interval {
-    /// Next level strictly above.
-    pub fn next_above(&self, z: f64) -> f64 { let k = ((z - self.base) / self.step + 1e-9).floor() + 1.0; self.base + k * self.step }
-    /// Next level strictly below.
-    pub fn next_below(&self, z: f64) -> f64 { let k = ((z - self.base) / self.step - 1e-9).ceil() - 1.0; self.base + k * self.step }
+use super::Contour;
+
+pub use super::interval_search::find_interval;
+
+/// How near to a level a height must be to count as lying on it, as a share of the step. Far above the rounding
+/// of any elevation, far below the last digit that people write.
+const ON_LEVEL: f64 = 1e-6;
+
+/// Most decimals that a step or base is taken to have when levels are made as decimal numbers.
+const MAX_DECIMALS: i32 = 9;
+
+/// The vertical (contour) interval of a map: its levels are `base + k * step` for whole numbers k.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Interval {
+    /// Height between neighbouring levels, metres, positive.
+    pub step: f64,
+    /// Height of the level with k = 0, metres. From [`find_interval`] it is at least 0 and less than the step.
+    pub base: f64,
 }
 
-/// TEMP
-pub fn find_interval(contours: &[super::Contour]) -> Option<Interval> {
-    let mut l: Vec<f64> = contours.iter().map(|c| c.elevation).collect();
-    l.sort_by(f64::total_cmp); l.dedup();
-    let step = l.windows(2).map(|w| w[1]-w[0]).fold(f64::INFINITY, f64::min);
-    step.is_finite().then_some(Interval { step, base: 0.0 })
+impl Interval {
+    /// The level number `k`, metres.
+    ///
+    /// Where step and base are decimal numbers of at most nine places, this is the nearest number to the exact decimal.
+    pub fn level(&self, k: i64) -> f64 {
+        let k = k as f64;
+        for decimals in 0..=MAX_DECIMALS {
+            let scale = 10f64.powi(decimals);
+            let (step, base) = ((self.step * scale).round(), (self.base * scale).round());
+            if step / scale == self.step && base / scale == self.base {
+                return (base + k * step) / scale;
+            }
+        }
+        self.base + k * self.step
+    }
+
+    /// The level number `k` as it stands in the sorted list `levels` if it is there to within rounding, else as
+    /// [`Interval::level`] makes it.
+    pub fn level_among(&self, k: i64, levels: &[f64]) -> f64 {
+        let made = self.level(k);
+        let tolerance = ON_LEVEL * self.step;
+        let from = levels.partition_point(|&z| z < made - tolerance);
+        levels[from..]
+            .iter()
+            .copied()
+            .take_while(|&z| z <= made + tolerance)
+            .min_by(|a, b| (a - made).abs().total_cmp(&(b - made).abs()))
+            .unwrap_or(made)
+    }
+
+    /// The number of the level nearest to the height `z`.
+    pub fn index_of(&self, z: f64) -> i64 {
+        ((z - self.base) / self.step).round() as i64
+    }
+
+    /// Whether the height `z` is a level, to within rounding.
+    pub fn is_level(&self, z: f64) -> bool {
+        let k = (z - self.base) / self.step;
+        (k - k.round()).abs() <= ON_LEVEL
+    }
+
+    /// The lowest level strictly above the height `z`; from a height on a level (to within rounding), the next one.
+    pub fn next_above(&self, z: f64) -> f64 {
+        let k = (z - self.base) / self.step;
+        let nearest = k.round();
+        self.level(if (k - nearest).abs() <= ON_LEVEL { nearest + 1.0 } else { k.ceil() } as i64)
+    }
+
+    /// The highest level strictly below the height `z`; from a height on a level (to within rounding), the one before.
+    pub fn next_below(&self, z: f64) -> f64 {
+        let k = (z - self.base) / self.step;
+        let nearest = k.round();
+        self.level(if (k - nearest).abs() <= ON_LEVEL { nearest - 1.0 } else { k.floor() } as i64)
+    }
+}
+
+/// The elevations that the contours have, each once, from low to high. Elevations that are no number are left out.
+pub fn distinct_levels(contours: &[Contour]) -> Vec<f64> {
+    let mut levels: Vec<f64> = contours.iter().map(|c| c.elevation + 0.0).filter(|z| z.is_finite()).collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    levels.dedup();
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    #[test]
+    fn levels_are_decimal_numbers() {
+        let tenth = Interval { step: 0.1, base: 0.0 };
+        assert_eq!(tenth.level(3), 0.3);
+        assert_eq!(tenth.level(-7), -0.7);
+        assert_eq!(tenth.level(12_345), 1234.5);
+        let feet = Interval { step: 3.048, base: 0.0 };
+        assert_eq!(feet.level(7), 21.336);
+        let offset = Interval { step: 2.5, base: 1.25 };
+        assert_eq!(offset.level(-1), -1.25);
+        let survey_feet = Interval { step: 12_000.0 / 3937.0, base: 0.0 };
+        assert_eq!(survey_feet.level(100), 100.0 * survey_feet.step);
+    }
+
+    #[test]
+    fn neighbours_are_strictly_above_and_below() {
+        let tenth = Interval { step: 0.1, base: 0.0 };
+        assert_eq!(tenth.next_above(0.1 * 3.0), 0.4);
+        assert_eq!(tenth.next_below(0.1 * 3.0), 0.2);
+        assert_eq!(tenth.next_above(0.31), 0.4);
+        assert_eq!(tenth.next_below(0.31), 0.3);
+        let ten = Interval { step: 10.0, base: 5.0 };
+        assert_eq!((ten.next_below(-5.0), ten.next_above(-5.0)), (-15.0, 5.0));
+        assert_eq!((ten.next_below(9.99), ten.next_above(9.99)), (5.0, 15.0));
+        assert_eq!((ten.next_below(15.001), ten.next_above(14.999)), (15.0, 15.0));
+        assert_eq!((ten.index_of(26.0), ten.index_of(-14.0)), (2, -2));
+        assert!(ten.is_level(25.0) && !ten.is_level(20.0));
+    }
+
+    #[test]
+    fn the_input_level_is_given_back() {
+        let feet = Interval { step: 3.048, base: 0.0 };
+        let input = [3.048 * 6.0, 3.048 * 7.0, 3.048 * 9.0];
+        assert_eq!(feet.level_among(7, &input).to_bits(), (3.048f64 * 7.0).to_bits());
+        assert_eq!(feet.level_among(8, &input), 24.384);
+        assert_eq!(feet.level_among(8, &[]), 24.384);
+    }
+
+    #[test]
+    fn absurd_heights_do_not_panic() {
+        let ten = Interval { step: 10.0, base: 0.0 };
+        for z in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
+            let _ = (ten.next_above(z), ten.next_below(z), ten.index_of(z), ten.is_level(z));
+        }
+        let _ = (ten.level(i64::MAX), ten.level(i64::MIN));
+    }
+
+    #[test]
+    fn distinct_levels_are_sorted_and_finite() {
+        let lines: Vec<Contour> = [30.0, f64::NAN, -0.0, 10.0, 0.0, 30.0, f64::INFINITY]
+            .map(|elevation| Contour { elevation, points: vec![DVec2::ZERO, DVec2::X], feature: 0 })
+            .into();
+        assert_eq!(distinct_levels(&lines), [0.0, 10.0, 30.0]);
+        assert_eq!(distinct_levels(&[]), [0.0; 0]);
+    }
 }

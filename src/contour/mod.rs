@@ -1,11 +1,14 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+pub mod clean;
 mod clip;
+mod interval_search;
 mod levels;
 mod line;
 
+pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
-pub use levels::{Interval, find_interval};
+pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
 use glam::{DVec2, DVec3};

@@ -1,5 +1,6 @@
 //! Which levels an output layer asks for.
 
+use crate::contour::Interval;
 use crate::error::{Error, Result};
 
 /// The most levels that one target may ask for.
@@ -22,8 +23,6 @@ pub enum Target {
 impl Target {
     /// The levels from `lowest` to `highest`, ascending.
     ///
-    /// Steps that divide one metre give the decimal that one would write (0.3, not 0.30000000000000004).
-    ///
     /// # Errors
     /// When the step is not a positive number, a level is not finite, or there would be more than a million levels.
     pub fn levels(&self, lowest: f64, highest: f64) -> Result<Vec<f64>> {
@@ -39,10 +38,8 @@ impl Target {
                         last - first
                     )));
                 }
-                let parts = (1.0 / step).round();
-                let divides = parts >= 1.0 && (parts * step - 1.0).abs() < 1e-9;
-                let level = |k: i64| base + if divides { k as f64 / parts } else { k as f64 * step };
-                Ok((first as i64..=last as i64).map(level).collect())
+                let interval = Interval { step: *step, base: *base };
+                Ok((first as i64..=last as i64).map(|k| interval.level(k)).collect())
             }
             Self::Levels(levels) => {
                 if let Some(bad) = levels.iter().find(|l| !l.is_finite()) {

@@ -1,0 +1,196 @@
+//! Cleaning: makes a map's contours sound, and says what was wrong.
+//!
+//! In this order: bad points out, every line in its standard form, self-touching lines split, duplicates out, ends joined,
+//! conflicts cut, spot heights checked. Conflicts are lines that no triangulation could hold: those of different levels
+//! that touch, and lines that cross. They are searched with exact predicates on the coordinates as they are, and cut by
+//! leaving out whole segments, so that every vertex that remains is a vertex of the input. A line that merely touches
+//! itself loses nothing: it is split there. Nothing depends on the order of the input's features, nor on the number of
+//! threads.
+
+mod canonical;
+mod contacts;
+mod cut;
+mod join;
+mod meet;
+mod nodes;
+mod points;
+mod removed;
+mod segments;
+mod split;
+mod spots;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use self::contacts::Contacts;
+use self::removed::Removed;
+use self::segments::Segments;
+use super::{Contour, ContourMap};
+use crate::error::{Error, Finding, Report, Result};
+
+/// How often connections that are in the way are taken back one by one, before all are. Twice is nearly always enough:
+/// to take one back can bring back a segment that is in the way of another.
+const JOIN_ROUNDS: usize = 4;
+
+/// What counts as near, in map units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CleanParams {
+    /// The widest gap across which ends of one level are joined and a line is closed. With 0 only ends at the very same
+    /// point are.
+    pub snap: f64,
+    /// Lines of different level, and spot heights, closer than this count as touching.
+    pub separation: f64,
+}
+
+impl Default for CleanParams {
+    fn default() -> Self {
+        Self { snap: 0.0, separation: 1e-6 }
+    }
+}
+
+impl CleanParams {
+    fn check(&self) -> Result<()> {
+        for (name, value) in [("snap", self.snap), ("separation", self.separation)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::Parameter(format!("the {name} distance must be 0 or more map units, not {value}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Makes a map sound; see the module's first lines for the steps.
+///
+/// In the result every coordinate and elevation is finite and every line has two points at least, visits no vertex twice
+/// (but for the end of a closed line) and does not cross itself; lines of one level touch at single points at most and
+/// do not cross there otherwise than at a common vertex; lines of different level are at least `separation` apart. Lines
+/// are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y), closed ones
+/// start at their smallest vertex. A joined line has the smallest feature number of its pieces.
+///
+/// What is left out or joined is in the findings, step by step and in a fixed order within each.
+///
+/// # Errors
+/// [`Error::Parameter`] for distances that are negative or no numbers. [`Error::Data`] if lines meet so often that they
+/// cannot be contour lines, or if there are more than 2³² vertices.
+pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
+    params.check()?;
+    let ContourMap { contours, spots, crs } = map;
+    let lines = clean_lines(contours, params)?;
+    let mut findings = lines.findings;
+    findings.extend(lines.removed.iter().map(Removed::finding));
+    let spots = spots::clean(spots, &lines.contours, params.separation)?.collect(&mut findings);
+    Ok(Report { value: ContourMap { contours: lines.contours, spots, crs }, findings })
+}
+
+/// Checks what [`clean`](fn@clean) promises of a map's lines and that its spot heights are finite.
+///
+/// # Errors
+/// [`Error::Data`] with the first thing that is not so.
+pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
+    params.check()?;
+    for contour in &map.contours {
+        points::validate(contour)?;
+    }
+    if map.spots.iter().any(|s| !(points::is_place(s.truncate()) && s.z.is_finite())) {
+        return Err(Error::Data("a spot height is not finite".to_owned()));
+    }
+    let segments = Segments::new(&map.contours)?;
+    match contacts::find(&segments, params.separation)?.iter().next() {
+        None => Ok(()),
+        Some((s, t)) => Err(Error::Data(cut::finding(&segments, s, t).finding().to_string())),
+    }
+}
+
+/// The lines after cleaning, and what happened to them.
+struct Cleaned {
+    contours: Vec<Contour>,
+    findings: Vec<Finding>,
+    /// The segments that are left out.
+    removed: Vec<Removed>,
+}
+
+fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> {
+    let Report { value: lines, mut findings } = points::drop_bad(contours);
+    let mut removed = Vec::new();
+    let lines = canonical::sort_unique(simple(lines, &mut removed), &mut findings);
+
+    let joined = join_where_free(lines, params)?;
+    findings.extend(joined.findings);
+    removed.extend(joined.removed);
+
+    let (mut lines, mut contacts) = (joined.lines, joined.contacts);
+    if !contacts.own.is_empty() {
+        let split = nodes::insert(lines, &contacts.own)?;
+        findings.extend(split.findings);
+        lines = split.unchanged;
+        lines.extend(simple(split.changed, &mut removed));
+        lines = canonical::sort_unique(lines, &mut findings);
+        contacts = contacts::find(&Segments::new(&lines)?, params.separation)?;
+    }
+
+    if !contacts.conflicts.is_empty() {
+        let segments = Segments::new(&lines)?;
+        let cuts = cut::choose(&segments, &contacts.conflicts);
+        removed.extend(cuts.iter().map(|&(s, partner)| cut::finding(&segments, s, partner)));
+        let starts = segments.into_starts();
+        lines = cut::apply(lines, &starts, &cuts);
+        canonical::sort(&mut lines);
+    }
+    Ok(Cleaned { contours: lines, findings, removed })
+}
+
+/// Lines joined where they can be, sorted, with their contacts.
+struct Joined {
+    lines: Vec<Contour>,
+    contacts: Contacts,
+    findings: Vec<Finding>,
+    removed: Vec<Removed>,
+}
+
+/// Joins lines, but not where the connection would meet a line: what the input has is not cut for the sake of a guess.
+fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams) -> Result<Joined> {
+    let mut in_the_way = HashSet::new();
+    let mut round = 0;
+    loop {
+        round += 1;
+        // Without gaps to close there is no second round.
+        let pieces = if params.snap > 0.0 { lines.clone() } else { std::mem::take(&mut lines) };
+        let join::Joined { unchanged, joined, connectors } = join::join(pieces, params.snap, &in_the_way);
+        let (mut findings, mut removed) = (Vec::new(), Vec::new());
+        let mut all = unchanged;
+        all.extend(simple(joined, &mut removed));
+        let all = canonical::sort_unique(all, &mut findings);
+        let segments = Segments::new(&all)?;
+        let contacts = contacts::find(&segments, params.separation)?;
+
+        let before = in_the_way.len();
+        if !connectors.is_empty() {
+            let met = contacts.iter().flat_map(|(s, t)| [segments.key(s), segments.key(t)]);
+            in_the_way.extend(met.chain(removed.iter().map(Removed::key)).filter(|key| connectors.contains_key(key)));
+        }
+        if in_the_way.len() == before {
+            findings.extend(join::findings(&connectors));
+            return Ok(Joined { lines: all, contacts, findings, removed });
+        }
+        if round == JOIN_ROUNDS {
+            in_the_way.extend(connectors.into_keys());
+        }
+    }
+}
+
+/// The lines in standard form, split where they touch themselves.
+fn simple(mut lines: Vec<Contour>, removed: &mut Vec<Removed>) -> Vec<Contour> {
+    lines.par_iter_mut().for_each(|line| canonical::normalise(&mut line.points));
+    let split: Vec<split::Split> = lines.into_par_iter().map(split::at_repeated_vertices).collect();
+    let mut simple = Vec::with_capacity(split.len());
+    let from = removed.len();
+    for part in split {
+        simple.extend(part.lines);
+        removed.extend(part.spikes);
+    }
+    removed[from..].sort_by(Removed::compare);
+    simple
+}

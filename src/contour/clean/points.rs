@@ -1,0 +1,106 @@
+//! Bad points: coordinates that are no places, repeated points, lines that are mere points.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::canonical::{compare_points, has_repeated_vertex};
+use crate::contour::Contour;
+use crate::error::{Error, Finding, FindingKind, Report, Result};
+
+/// Coordinates beyond this, in map units, are no places. The fourth power still is a finite number, which the predicates
+/// and distances need.
+const LARGEST_COORDINATE: f64 = 1e50;
+
+/// Whether a point is a place.
+pub(super) fn is_place(p: DVec2) -> bool {
+    p.x.abs() <= LARGEST_COORDINATE && p.y.abs() <= LARGEST_COORDINATE
+}
+
+/// Drops points and lines that are none.
+///
+/// Negative zeros become zeros on the way, so that equal numbers have equal bits from here on.
+pub(super) fn drop_bad(contours: Vec<Contour>) -> Report<Vec<Contour>> {
+    let (lines, findings): (Vec<Option<Contour>>, Vec<Vec<Finding>>) =
+        contours.into_par_iter().map(drop_bad_points).unzip();
+    let mut findings = findings.concat();
+    // The lines are in the input's order still.
+    findings.sort_by(|a, b| {
+        (a.kind.cmp(&b.kind))
+            .then_with(|| match (&a.place, &b.place) {
+                (Some(p), Some(q)) => compare_points(p, q),
+                (p, q) => p.is_some().cmp(&q.is_some()),
+            })
+            .then_with(|| a.message.cmp(&b.message))
+    });
+    Report { value: lines.into_iter().flatten().collect(), findings }
+}
+
+fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
+    let (elevation, feature) = (line.elevation, line.feature);
+    if !elevation.is_finite() {
+        let message = format!("the line of feature {feature} has no elevation that is a number; it was left out");
+        return (None, vec![finding(FindingKind::SkippedFeature, line.points.iter().find(|p| is_place(**p)), message)]);
+    }
+    line.elevation += 0.0;
+    line.points.iter_mut().for_each(|p| *p += 0.0);
+    let mut findings = Vec::new();
+    if line.points.len() < 2
+        || line.points.iter().any(|p| !is_place(*p))
+        || line.points.windows(2).any(|w| w[0] == w[1])
+    {
+        line.points = kept_points(&line.points, elevation, feature, &mut findings);
+    }
+    if line.points.len() < 2 {
+        let message = format!(
+            "the contour {elevation} m (feature {feature}) has fewer than two different points; it was left out"
+        );
+        findings.push(finding(FindingKind::PointLine, line.points.first(), message));
+        return (None, findings);
+    }
+    (Some(line), findings)
+}
+
+fn kept_points(points: &[DVec2], elevation: f64, feature: u64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
+    let mut kept: Vec<DVec2> = Vec::with_capacity(points.len());
+    // One finding for a run of the same point, however long.
+    let mut in_run = false;
+    for (i, &p) in points.iter().enumerate() {
+        if !is_place(p) {
+            let neighbour = kept.last().or_else(|| points[i..].iter().find(|q| is_place(**q)));
+            let message =
+                format!("a point of the contour {elevation} m (feature {feature}) is no place; it was left out");
+            findings.push(finding(FindingKind::NonFinitePoint, neighbour, message));
+        } else if kept.last() == Some(&p) {
+            if !in_run {
+                let message =
+                    format!("a point of the contour {elevation} m (feature {feature}) is repeated; it was kept once");
+                findings.push(Finding::at(FindingKind::RepeatedPoint, p, message));
+            }
+            in_run = true;
+        } else {
+            kept.push(p);
+            in_run = false;
+        }
+    }
+    kept
+}
+
+fn finding(kind: FindingKind, place: Option<&DVec2>, message: String) -> Finding {
+    Finding { kind, place: place.copied(), message }
+}
+
+/// Checks a single line's points.
+pub(super) fn validate(line: &Contour) -> Result<()> {
+    let fault = if !line.elevation.is_finite() {
+        "has no finite elevation"
+    } else if line.points.len() < 2 {
+        "has fewer than two points"
+    } else if !line.points.iter().all(|p| is_place(*p)) {
+        "has a point that is no place"
+    } else if has_repeated_vertex(&line.points) {
+        "visits a vertex twice"
+    } else {
+        return Ok(());
+    };
+    Err(Error::Data(format!("the contour {} m (feature {}) {fault}", line.elevation, line.feature)))
+}

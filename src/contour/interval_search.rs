@@ -1,0 +1,385 @@
+//! The vertical interval of a map, from the levels of its lines.
+//!
+//! Real maps leave levels out, add auxiliary contours at half or a quarter of the interval where the ground is flat, and
+//! carry some wrong labels. So no greatest common divisor is taken; instead every plausible step is given a mark from
+//! two shares, and the best one wins:
+//! - *explained*: how much of the lines lies on the step's levels. A step too large leaves half of the lines out.
+//! - *filled*: how many of the step's levels have lines, and as many as a level usually has. A step too small, fit for
+//!   the auxiliary contours or a wrong label, leaves its levels empty or nearly so.
+//!
+//! Lines count by their vertices, so that a short auxiliary contour or one wrong label does not count for a whole level.
+
+use super::{Contour, Interval};
+
+/// Exponent of a level's number of vertices in its weight. Below one, so that a single level with very many lines (the
+/// shore of a plain) does not outvote the others.
+const DAMPING: f64 = 0.75;
+/// How far a level may be off the step's own level and still be explained by it, as a share of the step. Wide enough for
+/// feet converted to metres and rounded to a decimetre.
+const OFF_LEVEL: f64 = 0.02;
+/// Weight of *filled* against *explained* (the square of beta in the F measure). Below one: a level that has lines is
+/// stronger evidence than one that has none. At one half, auxiliary contours at a quarter of all levels are still told
+/// from main ones.
+const FILLED_WEIGHT: f64 = 0.5;
+/// Empty levels in a row that count at most, so that one absurd label does not spoil the true step's mark.
+const MAX_GAP: f64 = 4.0;
+/// Mark of a step whose levels do not contain zero, against one whose do: nearly all maps count from zero.
+const OFFSET_MARK: f64 = 0.9;
+/// Levels looked at, the heaviest ones, so that elevations without any step cost little.
+const MAX_LEVELS: usize = 4096;
+/// Differences of levels that are tried as steps, the heaviest ones.
+const MAX_DIFFERENCES: usize = 24;
+/// Differences whose common divisors are tried too.
+const MAX_DIVIDED: usize = 10;
+/// Levels closer than this, as a share of the largest elevation, are one level that was rounded in two ways.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// A level and how much it counts.
+#[derive(Clone, Copy)]
+struct Weighted {
+    z: f64,
+    weight: f64,
+}
+
+/// Finds the vertical (contour) interval from the levels that the lines have.
+///
+/// Auxiliary contours in places, missing levels, some wrong labels, levels that are no whole numbers (feet in metres) and
+/// levels that do not start from zero are all taken into account. `None` if there are fewer than two different levels.
+/// With very few levels the answer can be ambiguous: 0, 20 and 50 may be 10 m or 20 m and a half.
+pub fn find_interval(contours: &[Contour]) -> Option<Interval> {
+    let levels = weighted_levels(contours);
+    if levels.len() < 2 {
+        return None;
+    }
+    candidate_steps(&levels)
+        .into_iter()
+        .filter_map(|step| fit(&levels, step))
+        .map(|interval| (mark(&levels, &interval), interval))
+        .max_by(|(a, p), (b, q)| a.total_cmp(b).then(p.step.total_cmp(&q.step)).then(q.base.total_cmp(&p.base)))
+        .map(|(_, interval)| interval)
+}
+
+/// The levels from low to high with their weights, those that differ by rounding only taken together.
+fn weighted_levels(contours: &[Contour]) -> Vec<Weighted> {
+    let mut all: Vec<Weighted> = contours
+        .iter()
+        .filter(|c| c.elevation.is_finite())
+        .map(|c| Weighted { z: c.elevation + 0.0, weight: c.points.len().max(1) as f64 })
+        .collect();
+    all.sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
+    let same = SAME_LEVEL * all.iter().map(|l| l.z.abs()).fold(0.0, f64::max);
+    let mut levels: Vec<Weighted> = Vec::new();
+    for level in all {
+        match levels.last_mut() {
+            Some(last) if level.z - last.z <= same => last.weight += level.weight,
+            _ => levels.push(level),
+        }
+    }
+    for level in &mut levels {
+        level.weight = level.weight.powf(DAMPING);
+    }
+    if levels.len() > MAX_LEVELS {
+        levels.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.z.total_cmp(&b.z)));
+        levels.truncate(MAX_LEVELS);
+        levels.sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
+    }
+    levels
+}
+
+/// Differences between levels near each other, and the common divisors of the most frequent ones.
+fn candidate_steps(levels: &[Weighted]) -> Vec<f64> {
+    let mut differences: Vec<(f64, f64)> = Vec::new();
+    // A level in between may be auxiliary or wrong, so levels two and three further on count as well.
+    for lag in 1..=3 {
+        for (low, high) in levels.iter().zip(levels.iter().skip(lag)) {
+            differences.push((high.z - low.z, low.weight.min(high.weight)));
+        }
+    }
+    differences.retain(|(d, _)| d.is_finite());
+    differences.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut groups: Vec<(f64, f64)> = Vec::new();
+    for (difference, weight) in differences {
+        match groups.last_mut() {
+            Some((d, w)) if difference - *d <= 1e-6 * *d => *w += weight,
+            _ => groups.push((difference, weight)),
+        }
+    }
+    groups.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(b.0.total_cmp(&a.0)));
+    groups.truncate(MAX_DIFFERENCES);
+    let mut steps: Vec<f64> = groups.iter().map(|g| g.0).collect();
+    let divided = &groups[..groups.len().min(MAX_DIVIDED)];
+    for (i, a) in divided.iter().enumerate() {
+        steps.extend(divided[i + 1..].iter().map(|b| common_divisor(a.0, b.0)));
+    }
+    steps.sort_unstable_by(f64::total_cmp);
+    steps.dedup();
+    steps
+}
+
+/// Euclid's algorithm on lengths that carry rounding.
+fn common_divisor(a: f64, b: f64) -> f64 {
+    let tolerance = 1e-3 * a.min(b);
+    let (mut a, mut b) = (a.max(b), a.min(b));
+    while b > tolerance {
+        // The remainder next to b is as near to zero as the one next to zero.
+        let remainder = a % b;
+        (a, b) = (b, remainder.min(b - remainder));
+    }
+    a
+}
+
+/// The step with its best base: the heaviest set of levels that lie whole steps apart, then a straight line through them.
+fn fit(levels: &[Weighted], step: f64) -> Option<Interval> {
+    let base = heaviest_base(levels, step)?;
+    let mut interval = Interval { step, base };
+    let mut precision = 0.0;
+    // A step from one pair of rounded levels is good for the levels near by only; each round reaches further.
+    let anchor = levels
+        .iter()
+        .filter(|l| off_level(&interval, l.z) <= OFF_LEVEL)
+        .max_by(|a, b| a.weight.total_cmp(&b.weight).then(b.z.total_cmp(&a.z)))?;
+    interval.base = anchor.z;
+    for reach in [10.0, 100.0, f64::INFINITY] {
+        let near = levels.iter().filter(|l| {
+            let k = (l.z - anchor.z) / interval.step;
+            k.abs() <= reach && off_level(&interval, l.z) <= OFF_LEVEL
+        });
+        if let Some((line, error)) = straight_line(near, &interval) {
+            (interval, precision) = (line, error);
+        }
+    }
+    let step = short_decimal(interval.step, precision.max(1e-10 * interval.step));
+    if !(step.is_finite() && step > 0.0) {
+        return None;
+    }
+    let near: Vec<&Weighted> = levels.iter().filter(|l| off_level(&interval, l.z) <= OFF_LEVEL).collect();
+    Some(Interval { step, base: short_base(&near, step) })
+}
+
+/// How far `z` is from the nearest level of the interval, as a share of the step.
+fn off_level(interval: &Interval, z: f64) -> f64 {
+    let k = (z - interval.base) / interval.step;
+    (k - k.round()).abs()
+}
+
+/// The remainder, on division by the step, that most of the weight has.
+fn heaviest_base(levels: &[Weighted], step: f64) -> Option<f64> {
+    let mut remainders: Vec<(f64, f64)> = levels.iter().map(|l| ((l.z / step).rem_euclid(1.0), l.weight)).collect();
+    remainders.retain(|(r, _)| r.is_finite());
+    remainders.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    // The circle of remainders once more, so that a window can run over its seam.
+    let n = remainders.len();
+    let at = |i: usize| if i < n { remainders[i] } else { (remainders[i - n].0 + 1.0, remainders[i - n].1) };
+    let (mut best, mut sum, mut end) = (None, 0.0, 0);
+    for start in 0..n {
+        while end < start + n && at(end).0 - at(start).0 <= OFF_LEVEL {
+            sum += at(end).1;
+            end += 1;
+        }
+        if best.is_none_or(|(most, _, _)| sum > most) {
+            best = Some((sum, start, end));
+        }
+        sum -= at(start).1;
+    }
+    best.map(|(_, start, end)| 0.5 * (at(start).0 + at(end - 1).0) * step)
+}
+
+/// The line through (k, z), and how far its slope may be off (three standard errors).
+///
+/// Least squares over the levels that fit, and those are found with medians: a wrong label far away that happens to lie
+/// near a level of the step would otherwise tilt the line.
+fn straight_line<'a>(levels: impl Iterator<Item = &'a Weighted>, guess: &Interval) -> Option<(Interval, f64)> {
+    let mut pairs: Vec<(f64, f64)> =
+        levels.map(|l| (((l.z - guess.base) / guess.step).round(), l.z - guess.base)).collect();
+    let half = pairs.len() / 2;
+    let slopes = pairs.iter().zip(&pairs[half..]).filter(|(a, b)| a.0 != b.0).map(|(a, b)| (b.1 - a.1) / (b.0 - a.0));
+    let slope = median(slopes.collect())?;
+    let offset = median(pairs.iter().map(|p| p.1 - slope * p.0).collect())?;
+    let off = |p: &(f64, f64)| (p.1 - offset - slope * p.0).abs();
+    let limit = 4.0 * median(pairs.iter().map(off).collect())? + 1e-9 * guess.step;
+    pairs.retain(|p| off(p) <= limit);
+    let n = pairs.len() as f64;
+    let (mean_k, mean_z) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let kk: f64 = pairs.iter().map(|p| (p.0 - mean_k).powi(2)).sum();
+    let kz: f64 = pairs.iter().map(|p| (p.0 - mean_k) * (p.1 - mean_z)).sum();
+    let step = kz / kk;
+    if !(step.is_finite() && step > 0.0) {
+        return None;
+    }
+    let residuals: f64 = pairs.iter().map(|p| (p.1 - mean_z - step * (p.0 - mean_k)).powi(2)).sum();
+    let error = 3.0 * (residuals / (n - 2.0).max(1.0) / kk).sqrt();
+    Some((Interval { step, base: guess.base + mean_z - step * mean_k }, error))
+}
+
+/// The middle value, if there is any.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// The number of fewest decimals within `tolerance`.
+fn short_decimal(value: f64, tolerance: f64) -> f64 {
+    (-2..=9)
+        .map(|decimals| {
+            let scale = 10f64.powi(decimals);
+            (value * scale).round() / scale
+        })
+        .find(|short| (short - value).abs() <= tolerance)
+        .unwrap_or(value)
+}
+
+/// The base from 0 to below the step, as the middle one of the levels' remainders.
+fn short_base(levels: &[&Weighted], step: f64) -> f64 {
+    let Some(first) = levels.first() else { return 0.0 };
+    let off = |l: &&Weighted| l.z - first.z - ((l.z - first.z) / step).round() * step;
+    let middle = median(levels.iter().map(off).collect()).unwrap_or(0.0);
+    let spread = median(levels.iter().map(|l| (off(l) - middle).abs()).collect()).unwrap_or(0.0);
+    let tolerance = (2.0 * spread).max(1e-9 * step);
+    let base = (first.z + middle).rem_euclid(step);
+    if base.min(step - base) <= tolerance { 0.0 } else { short_decimal(base, tolerance) }
+}
+
+/// The interval's mark, from 0 to 1.
+fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
+    let total: f64 = levels.iter().map(|l| l.weight).sum();
+    // Of several levels at one of the interval's only the heaviest is explained: they would all be the same to a step
+    // as large as the map is high.
+    let mut on: Vec<(f64, f64)> = Vec::new();
+    for level in levels.iter().filter(|l| off_level(interval, l.z) <= OFF_LEVEL) {
+        let k = ((level.z - interval.base) / interval.step).round();
+        match on.last_mut() {
+            Some(last) if last.0 == k => last.1 = last.1.max(level.weight),
+            _ => on.push((k, level.weight)),
+        }
+    }
+    let weight: f64 = on.iter().map(|l| l.1).sum();
+    if on.len() < 2 {
+        return 0.0;
+    }
+    // The mean over the vertices, not over the levels: what a level with many lines has.
+    let usual = on.iter().map(|l| l.1 * l.1).sum::<f64>() / weight;
+    let slots = 1.0 + on.windows(2).map(|w| (w[1].0 - w[0].0).clamp(1.0, 1.0 + MAX_GAP)).sum::<f64>();
+    let filled = on.iter().map(|l| (l.1 / usual).min(1.0)).sum::<f64>() / slots;
+    let explained = weight / total;
+    let f = (1.0 + FILLED_WEIGHT) * explained * filled / (FILLED_WEIGHT * explained + filled);
+    f * if interval.base == 0.0 { 1.0 } else { OFFSET_MARK }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn line(elevation: f64, vertices: usize) -> Contour {
+        Contour { elevation, points: (0..vertices).map(|i| DVec2::new(i as f64, 0.0)).collect(), feature: 0 }
+    }
+
+    fn found(levels: &[f64]) -> Option<Interval> {
+        find_interval(&levels.iter().map(|&z| line(z, 10)).collect::<Vec<_>>())
+    }
+
+    fn interval(step: f64, base: f64) -> Option<Interval> {
+        Some(Interval { step, base })
+    }
+
+    #[test]
+    fn too_few_levels_have_no_interval() {
+        assert_eq!(found(&[]), None);
+        assert_eq!(found(&[10.0, 10.0]), None);
+        assert_eq!(found(&[f64::NAN, 10.0, f64::INFINITY]), None);
+        assert_eq!(found(&[0.3, 0.1 + 0.2]), None);
+    }
+
+    #[test]
+    fn plain_levels() {
+        assert_eq!(found(&[100.0, 110.0]), interval(10.0, 0.0));
+        assert_eq!(found(&[-20.0, -10.0, 0.0, 10.0]), interval(10.0, 0.0));
+        assert_eq!(found(&[5.0, 15.0, 25.0, 35.0]), interval(10.0, 5.0));
+        assert_eq!(found(&[10.0, 20.0, 40.0, 50.0, 80.0]), interval(10.0, 0.0));
+        assert_eq!(found(&[0.0, 20.0, 40.0, 50.0, 70.0]), interval(10.0, 0.0));
+    }
+
+    #[test]
+    fn steps_that_are_no_whole_numbers() {
+        let times = |step: f64| (1..60).map(|k| k as f64 * step).collect::<Vec<_>>();
+        assert_eq!(found(&times(0.1)), interval(0.1, 0.0));
+        assert_eq!(found(&times(2.5)), interval(2.5, 0.0));
+        assert_eq!(found(&times(3.048)), interval(3.048, 0.0));
+        assert_eq!(found(&times(0.25)), interval(0.25, 0.0));
+        let survey = 12_000.0 / 3937.0;
+        let got = found(&times(survey)).expect("a step");
+        assert!((got.step - survey).abs() < 1e-9 && got.base == 0.0, "{got:?}");
+    }
+
+    #[test]
+    fn feet_rounded_to_centimetres() {
+        let rounded: Vec<f64> = (1..400).map(|k| (k as f64 * 304.8).round() / 100.0).collect();
+        assert_eq!(found(&rounded), interval(3.048, 0.0));
+    }
+
+    #[test]
+    fn auxiliary_contours_in_places() {
+        let mut lines: Vec<Contour> = (10..40).map(|k| line(k as f64 * 10.0, 500)).collect();
+        lines.extend([105.0, 115.0, 205.0, 207.5].map(|z| line(z, 30)));
+        assert_eq!(find_interval(&lines), interval(10.0, 0.0));
+        // At every level, but short.
+        lines.extend((10..40).map(|k| line(k as f64 * 10.0 + 5.0, 60)));
+        assert_eq!(find_interval(&lines), interval(10.0, 0.0));
+    }
+
+    #[test]
+    fn wrong_labels() {
+        let mut levels: Vec<f64> = (10..40).map(|k| k as f64 * 10.0).collect();
+        levels.extend([13.0, 1300.0, 99_999.0, -32_768.0]);
+        assert_eq!(found(&levels), interval(10.0, 0.0));
+    }
+
+    #[test]
+    fn elevations_without_a_step_cost_little() {
+        let mut z = 0.0f64;
+        let levels: Vec<f64> = (0..20_000u32)
+            .map(|i| {
+                z = (z * 1.37 + f64::from(i) * 0.618_033_988).rem_euclid(977.0);
+                z
+            })
+            .collect();
+        assert!(found(&levels).is_some_and(|i| i.step > 0.0));
+        assert!(found(&[1e-300, 2e-300, f64::MAX, f64::MIN]).is_none_or(|i| i.step > 0.0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn subsets_have_the_step_of_the_whole(
+            step in prop::sample::select(vec![0.1, 0.5, 1.0, 2.0, 2.5, 5.0, 10.0, 20.0, 25.0, 50.0, 100.0, 3.048, 12.192]),
+            shift in prop::sample::select(vec![0.0, 0.0, 0.5]),
+            first in -200i64..400,
+            rows in prop::collection::vec((0u32..100, 50usize..200, 0u32..100), 12..60),
+            wrong in prop::collection::vec(-500.0..3000.0f64, 0..2),
+        ) {
+            let truth = Interval { step, base: step * shift };
+            let mut lines = Vec::new();
+            for (k, &(missing, vertices, auxiliary)) in rows.iter().enumerate() {
+                let z = truth.base + (first + k as i64) as f64 * step;
+                if missing >= 10 {
+                    lines.push(line(z, vertices));
+                }
+                if auxiliary < 5 {
+                    lines.push(line(z + 0.5 * step, 5));
+                }
+            }
+            let (main, auxiliary) = (
+                lines.iter().filter(|l| l.points.len() > 5).count(),
+                lines.iter().filter(|l| l.points.len() == 5).count(),
+            );
+            prop_assume!(main * 10 >= rows.len() * 8 && auxiliary * 5 <= main);
+            lines.extend(wrong.iter().map(|&z| line(z, 20)));
+            let got = find_interval(&lines).expect("levels enough");
+            prop_assert!((got.step - step).abs() <= 1e-9 * step, "{got:?} for {truth:?}");
+            prop_assert!((got.base - truth.base).abs() <= 1e-9 * step, "{got:?} for {truth:?}");
+        }
+    }
+}
