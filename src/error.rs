@@ -96,6 +96,27 @@ pub enum FindingKind {
     BandContradiction,
 }
 
+impl FindingKind {
+    /// What the findings of this kind are about, as a heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::SkippedFeature => "features left out",
+            Self::UnknownCrs => "coordinate reference system unknown",
+            Self::NonFinitePoint => "points without coordinates left out",
+            Self::RepeatedPoint => "repeated points",
+            Self::PointLine => "lines without length left out",
+            Self::DuplicateLine => "duplicate lines",
+            Self::ClosedGap => "gaps closed",
+            Self::LevelsCross => "lines of different level that cross or touch",
+            Self::SelfCross => "lines that cross themselves or their own level",
+            Self::SpotOnLine => "spot heights on contours",
+            Self::SpotOutsideBand => "spot heights outside the contours around them",
+            Self::SkippedLevel => "neighbouring contours that skip a level",
+            Self::BandContradiction => "contours with the same side on both sides",
+        }
+    }
+}
+
 /// Something noticed about the input, with its place. The work went on.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Finding {

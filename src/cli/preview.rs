@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use tokosen::contour::ContourLine;
+use tokosen::dem::rasterise;
 use tokosen::io::StagedOutput;
+use tokosen::io::raster::write_picture;
+use tokosen::preview::{Preview, map_grid, render};
 use tokosen::surface::Surface;
 
 use super::Failure;
@@ -19,9 +22,16 @@ pub fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<StagedOutput
     output::open(path, inputs).map(Some)
 }
 
-/// Draws the picture.
+/// Draws the picture, still under its temporary name.
 pub fn write(staged: &StagedOutput, surface: &Surface, lines: &[ContourLine], console: &Console) -> Result<(), Failure> {
-    let _ = (staged, surface, lines, console);
+    let (lo, hi) = output::extent(surface);
+    let grid = map_grid(lo, hi)?;
+    console.step("drawing", || {
+        let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), &());
+        let picture =
+            render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
+        write_picture(&staged.path(), &picture)
+    })?;
     Ok(())
 }
 
