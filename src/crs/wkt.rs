@@ -1,0 +1,199 @@
+//! Well-known text as a tree.
+//!
+//! One reader serves WKT 1, WKT 2 and Esri's flavour, because all three are keywords with bracketed arguments. Text
+//! that is not of that shape gives `None`; no text makes the reader panic or recurse.
+
+/// How deep brackets may nest. The deepest systems in use nest about ten levels.
+const MAX_DEPTH: usize = 64;
+
+/// A keyword with its arguments.
+#[derive(Debug)]
+pub(super) struct Node {
+    /// In capitals.
+    pub keyword: String,
+    args: Vec<Arg>,
+}
+
+#[derive(Debug)]
+enum Arg {
+    /// In quotation marks.
+    Text(String),
+    /// A number or a bare word.
+    Word(String),
+    Node(Node),
+}
+
+/// Reads a text whose whole is one keyword with arguments.
+pub(super) fn parse(text: &str) -> Option<Node> {
+    let mut open: Vec<Node> = Vec::new();
+    let mut word = String::new();
+    let mut chars = text.trim().trim_start_matches('\u{feff}').chars().peekable();
+    while let Some(c) = chars.next() {
+        match c {
+            '[' | '(' => {
+                let keyword = std::mem::take(&mut word).trim().to_ascii_uppercase();
+                if keyword.is_empty() || open.len() == MAX_DEPTH {
+                    return None;
+                }
+                open.push(Node { keyword, args: Vec::new() });
+            }
+            ']' | ')' => {
+                let mut node = open.pop()?;
+                flush(&mut word, &mut node);
+                match open.last_mut() {
+                    Some(parent) => parent.args.push(Arg::Node(node)),
+                    None => return chars.all(char::is_whitespace).then_some(node),
+                }
+            }
+            ',' => flush(&mut word, open.last_mut()?),
+            '"' => {
+                let mut quoted = String::new();
+                loop {
+                    match chars.next()? {
+                        // A doubled quotation mark stands for one inside the text.
+                        '"' if chars.peek() == Some(&'"') => quoted.extend(chars.next()),
+                        '"' => break,
+                        other => quoted.push(other),
+                    }
+                }
+                open.last_mut()?.args.push(Arg::Text(quoted));
+            }
+            other => word.push(other),
+        }
+    }
+    None
+}
+
+fn flush(word: &mut String, node: &mut Node) {
+    let bare = std::mem::take(word);
+    if !bare.trim().is_empty() {
+        node.args.push(Arg::Word(bare.trim().to_owned()));
+    }
+}
+
+impl Node {
+    /// The first argument in quotation marks.
+    pub fn name(&self) -> Option<&str> {
+        self.args.iter().find_map(|arg| match arg {
+            Arg::Text(text) => Some(text.as_str()),
+            _ => None,
+        })
+    }
+
+    /// The arguments that are themselves keywords with arguments.
+    pub fn nodes(&self) -> impl DoubleEndedIterator<Item = &Node> {
+        self.args.iter().filter_map(|arg| match arg {
+            Arg::Node(node) => Some(node),
+            _ => None,
+        })
+    }
+
+    /// The first argument of one of these keywords.
+    pub fn child(&self, keywords: &[&str]) -> Option<&Node> {
+        self.nodes().find(|node| keywords.contains(&node.keyword.as_str()))
+    }
+
+    /// The numbers among the arguments.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.args.iter().filter_map(|arg| match arg {
+            Arg::Word(word) => word.parse().ok(),
+            _ => None,
+        })
+    }
+
+    /// Authority and code from the last `AUTHORITY` or `ID` of this node itself.
+    pub fn authority(&self) -> Option<(&str, u32)> {
+        let node = self.nodes().rfind(|node| matches!(node.keyword.as_str(), "AUTHORITY" | "ID"))?;
+        let code = node.args.get(1).and_then(|arg| match arg {
+            Arg::Text(text) | Arg::Word(text) => text.trim().parse().ok(),
+            Arg::Node(_) => None,
+        })?;
+        Some((node.name()?, code))
+    }
+
+    /// The system itself, without a transformation that is bound to it.
+    pub fn unbound(&self) -> &Node {
+        let source = if self.keyword == "BOUNDCRS" { self.child(&["SOURCECRS"]) } else { None };
+        source.and_then(|source| source.nodes().next()).unwrap_or(self)
+    }
+
+    /// The horizontal part of a compound or bound system; the node itself if it is neither.
+    pub fn horizontal(&self) -> &Node {
+        let mut node = self;
+        loop {
+            let inner = match node.keyword.as_str() {
+                "COMPD_CS" | "COMPOUNDCRS" => node.nodes().find(|part| part.is_system()),
+                "BOUNDCRS" => Some(node.unbound()),
+                _ => None,
+            };
+            match inner {
+                Some(part) if !std::ptr::eq(part, node) => node = part,
+                _ => return node,
+            }
+        }
+    }
+
+    fn is_system(&self) -> bool {
+        self.keyword.ends_with("CRS") || self.keyword.ends_with("CS") && self.keyword != "CS"
+    }
+
+    /// Whether this horizontal system has degrees for coordinates.
+    pub fn is_geographic(&self) -> bool {
+        match self.keyword.as_str() {
+            "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" => true,
+            // Latitude and longitude, or earth-centred metres: its coordinate system tells.
+            "GEODCRS" | "GEODETICCRS" => self.child(&["CS"]).is_some_and(
+                |cs| matches!(cs.args.first(), Some(Arg::Word(kind)) if kind.eq_ignore_ascii_case("ellipsoidal")),
+            ),
+            _ => false,
+        }
+    }
+
+    /// Name and metres of the unit of this horizontal system, unless it is geographic.
+    pub fn length_unit(&self) -> Option<(&str, f64)> {
+        if self.is_geographic() {
+            return None;
+        }
+        let unit = self
+            .child(&["UNIT", "LENGTHUNIT"])
+            .or_else(|| self.child(&["AXIS"]).and_then(|axis| axis.child(&["LENGTHUNIT", "UNIT"])))?;
+        Some((unit.name()?, unit.numbers().next().filter(|metres| metres.is_finite() && *metres > 0.0)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_quotes_and_numbers() {
+        let node = parse(" GEOGCS ( \"say \"\"hi\"\"\" , UNIT[ \"degree\", 1.5e-2 ] ,x) ").unwrap();
+        assert_eq!((node.keyword.as_str(), node.name()), ("GEOGCS", Some("say \"hi\"")));
+        assert_eq!(node.child(&["UNIT"]).unwrap().numbers().collect::<Vec<_>>(), [0.015]);
+    }
+
+    #[test]
+    fn garbage_is_no_tree() {
+        let deep = "A[".repeat(100_000);
+        let nested = format!("{}{}", "A[".repeat(1000), "]".repeat(1000));
+        for text in
+            ["", "PROJCS", "PROJCS[", "[\"x\"]", "PROJCS[\"x", "]", ",", "\"", "A[1]]", "A[1] B", &deep, &nested]
+        {
+            assert!(parse(text).is_none(), "{:.40}", text);
+        }
+    }
+
+    #[test]
+    fn no_prefix_and_no_changed_byte_panics() {
+        let text = crs_definitions::EPSG_5972.wkt;
+        for end in 0..text.len() {
+            let node = parse(&text[..end]);
+            assert!(node.is_none());
+            for c in ['[', ']', '"', ',', 'é', '\0'] {
+                let changed = format!("{}{c}{}", &text[..end], &text[end + 1..]);
+                let crs = crate::crs::Crs::from_wkt(&changed);
+                let _ = (crs.is_geographic(), crs.name(), crs.length_unit(), crs.wkt1().is_some());
+            }
+        }
+    }
+}
