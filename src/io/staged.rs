@@ -1,0 +1,258 @@
+//! An output that appears whole or not at all.
+//!
+//! Files are written into a hidden folder beside the target and moved over it at the end. So an output folder that is
+//! missing or cannot be written to is noticed before the long computation, a finished file is never replaced by a
+//! broken one, and formats of several files get their final names at once.
+//!
+//! Dropping the output without [`StagedOutput::commit`] removes everything. A process that is killed by a signal runs
+//! no destructors and leaves its hidden folder (`.tokosen-…`) behind; nothing reads it, and it can be deleted.
+
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::error::{Error, Result};
+
+/// Files beside an output that describe its former content and would be wrong for the new one. The first column is
+/// the extension of the output, the second an ending that replaces that extension.
+const REPLACED_ENDINGS: &[(&str, &[&str])] = &[("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"])];
+
+/// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and what a database
+/// engine keeps beside a file that it did not close.
+const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
+    ("gpkg", &["-journal", "-wal", "-shm"]),
+    ("tif", &[".aux.xml", ".ovr", ".msk"]),
+    ("tiff", &[".aux.xml", ".ovr", ".msk"]),
+    ("png", &[".aux.xml"]),
+    ("exr", &[".aux.xml"]),
+];
+
+/// A target file, or several beside each other, in the making.
+#[derive(Debug)]
+pub struct StagedOutput {
+    /// Where the main file goes; symbolic links resolved, so that a link stays a link.
+    target: PathBuf,
+    folder: PathBuf,
+    staging: TempDir,
+}
+
+impl StagedOutput {
+    /// Makes the hidden folder beside `target`.
+    ///
+    /// # Errors
+    /// If `target` is a folder, a device or no file name, or if its folder is missing or cannot be written to.
+    pub fn create(target: &Path) -> Result<Self> {
+        // "x/" would be taken for the file x.
+        let ends_open =
+            target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
+        if target.file_name().is_none() || ends_open {
+            return Err(Error::Parameter(format!("{} is not a file name to write to", target.display())));
+        }
+        let target = if target.is_symlink() && target.exists() {
+            target.canonicalize().map_err(|e| Error::io("follow the link", target, e))?
+        } else {
+            target.to_owned()
+        };
+        match fs::metadata(&target) {
+            Ok(meta) if meta.is_dir() => {
+                return Err(Error::file(&target, "is a folder; name a file in it to write to"));
+            }
+            Ok(meta) if !meta.is_file() => {
+                return Err(Error::file(&target, "is not an ordinary file; name one to write to"));
+            }
+            _ => {}
+        }
+        let folder = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        let staging = tempfile::Builder::new()
+            .prefix(".tokosen-")
+            .tempdir_in(&folder)
+            .map_err(|e| Error::io("create a file in", &folder, e))?;
+        Ok(Self { target, folder, staging })
+    }
+
+    /// Where the main file will be.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Where to write the main file.
+    pub fn path(&self) -> PathBuf {
+        self.sibling(self.target.file_name().unwrap_or_default())
+    }
+
+    /// Where to write a file that will be called `name`, beside the target.
+    pub fn sibling(&self, name: impl AsRef<OsStr>) -> PathBuf {
+        self.staging.path().join(name.as_ref())
+    }
+
+    /// An error about a file of this output, with the name that the user knows instead of that in the hidden folder.
+    pub fn with_final_name(&self, error: Error) -> Error {
+        let renamed = |path: PathBuf| match path.strip_prefix(self.staging.path()) {
+            Ok(name) => self.folder.join(name),
+            Err(_) => path,
+        };
+        match error {
+            Error::Io { action, path, source } => Error::Io { action, path: renamed(path), source },
+            Error::File { path, message, source } => Error::File { path: renamed(path), message, source },
+            other => other,
+        }
+    }
+
+    /// Writes everything through to the disk and moves it over to the target's folder, the main file last.
+    ///
+    /// Files that belong to the former content of a target, such as a spatial index or a statistics file, are removed.
+    ///
+    /// # Errors
+    /// If the disk is full or a file of that name cannot be replaced. What was moved before that stays.
+    pub fn commit(self) -> Result<()> {
+        let names = self.staged_names()?;
+        for name in &names {
+            let path = self.sibling(name);
+            File::open(&path)
+                .and_then(|file| file.sync_all())
+                .map_err(|e| Error::io("write", &self.folder.join(name), e))?;
+        }
+        for name in &names {
+            for stale in stale_companions(name).into_iter().filter(|stale| !names.contains(stale)) {
+                let path = self.folder.join(stale);
+                if path.is_file() {
+                    fs::remove_file(&path).map_err(|e| Error::io("remove the outdated", &path, e))?;
+                }
+            }
+        }
+        for name in &names {
+            let goal = self.folder.join(name);
+            fs::rename(self.sibling(name), &goal).map_err(|e| Error::io("replace", &goal, e))?;
+        }
+        // The names themselves reach the disk with the folder. Not every file system offers that, and the content is
+        // safe already, so a refusal is no failure.
+        if let Ok(folder) = File::open(&self.folder) {
+            let _ = folder.sync_all();
+        }
+        self.staging.close().map_err(|e| Error::io("remove the temporary folder in", &self.folder, e))
+    }
+
+    /// The names of the staged files in order, the main file last.
+    fn staged_names(&self) -> Result<Vec<OsString>> {
+        let list = || -> std::io::Result<Vec<OsString>> {
+            fs::read_dir(self.staging.path())?.map(|entry| entry.map(|e| e.file_name())).collect()
+        };
+        let mut names = list().map_err(|e| Error::io("read", self.staging.path(), e))?;
+        let main = self.target.file_name();
+        names.sort_by_key(|name| (Some(name.as_os_str()) == main, name.clone()));
+        Ok(names)
+    }
+}
+
+/// Names beside an output of this name that only fit its former content.
+fn stale_companions(name: &OsStr) -> Vec<OsString> {
+    let path = Path::new(name);
+    let Some(extension) = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase) else {
+        return Vec::new();
+    };
+    let endings = |table: &[(&str, &'static [&'static str])]| -> &'static [&'static str] {
+        table.iter().find(|(ext, _)| *ext == extension).map_or(&[], |(_, endings)| endings)
+    };
+    let replaced = endings(REPLACED_ENDINGS).iter().map(|ending| path.with_extension(ending).into_os_string());
+    let appended = endings(APPENDED_ENDINGS).iter().map(|ending| {
+        let mut whole = name.to_owned();
+        whole.push(ending);
+        whole
+    });
+    replaced.chain(appended).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn commit_moves_every_file_and_leaves_no_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("a.shp"), "old").unwrap();
+        let staged = StagedOutput::create(&dir.path().join("a.shp")).unwrap();
+        fs::write(staged.path(), "new").unwrap();
+        fs::write(staged.sibling("a.shx"), "index").unwrap();
+        assert_eq!(fs::read_to_string(dir.path().join("a.shp")).unwrap(), "old");
+        staged.commit().unwrap();
+        assert_eq!(names_in(dir.path()), ["a.shp", "a.shx"]);
+        assert_eq!(fs::read_to_string(dir.path().join("a.shp")).unwrap(), "new");
+    }
+
+    #[test]
+    fn drop_leaves_the_folder_as_it_was() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("a.gpkg"), "old").unwrap();
+        let staged = StagedOutput::create(&dir.path().join("a.gpkg")).unwrap();
+        fs::write(staged.path(), "half").unwrap();
+        drop(staged);
+        assert_eq!(names_in(dir.path()), ["a.gpkg"]);
+        assert_eq!(fs::read_to_string(dir.path().join("a.gpkg")).unwrap(), "old");
+    }
+
+    #[test]
+    fn errors_name_the_final_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let staged = StagedOutput::create(&dir.path().join("a.tif")).unwrap();
+        let full = std::io::Error::from(std::io::ErrorKind::StorageFull);
+        let error = staged.with_final_name(Error::io("write", &staged.path(), full));
+        assert_eq!(error.to_string(), format!("cannot write {}", dir.path().join("a.tif").display()));
+        let elsewhere = staged.with_final_name(Error::file(Path::new("/b.tif"), "is odd"));
+        assert_eq!(elsewhere.to_string(), "/b.tif: is odd");
+    }
+
+    #[test]
+    fn bad_targets_are_refused_before_anything_is_made() {
+        let dir = tempfile::tempdir().unwrap();
+        let missing = StagedOutput::create(&dir.path().join("no/such/a.gpkg")).unwrap_err();
+        assert!(missing.to_string().contains("no/such"), "{missing}");
+        assert!(StagedOutput::create(dir.path()).unwrap_err().to_string().contains("is a folder"));
+        assert!(StagedOutput::create(Path::new("")).is_err());
+        assert!(StagedOutput::create(Path::new("/")).is_err());
+        assert!(StagedOutput::create(&dir.path().join("a/")).is_err());
+        assert!(StagedOutput::create(&dir.path().join("..")).is_err());
+        assert!(names_in(dir.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_refused_and_a_link_is_followed() {
+        assert!(StagedOutput::create(Path::new("/dev/null")).unwrap_err().to_string().contains("ordinary"));
+        let dir = tempfile::tempdir().unwrap();
+        let real = dir.path().join("real");
+        fs::create_dir(&real).unwrap();
+        fs::write(real.join("b.tif"), "old").unwrap();
+        std::os::unix::fs::symlink(real.join("b.tif"), dir.path().join("link.tif")).unwrap();
+        let staged = StagedOutput::create(&dir.path().join("link.tif")).unwrap();
+        fs::write(staged.path(), "new").unwrap();
+        staged.commit().unwrap();
+        assert!(dir.path().join("link.tif").is_symlink());
+        assert_eq!(fs::read_to_string(real.join("b.tif")).unwrap(), "new");
+    }
+
+    #[test]
+    fn companions_of_the_former_content_go_and_others_stay() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a.shp", "a.prj", "a.qix", "a.txt", "b.qix", "c.tif.ovr"] {
+            fs::write(dir.path().join(name), "old").unwrap();
+        }
+        let staged = StagedOutput::create(&dir.path().join("a.shp")).unwrap();
+        fs::write(staged.path(), "new").unwrap();
+        fs::write(staged.sibling("a.prj"), "new").unwrap();
+        staged.commit().unwrap();
+        assert_eq!(names_in(dir.path()), ["a.prj", "a.shp", "a.txt", "b.qix", "c.tif.ovr"]);
+        assert_eq!(fs::read_to_string(dir.path().join("a.prj")).unwrap(), "new");
+    }
+}
