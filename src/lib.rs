@@ -4,5 +4,6 @@ pub mod contour;
 pub mod crs;
 pub mod dem;
 pub mod error;
+pub mod io;
 pub mod progress;
 pub mod skeleton;

@@ -1,0 +1,129 @@
+//! The `coordinates` member, whatever its nesting.
+//!
+//! The type of a geometry may come after its coordinates, so they are read without knowing it: an array of numbers is
+//! a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon types
+//! differ in how deep the parts lie, and nothing is lost by not keeping that.
+
+use std::fmt;
+
+use glam::DVec2;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, SeqAccess, Visitor};
+
+/// Positions that lie in one array.
+#[derive(Default)]
+pub(super) struct Part {
+    pub points: Vec<DVec2>,
+    /// One value a point, NaN where the position has none; empty if none has.
+    pub z: Vec<f64>,
+}
+
+impl Part {
+    fn push(&mut self, position: [f64; 3], has_z: bool) {
+        if has_z && self.z.is_empty() {
+            self.z.resize(self.points.len(), f64::NAN);
+        }
+        self.points.push(DVec2::new(position[0], position[1]));
+        if has_z || !self.z.is_empty() {
+            self.z.push(position[2]);
+        }
+    }
+}
+
+/// Appends the parts of a `coordinates` member.
+pub(super) struct Coordinates<'a>(pub &'a mut Vec<Part>);
+
+impl<'de> DeserializeSeed<'de> for Coordinates<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        let mut nest = Nest { parts: self.0, open: false };
+        match (&mut nest).deserialize(deserializer)? {
+            Level::Number(_) => Err(D::Error::custom("the coordinates are a bare number")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What an element turned out to be.
+enum Level {
+    Number(f64),
+    Position,
+    Deeper,
+    /// An empty array or null.
+    Nothing,
+}
+
+struct Nest<'a> {
+    parts: &'a mut Vec<Part>,
+    /// Whether the next position belongs to the last part.
+    open: bool,
+}
+
+impl<'de> DeserializeSeed<'de> for &mut Nest<'_> {
+    type Value = Level;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Level, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for &mut Nest<'_> {
+    type Value = Level;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number or an array in the coordinates")
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Level, E> {
+        Ok(Level::Number(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Level, E> {
+        Ok(Level::Number(value as f64))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Level, E> {
+        Ok(Level::Number(value as f64))
+    }
+
+    fn visit_unit<E>(self) -> Result<Level, E> {
+        Ok(Level::Nothing)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Level, A::Error> {
+        let mut position = [f64::NAN; 3];
+        let (mut numbers, mut positions, mut deeper) = (0_usize, 0_usize, 0_usize);
+        while let Some(level) = seq.next_element_seed(&mut *self)? {
+            match level {
+                Level::Number(value) => {
+                    if let Some(slot) = position.get_mut(numbers) {
+                        *slot = value;
+                    }
+                    numbers += 1;
+                }
+                Level::Position => positions += 1,
+                Level::Deeper => deeper += 1,
+                Level::Nothing => {}
+            }
+        }
+        match (numbers, positions, deeper) {
+            (0, 0, 0) => Ok(Level::Nothing),
+            (1, 0, 0) => Err(A::Error::custom("a position has one number; it needs two or three")),
+            (_, 0, 0) => {
+                if !self.open {
+                    self.parts.push(Part::default());
+                    self.open = true;
+                }
+                let part = self.parts.last_mut().expect("a part is open");
+                part.push(position, numbers > 2);
+                Ok(Level::Position)
+            }
+            (0, _, 0) => {
+                self.open = false;
+                Ok(Level::Deeper)
+            }
+            (0, 0, _) => Ok(Level::Deeper),
+            _ => Err(A::Error::custom("the coordinates mix numbers and arrays")),
+        }
+    }
+}

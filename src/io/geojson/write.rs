@@ -1,0 +1,66 @@
+//! Writes a layer as GeoJSON, feature by feature.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::crs::Crs;
+use crate::error::{Error, Result};
+use crate::io::layer::{Cell, Layer};
+
+/// Writes one file.
+///
+/// The system is named in the `crs` member of the older form of GeoJSON, which GIS programs read, unless it is WGS 84,
+/// for which the standard wants no such member. An unknown system is written as `null`, so that the coordinates are
+/// not taken for degrees.
+pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
+    let run = || -> std::io::Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 16, File::create(path)?);
+        out.write_all(b"{\"type\":\"FeatureCollection\",\"name\":")?;
+        serde_json::to_writer(&mut out, layer.name)?;
+        if let Some(member) = crs_member(crs) {
+            write!(out, ",\"crs\":{member}")?;
+        }
+        out.write_all(b",\"features\":[")?;
+        for (i, row) in layer.rows.iter().enumerate() {
+            out.write_all(if i == 0 { b"\n{\"type\":\"Feature\"" } else { b",\n{\"type\":\"Feature\"" })?;
+            for (j, (column, cell)) in layer.columns.iter().zip(&row.cells).enumerate() {
+                out.write_all(if j == 0 { b",\"properties\":{\"" } else { b",\"" })?;
+                out.write_all(column.name.as_bytes())?;
+                out.write_all(b"\":")?;
+                match cell {
+                    Cell::Real(number) => serde_json::to_writer(&mut out, number)?,
+                    Cell::Text(text) => serde_json::to_writer(&mut out, text)?,
+                    Cell::Bool(yes) => serde_json::to_writer(&mut out, yes)?,
+                }
+            }
+            out.write_all(b"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[")?;
+            let mut z = serde_json::to_vec(&row.z)?;
+            z.push(b']');
+            for (j, point) in row.points.iter().enumerate() {
+                out.write_all(if j == 0 { b"[" } else { b",[" })?;
+                serde_json::to_writer(&mut out, &point.x)?;
+                out.write_all(b",")?;
+                serde_json::to_writer(&mut out, &point.y)?;
+                out.write_all(b",")?;
+                out.write_all(&z)?;
+            }
+            out.write_all(b"]}}")?;
+        }
+        out.write_all(b"\n]}\n")?;
+        out.flush()
+    };
+    run().map_err(|e| Error::io("write", path, e))
+}
+
+/// The value of the `crs` member; `None` if there shall be none.
+fn crs_member(crs: Option<&Crs>) -> Option<serde_json::Value> {
+    let name = match (crs.and_then(|crs| crs.epsg), crs.and_then(Crs::wkt)) {
+        (Some(4326), _) => return None,
+        (Some(code), _) => format!("urn:ogc:def:crs:EPSG::{code}"),
+        // A system without a code can only be named by its whole text, which GDAL reads too.
+        (None, Some(wkt)) => wkt.to_owned(),
+        (None, None) => return Some(serde_json::Value::Null),
+    };
+    Some(serde_json::json!({ "type": "name", "properties": { "name": name } }))
+}

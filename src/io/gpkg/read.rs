@@ -1,0 +1,236 @@
+//! Reads layers of a GeoPackage into a table.
+
+use std::fs::File;
+use std::path::Path;
+
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
+
+use super::{quoted, wkb};
+use crate::crs::Crs;
+use crate::error::{Error, Finding, FindingKind, Result};
+use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
+
+/// A layer with geometry.
+struct Layer {
+    table: String,
+    geometry: String,
+    content: Content,
+    srs_id: i64,
+}
+
+/// What a layer's geometries are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Content {
+    Lines,
+    Points,
+    Other,
+}
+
+/// Reads the one layer that the request is about: the named one, else the only one of lines (or points, if the request
+/// is about points). A single layer of points beside a single layer of lines is read with it.
+pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+    // SQLite does not say why it cannot open a file; the system does.
+    File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let db = Connection::open_with_flags(path, flags)
+        .map_err(|e| Error::file_cause(path, "the file cannot be opened as a GeoPackage", e))?;
+    let broken = |e: rusqlite::Error| Error::file_cause(path, "the GeoPackage cannot be read", e);
+    let has_layers: bool = db
+        .query_row("SELECT count(*) FROM sqlite_master WHERE name = 'gpkg_geometry_columns'", [], |row| row.get(0))
+        .map_err(|e| Error::file_cause(path, "the file is not a GeoPackage, or it is broken", e))?;
+    if !has_layers {
+        return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
+    }
+    let layers = list_layers(&db).map_err(broken)?;
+    let mut table = Table::new(request);
+    let chosen = choose(path, &layers, request, &mut table)?;
+    for (i, layer) in chosen.iter().enumerate() {
+        let (crs, problem) = crs_of(&db, layer.srs_id).map_err(broken)?;
+        if i > 0 && layer.srs_id != chosen[0].srs_id {
+            let message = format!(
+                "the layer {:?} left out: its coordinate reference system is not that of the lines",
+                layer.table
+            );
+            table.findings.push(Finding::general(FindingKind::SkippedFeature, message));
+            continue;
+        }
+        (table.crs, table.crs_problem) = (crs, problem);
+        read_layer(path, &db, layer, &mut table)?;
+    }
+    Ok(table)
+}
+
+fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
+    let mut statement = db.prepare(
+        "SELECT table_name, column_name, geometry_type_name, srs_id FROM gpkg_geometry_columns ORDER BY table_name",
+    )?;
+    let rows = statement.query_map([], |row| {
+        let kind: String = row.get(2)?;
+        let layer = Layer { table: row.get(0)?, geometry: row.get(1)?, content: Content::Other, srs_id: row.get(3)? };
+        Ok((layer, kind))
+    })?;
+    let mut layers = Vec::new();
+    for row in rows {
+        let (mut layer, kind) = row?;
+        layer.content = match kind.to_ascii_uppercase().as_str() {
+            "GEOMETRY" | "GEOMETRYCOLLECTION" => peek(db, &layer)?,
+            other => content_of(other),
+        };
+        layers.push(layer);
+    }
+    Ok(layers)
+}
+
+fn content_of(kind: &str) -> Content {
+    match kind.to_ascii_uppercase().as_str() {
+        "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => Content::Lines,
+        "POINT" | "MULTIPOINT" => Content::Points,
+        _ => Content::Other,
+    }
+}
+
+/// Layers may declare any geometry: then the first one tells.
+fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<Content> {
+    let (table, geometry) = (quoted(&layer.table), quoted(&layer.geometry));
+    let sql = format!("SELECT {geometry} FROM {table} WHERE {geometry} IS NOT NULL LIMIT 1");
+    let blob: Option<Vec<u8>> = db.query_row(&sql, [], |row| row.get(0)).optional().unwrap_or(None);
+    let kind = blob.and_then(|blob| wkb::without_header(&blob).ok().flatten().and_then(|wkb| wkb::type_name(wkb).ok()));
+    Ok(match kind {
+        // Contours are what one would keep in a collection.
+        Some("GeometryCollection") => Content::Lines,
+        Some(kind) => content_of(kind),
+        None => Content::Other,
+    })
+}
+
+fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &mut Table) -> Result<Vec<&'a Layer>> {
+    let names =
+        |layers: &[&Layer]| layers.iter().map(|layer| format!("{:?}", layer.table)).collect::<Vec<_>>().join(", ");
+    let all: Vec<&Layer> = layers.iter().collect();
+    if all.is_empty() {
+        return Err(Error::file(path, "the GeoPackage has no vector layer"));
+    }
+    if let Some(wanted) = request.layer {
+        let exact = all.iter().find(|layer| layer.table == wanted);
+        let found = exact.or_else(|| all.iter().find(|layer| layer.table.to_lowercase() == wanted.to_lowercase()));
+        return match found {
+            Some(layer) => Ok(vec![layer]),
+            None => Err(Error::file(path, format!("there is no layer {wanted:?}; its layers are {}", names(&all)))),
+        };
+    }
+    let of = |content: Content| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
+    let (lines, points) = (of(Content::Lines), of(Content::Points));
+    let (wanted, what) = match request.purpose {
+        Purpose::Contours => (&lines, "lines"),
+        Purpose::Spots => (&points, "points"),
+    };
+    match wanted.as_slice() {
+        [] => Err(Error::file(path, format!("there is no layer of {what}; its layers are {}", names(&all)))),
+        [one] => {
+            let mut chosen = vec![*one];
+            if request.purpose == Purpose::Contours {
+                match points.as_slice() {
+                    [] => {}
+                    [spots] => chosen.push(spots),
+                    many => {
+                        let message = format!("several layers of points, none was read: {}", names(many));
+                        table.findings.push(Finding::general(FindingKind::SkippedFeature, message));
+                    }
+                }
+            }
+            Ok(chosen)
+        }
+        many => {
+            let list = names(many);
+            Err(Error::file(path, format!("there are several layers of {what}: {list}; choose one with --layer")))
+        }
+    }
+}
+
+/// The system of an id, and why there is none.
+fn crs_of(db: &Connection, srs_id: i64) -> rusqlite::Result<(Option<Crs>, Option<String>)> {
+    if srs_id == 0 || srs_id == -1 {
+        return Ok((None, Some("the layer says that its coordinate reference system is not defined".to_owned())));
+    }
+    // The second version of the text has a column of its own, which only some files have.
+    let read = |row: &Row<'_>| {
+        let text = |name: &str| row.get::<_, Option<String>>(name).ok().flatten();
+        let organization = text("organization").unwrap_or_default();
+        let code = row.get::<_, i64>("organization_coordsys_id").ok().and_then(|code| u32::try_from(code).ok());
+        let defined = |text: &String| !text.trim().is_empty() && !text.trim().eq_ignore_ascii_case("undefined");
+        let wkt = text("definition").filter(defined).or_else(|| text("definition_12_063").filter(defined));
+        Ok((organization, code, wkt))
+    };
+    let found = db.query_row("SELECT * FROM gpkg_spatial_ref_sys WHERE srs_id = ?1", [srs_id], read).optional()?;
+    Ok(match found {
+        Some((organization, Some(code), wkt)) if organization.eq_ignore_ascii_case("EPSG") && code > 0 => {
+            let wkt = wkt.or_else(|| Crs::from_epsg(code).wkt);
+            (Some(Crs { epsg: Some(code), wkt }), None)
+        }
+        Some((_, _, Some(wkt))) => (Some(Crs::from_wkt(&wkt)), None),
+        _ => {
+            (None, Some(format!("the coordinate reference system {srs_id} of the layer is not described in the file")))
+        }
+    })
+}
+
+fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) -> Result<()> {
+    let broken = |e: rusqlite::Error| {
+        Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), e)
+    };
+    let key: Option<String> = db
+        .query_row("SELECT name FROM pragma_table_info(?1) WHERE pk = 1", [&layer.table], |row| row.get(0))
+        .optional()
+        .map_err(broken)?;
+    let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
+    let columns: Vec<String> = statement.column_names().map(str::to_owned).collect();
+    let is = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
+    let geometry = columns.iter().position(|name| is(name, &layer.geometry)).ok_or_else(|| {
+        Error::file(path, format!("the layer {:?} lacks its geometry column {:?}", layer.table, layer.geometry))
+    })?;
+    let key = key.and_then(|key| columns.iter().position(|name| is(name, &key)));
+    let fields: Vec<Option<usize>> = columns
+        .iter()
+        .enumerate()
+        .map(|(i, name)| (i != geometry && Some(i) != key).then(|| table.field(name)))
+        .collect();
+
+    let mut rows = statement.query([]).map_err(broken)?;
+    let mut count = 0;
+    while let Some(row) = rows.next().map_err(broken)? {
+        let id = key.and_then(|key| row.get::<_, i64>(key).ok()).and_then(|id| u64::try_from(id).ok());
+        let mut feature = Feature { number: id.unwrap_or(count), ..Feature::default() };
+        count += 1;
+        for (i, field) in fields.iter().enumerate() {
+            let Some(field) = field.filter(|&field| table.wants(field)) else { continue };
+            let value = match row.get_ref(i).map_err(broken)? {
+                ValueRef::Null => Value::Null,
+                ValueRef::Integer(number) => Value::Number(number as f64),
+                ValueRef::Real(number) => Value::Number(number),
+                ValueRef::Text(text) => Value::Text(String::from_utf8_lossy(text).into_owned()),
+                ValueRef::Blob(_) => Value::Text("binary".to_owned()),
+            };
+            table.note(&mut feature.values, field, value);
+        }
+        let blob = match row.get_ref(geometry).map_err(broken)? {
+            ValueRef::Blob(blob) => Some(blob),
+            ValueRef::Null => None,
+            _ => return Err(wrong(path, layer, feature.number, "its geometry is not binary")),
+        };
+        let at_fault = |what: String| wrong(path, layer, feature.number, &what);
+        match blob.map_or(Ok(None), wkb::without_header).map_err(at_fault)? {
+            Some(bytes) => {
+                let number = feature.number;
+                wkb::read(bytes, &mut feature, table).map_err(|what| wrong(path, layer, number, &what))?;
+            }
+            None => table.leave_out(NO_GEOMETRY),
+        }
+        table.push(feature);
+    }
+    Ok(())
+}
+
+fn wrong(path: &Path, layer: &Layer, feature: u64, what: &str) -> Error {
+    Error::file(path, format!("layer {:?}, feature {feature}: {what}", layer.table))
+}

@@ -1,0 +1,244 @@
+//! Writes layers of lines into a new GeoPackage.
+//!
+//! The same layers give the same bytes: the time of the last change, which the format asks for, is a fixed date.
+
+use std::path::Path;
+
+use rusqlite::{Connection, params, params_from_iter};
+
+use super::{quoted, wkb};
+use crate::crs::Crs;
+use crate::error::{Error, Result};
+use crate::io::layer::{Cell, Kind, Layer};
+
+/// "GPKG" in ASCII.
+const APPLICATION_ID: i32 = 0x4750_4B47;
+/// Version 1.3.0 of the format.
+const USER_VERSION: i32 = 10300;
+/// Written as the time of the last change.
+const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
+/// The id that systems without an EPSG code get; ids of EPSG are their codes, which are smaller.
+const OWN_SRS_ID: i32 = 100_000;
+/// The id that the format reserves for plane coordinates of an unknown system.
+const UNKNOWN_SRS_ID: i32 = -1;
+
+const TABLES: &str = "
+CREATE TABLE gpkg_spatial_ref_sys (
+  srs_name TEXT NOT NULL,
+  srs_id INTEGER NOT NULL PRIMARY KEY,
+  organization TEXT NOT NULL,
+  organization_coordsys_id INTEGER NOT NULL,
+  definition TEXT NOT NULL,
+  description TEXT
+);
+CREATE TABLE gpkg_contents (
+  table_name TEXT NOT NULL PRIMARY KEY,
+  data_type TEXT NOT NULL,
+  identifier TEXT UNIQUE,
+  description TEXT DEFAULT '',
+  last_change DATETIME NOT NULL DEFAULT (strftime('%Y-%m-%dT%H:%M:%fZ','now')),
+  min_x DOUBLE, min_y DOUBLE, max_x DOUBLE, max_y DOUBLE,
+  srs_id INTEGER,
+  CONSTRAINT fk_gc_r_srs_id FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys(srs_id)
+);
+CREATE TABLE gpkg_geometry_columns (
+  table_name TEXT NOT NULL,
+  column_name TEXT NOT NULL,
+  geometry_type_name TEXT NOT NULL,
+  srs_id INTEGER NOT NULL,
+  z TINYINT NOT NULL,
+  m TINYINT NOT NULL,
+  CONSTRAINT pk_geom_cols PRIMARY KEY (table_name, column_name),
+  CONSTRAINT uk_gc_table_name UNIQUE (table_name),
+  CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents(table_name),
+  CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id)
+);
+CREATE TABLE gpkg_extensions (
+  table_name TEXT,
+  column_name TEXT,
+  extension_name TEXT NOT NULL,
+  definition TEXT NOT NULL,
+  scope TEXT NOT NULL,
+  CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name)
+);
+INSERT INTO gpkg_spatial_ref_sys VALUES
+  ('Undefined cartesian SRS', -1, 'NONE', -1, 'undefined', 'undefined cartesian coordinate reference system'),
+  ('Undefined geographic SRS', 0, 'NONE', 0, 'undefined', 'undefined geographic coordinate reference system');
+";
+
+/// Writes all layers into one new file.
+pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
+    fill(path, layers, crs).map_err(|e| match e {
+        rusqlite::Error::SqliteFailure(failure, _) if failure.code == rusqlite::ErrorCode::DiskFull => {
+            Error::io("write", path, std::io::Error::from(std::io::ErrorKind::StorageFull))
+        }
+        other => Error::file_cause(path, "the GeoPackage cannot be written", other),
+    })
+}
+
+fn fill(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> rusqlite::Result<()> {
+    let mut db = Connection::open(path)?;
+    // A file that is not finished is thrown away, and a finished one is flushed before it gets its name: the database
+    // engine need neither keep a journal nor wait for the disk.
+    db.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; PRAGMA encoding = 'UTF-8';")?;
+    db.pragma_update(None, "application_id", APPLICATION_ID)?;
+    db.pragma_update(None, "user_version", USER_VERSION)?;
+    let transaction = db.transaction()?;
+    transaction.execute_batch(TABLES)?;
+    add_system(&transaction, 4326, &Crs::wgs84())?;
+    let srs_id = match crs {
+        None => UNKNOWN_SRS_ID,
+        Some(Crs { epsg: Some(4326), .. }) => 4326,
+        Some(crs) => {
+            let id = crs.epsg.and_then(|code| i32::try_from(code).ok()).unwrap_or(OWN_SRS_ID);
+            add_system(&transaction, id, crs)?;
+            id
+        }
+    };
+    for layer in layers {
+        add_layer(&transaction, layer, srs_id)?;
+    }
+    transaction.commit()?;
+    db.close().map_err(|(_, e)| e)
+}
+
+fn add_system(db: &Connection, id: i32, crs: &Crs) -> rusqlite::Result<()> {
+    let organization = if crs.epsg.is_some() { "EPSG" } else { "NONE" };
+    let definition = crs.wkt1().or(crs.wkt()).unwrap_or("undefined");
+    let name = crs.name().unwrap_or_else(|| "unnamed".to_owned());
+    db.execute(
+        "INSERT INTO gpkg_spatial_ref_sys VALUES (?1, ?2, ?3, ?2, ?4, NULL)",
+        params![name, id, organization, definition],
+    )?;
+    Ok(())
+}
+
+fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Result<()> {
+    let table = quoted(layer.name);
+    let index = quoted(&format!("rtree_{}_geom", layer.name));
+    let columns: String = layer
+        .columns
+        .iter()
+        .map(|column| match column.kind {
+            Kind::Real => format!(", {} DOUBLE", quoted(column.name)),
+            Kind::Text(_) => format!(", {} TEXT", quoted(column.name)),
+            Kind::Bool => format!(", {} BOOLEAN", quoted(column.name)),
+        })
+        .collect();
+    db.execute_batch(&format!(
+        "CREATE TABLE {table} (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom LINESTRING{columns});
+         CREATE VIRTUAL TABLE {index} USING rtree(id, minx, maxx, miny, maxy);"
+    ))?;
+    db.execute(
+        "INSERT INTO gpkg_contents (table_name, data_type, identifier, last_change, srs_id)
+         VALUES (?1, 'features', ?1, ?2, ?3)",
+        params![layer.name, LAST_CHANGE, srs_id],
+    )?;
+    db.execute(
+        "INSERT INTO gpkg_geometry_columns VALUES (?1, 'geom', 'LINESTRING', ?2, 1, 0)",
+        params![layer.name, srs_id],
+    )?;
+    db.execute(
+        "INSERT INTO gpkg_extensions VALUES (?1, 'geom', 'gpkg_rtree_index',
+         'http://www.geopackage.org/spec130/#extension_rtree', 'write-only')",
+        params![layer.name],
+    )?;
+
+    let slots = ", ?".repeat(layer.columns.len());
+    let mut add_feature = db.prepare(&format!("INSERT INTO {table} VALUES (?, ?{slots})"))?;
+    let mut add_bounds = db.prepare(&format!("INSERT INTO {index} VALUES (?1, ?2, ?3, ?4, ?5)"))?;
+    let mut blob = Vec::new();
+    let mut extent = EMPTY;
+    for (fid, row) in (1_i64..).zip(&layer.rows) {
+        let [min_x, max_x, min_y, max_y] =
+            row.points.iter().fold(EMPTY, |bounds, p| joined(bounds, [p.x, p.x, p.y, p.y]));
+        extent = joined(extent, [min_x, max_x, min_y, max_y]);
+        wkb::put_line(&mut blob, row.points, row.z, srs_id, [min_x, max_x, min_y, max_y]);
+        let cells = row.cells.iter().map(|cell| match *cell {
+            Cell::Real(number) => SqlCell::Real(number),
+            Cell::Text(text) => SqlCell::Text(text),
+            Cell::Bool(yes) => SqlCell::Integer(i64::from(yes)),
+        });
+        let cells = [SqlCell::Integer(fid), SqlCell::Blob(&blob)].into_iter().chain(cells);
+        add_feature.execute(params_from_iter(cells))?;
+        add_bounds.execute(params![fid, min_x, max_x, min_y, max_y])?;
+    }
+    if !layer.rows.is_empty() {
+        let [min_x, max_x, min_y, max_y] = extent;
+        db.execute(
+            "UPDATE gpkg_contents SET min_x = ?2, min_y = ?3, max_x = ?4, max_y = ?5 WHERE table_name = ?1",
+            params![layer.name, min_x, min_y, max_x, max_y],
+        )?;
+    }
+    db.execute_batch(&index_triggers(layer.name))
+}
+
+/// Bounds of nothing: least and greatest x, least and greatest y.
+const EMPTY: [f64; 4] = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+
+fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
+}
+
+/// A value on its way into the database.
+enum SqlCell<'a> {
+    Integer(i64),
+    Real(f64),
+    Text(&'a str),
+    Blob(&'a [u8]),
+}
+
+impl rusqlite::ToSql for SqlCell<'_> {
+    fn to_sql(&self) -> rusqlite::Result<rusqlite::types::ToSqlOutput<'_>> {
+        use rusqlite::types::{ToSqlOutput, ValueRef};
+        Ok(ToSqlOutput::Borrowed(match *self {
+            Self::Integer(number) => ValueRef::Integer(number),
+            Self::Real(number) => ValueRef::Real(number),
+            Self::Text(text) => ValueRef::Text(text.as_bytes()),
+            Self::Blob(bytes) => ValueRef::Blob(bytes),
+        }))
+    }
+}
+
+/// The triggers by which the spatial index follows later edits (annex F.3 of the format's specification). They call
+/// functions that editing programs bring along, so they are made after the features were added.
+fn index_triggers(layer: &str) -> String {
+    let table = quoted(layer);
+    let index = quoted(&format!("rtree_{layer}_geom"));
+    let name = |suffix: &str| quoted(&format!("rtree_{layer}_geom_{suffix}"));
+    let put = format!(
+        "INSERT OR REPLACE INTO {index} VALUES
+         (NEW.fid, ST_MinX(NEW.geom), ST_MaxX(NEW.geom), ST_MinY(NEW.geom), ST_MaxY(NEW.geom));"
+    );
+    let is_there = "(NEW.geom NOTNULL AND NOT ST_IsEmpty(NEW.geom))";
+    let is_gone = "(NEW.geom ISNULL OR ST_IsEmpty(NEW.geom))";
+    let cases = [
+        ("insert", "INSERT", is_there.to_owned(), put.clone()),
+        ("update1", "UPDATE OF geom", format!("OLD.fid = NEW.fid AND {is_there}"), put.clone()),
+        (
+            "update2",
+            "UPDATE OF geom",
+            format!("OLD.fid = NEW.fid AND {is_gone}"),
+            format!("DELETE FROM {index} WHERE id = OLD.fid;"),
+        ),
+        (
+            "update3",
+            "UPDATE",
+            format!("OLD.fid != NEW.fid AND {is_there}"),
+            format!("DELETE FROM {index} WHERE id = OLD.fid; {put}"),
+        ),
+        (
+            "update4",
+            "UPDATE",
+            format!("OLD.fid != NEW.fid AND {is_gone}"),
+            format!("DELETE FROM {index} WHERE id IN (OLD.fid, NEW.fid);"),
+        ),
+        ("delete", "DELETE", "OLD.geom NOT NULL".to_owned(), format!("DELETE FROM {index} WHERE id = OLD.fid;")),
+    ];
+    cases
+        .iter()
+        .map(|(suffix, event, when, action)| {
+            format!("CREATE TRIGGER {} AFTER {event} ON {table} WHEN {when} BEGIN {action} END;\n", name(suffix))
+        })
+        .collect()
+}

@@ -1,0 +1,156 @@
+//! Vector files in and out: GeoJSON, GeoPackage, shapefile, chosen by the file's extension.
+//!
+//! Reading goes file → table of features → elevations: each format has a file that fills the table, and
+//! one place decides what the elevation is. Writing goes lines → layers of features → file. Every
+//! format gives vertices back bit for bit.
+//!
+//! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
+
+mod elevation;
+mod geojson;
+mod gpkg;
+mod layer;
+mod shapefile;
+mod staged;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::contour::{ContourLayer, ContourMap};
+use crate::crs::Crs;
+use crate::error::{Error, Report, Result};
+use table::{Purpose, Request, Table};
+
+pub use staged::StagedOutput;
+
+/// How to read a file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The attribute that holds the elevation, in any letter case; `z` also names the z coordinate where no attribute
+    /// has that name. Chosen from known names and the z coordinate if `None`.
+    pub elevation_field: Option<String>,
+    /// The layer of a GeoPackage with several.
+    pub layer: Option<String>,
+}
+
+/// Points of known height.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SpotHeights {
+    /// x, y in map units, height in metres.
+    pub points: Vec<DVec3>,
+    /// The coordinate reference system, if the file names one.
+    pub crs: Option<Crs>,
+}
+
+/// A vector format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VectorFormat {
+    /// `.geojson`, `.json`
+    GeoJson,
+    /// `.gpkg`
+    GeoPackage,
+    /// `.shp` with its companions
+    Shapefile,
+}
+
+impl VectorFormat {
+    /// The format of a file, by its extension.
+    ///
+    /// # Errors
+    /// If the extension is none of the known ones; the message lists them.
+    pub fn from_path(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match extension.as_str() {
+            "geojson" | "json" => Ok(Self::GeoJson),
+            "gpkg" => Ok(Self::GeoPackage),
+            "shp" => Ok(Self::Shapefile),
+            _ => Err(Error::file(
+                path,
+                "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
+                 .gpkg (GeoPackage) and .shp (shapefile)",
+            )),
+        }
+    }
+}
+
+/// Reads contour lines, and the spot heights that come with them.
+///
+/// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
+///
+/// # Errors
+/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are.
+pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
+    let table = read_table(path, options, Purpose::Contours)?;
+    elevation::contour_map(path, table, options.elevation_field.as_deref())
+}
+
+/// Reads points of known height.
+///
+/// # Errors
+/// If the file cannot be read, has no points, or leaves in doubt where the heights are.
+pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<SpotHeights>> {
+    let table = read_table(path, options, Purpose::Spots)?;
+    elevation::spot_heights(path, table, options.elevation_field.as_deref())
+}
+
+fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
+    let format = VectorFormat::from_path(path)?;
+    let request =
+        Request { elevation_field: options.elevation_field.as_deref(), layer: options.layer.as_deref(), purpose };
+    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
+    if meta.is_dir() {
+        return Err(Error::file(path, "is a folder; name a file in it"));
+    }
+    if meta.is_file() && meta.len() == 0 {
+        return Err(Error::file(path, "the file is empty"));
+    }
+    if format != VectorFormat::GeoPackage {
+        let stem = path.file_stem().and_then(|s| s.to_str());
+        if let Some(layer) = request.layer.filter(|&layer| Some(layer) != stem) {
+            return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));
+        }
+    }
+    match format {
+        VectorFormat::GeoJson => geojson::read(path, &request),
+        VectorFormat::GeoPackage => gpkg::read(path, &request),
+        VectorFormat::Shapefile => shapefile::read(path, &request),
+    }
+}
+
+/// Whether a map's coordinates all fit in ±180 and ±90, as degrees do. For maps whose coordinate reference system is
+/// not known; a map without lines does not look like degrees.
+pub fn looks_like_degrees(map: &ContourMap) -> bool {
+    let mut points = map.contours.iter().flat_map(|contour| &contour.points).peekable();
+    points.peek().is_some() && points.all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0)
+}
+
+/// Writes contour lines, in the format that the target's extension names.
+///
+/// Lines are three-dimensional, z is the elevation. The attributes are `elev`, `source` (`input` or `interpolated`),
+/// `is_index`, `depression` and `closed`. A GeoPackage takes all layers into the one file. The other formats hold one
+/// layer a file: a single layer gets exactly the target's name, several are written beside each other as
+/// `STEM_SUFFIX.EXT`, where the suffix is the layer's name without a leading `contours_`; the returned paths are the
+/// final ones.
+///
+/// # Errors
+/// If the extension is not known, the layers cannot be told apart by name, a line cannot be written (fewer than two
+/// points, NaN), the format cannot hold as much, or the disk is full.
+pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
+    let format = VectorFormat::from_path(out.target())?;
+    let layers = layers.iter().map(layer::of_contours).collect::<Result<Vec<_>>>()?;
+    layer::check_names(&layers)?;
+    if format == VectorFormat::GeoPackage {
+        gpkg::write(&out.path(), &layers, crs).map_err(|e| out.with_final_name(e))?;
+        return Ok(vec![out.target().to_owned()]);
+    }
+    let mut written = Vec::new();
+    for layer in &layers {
+        let name = layer::file_name(out.target(), layer, layers.len());
+        let write = if format == VectorFormat::Shapefile { shapefile::write } else { geojson::write };
+        write(&out.sibling(&name), layer, crs).map_err(|e| out.with_final_name(e))?;
+        written.push(out.target().with_file_name(name));
+    }
+    Ok(written)
+}

@@ -1,0 +1,125 @@
+//! Reads a shapefile into a table.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::DVec2;
+use shapefile::{Shape, ShapeReader};
+
+use super::{companion, dbf};
+use crate::crs::Crs;
+use crate::error::{Error, Result};
+use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
+
+/// Reads a shapefile; records are numbered from 0, as GIS programs show them.
+///
+/// Without the attribute table the z coordinate remains for the elevation. The index is used if it is there and sound;
+/// without it the shapes are read in their order.
+pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
+    let mut shapes = open(path)?;
+    let mut table = Table::new(request);
+    let dbf_path = companion(path, "dbf");
+    let label = read_text(&companion(path, "cpg"))?;
+    let mut attributes = match dbf_path.exists() {
+        true => Some(dbf::Reader::open(&dbf_path, label.as_deref())?),
+        false => None,
+    };
+    let fields: Vec<usize> = match &attributes {
+        Some(reader) => reader.names.clone().iter().map(|name| table.field(name)).collect(),
+        None => Vec::new(),
+    };
+    let mut number = 0;
+    for shape in shapes.iter_shapes() {
+        let shape = shape.map_err(|e| {
+            Error::file_cause(path, format!("the shape {number} cannot be read; the file is broken or not complete"), e)
+        })?;
+        let mut feature = Feature { number, ..Feature::default() };
+        number += 1;
+        let mut is_deleted = false;
+        if let Some(reader) = &mut attributes {
+            if number > u64::from(reader.record_count) {
+                return Err(mismatch(path, &format!("more than {}", reader.record_count), reader.record_count));
+            }
+            let record = number - 1;
+            is_deleted = !reader.advance().map_err(|e| {
+                Error::file_cause(&dbf_path, format!("the record {record} cannot be read; the file is not complete"), e)
+            })?;
+            for (column, &field) in fields.iter().enumerate() {
+                if !is_deleted && table.wants(field) {
+                    table.note(&mut feature.values, field, reader.value(column));
+                }
+            }
+        }
+        if !is_deleted {
+            add_shape(shape, &mut feature, &mut table);
+            table.push(feature);
+        }
+    }
+    if let Some(reader) = attributes.filter(|reader| u64::from(reader.record_count) != number) {
+        return Err(mismatch(path, &number.to_string(), reader.record_count));
+    }
+    match read_text(&companion(path, "prj"))? {
+        Some(text) if !text.trim().is_empty() => table.crs = Some(Crs::from_wkt(text.trim_start_matches('\u{feff}'))),
+        Some(_) => table.crs_problem = Some("the shapefile's .prj file is empty".to_owned()),
+        None => table.crs_problem = Some("the shapefile has no .prj file beside it".to_owned()),
+    }
+    Ok(table)
+}
+
+fn mismatch(path: &Path, shapes: &str, records: u32) -> Error {
+    Error::file(
+        path,
+        format!("there are {shapes} shapes, but {records} records in the .dbf file: they do not belong together"),
+    )
+}
+
+fn open(path: &Path) -> Result<ShapeReader<BufReader<File>>> {
+    let source = || File::open(path).map(BufReader::new).map_err(|e| Error::io("read", path, e));
+    if let Ok(index) = File::open(companion(path, "shx"))
+        && let Ok(reader) = ShapeReader::with_shx(source()?, BufReader::new(index))
+    {
+        return Ok(reader);
+    }
+    ShapeReader::new(source()?).map_err(|e| Error::file_cause(path, "the file is not a shapefile, or it is broken", e))
+}
+
+/// The content of a small text file, if there is one. Bytes that are no UTF-8 only occur in names nobody matches.
+fn read_text(path: &Path) -> Result<Option<String>> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(Error::io("read", path, e)),
+    }
+}
+
+fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
+    let mut spot = |x: f64, y: f64, z: Option<f64>| feature.spots.push(Spot { place: DVec2::new(x, y), z });
+    match shape {
+        Shape::NullShape => table.leave_out(NO_GEOMETRY),
+        Shape::Point(p) => spot(p.x, p.y, None),
+        Shape::PointM(p) => spot(p.x, p.y, None),
+        Shape::PointZ(p) => spot(p.x, p.y, Some(p.z)),
+        Shape::Multipoint(points) => points.points().iter().for_each(|p| spot(p.x, p.y, None)),
+        Shape::MultipointM(points) => points.points().iter().for_each(|p| spot(p.x, p.y, None)),
+        Shape::MultipointZ(points) => points.points().iter().for_each(|p| spot(p.x, p.y, Some(p.z))),
+        Shape::Polyline(line) => {
+            for part in line.parts() {
+                feature.push_line(part.iter().map(|p| DVec2::new(p.x, p.y)).collect(), &[]);
+            }
+        }
+        Shape::PolylineM(line) => {
+            for part in line.parts() {
+                feature.push_line(part.iter().map(|p| DVec2::new(p.x, p.y)).collect(), &[]);
+            }
+        }
+        Shape::PolylineZ(line) => {
+            for part in line.parts() {
+                let z: Vec<f64> = part.iter().map(|p| p.z).collect();
+                feature.push_line(part.iter().map(|p| DVec2::new(p.x, p.y)).collect(), &z);
+            }
+        }
+        Shape::Polygon(_) | Shape::PolygonM(_) | Shape::PolygonZ(_) => table.leave_out("Polygon"),
+        Shape::Multipatch(_) => table.leave_out("MultiPatch"),
+    }
+}

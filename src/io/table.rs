@@ -1,0 +1,177 @@
+//! What every vector format is read into before elevations are looked for: features with lines, points and the few
+//! attribute values that could be an elevation.
+//!
+//! Attributes that nobody will ask for are not kept; one example of each stays for messages.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DVec2;
+
+use super::elevation::is_elevation_name;
+use crate::crs::Crs;
+use crate::error::Finding;
+
+/// What a reader is asked for.
+pub(super) struct Request<'a> {
+    /// The attribute that the user named.
+    pub elevation_field: Option<&'a str>,
+    /// The layer that the user named.
+    pub layer: Option<&'a str>,
+    /// What the file is read for.
+    pub purpose: Purpose,
+}
+
+/// What a file is read for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Contours, with the spot heights that come with them.
+    Contours,
+    /// Spot heights alone.
+    Spots,
+}
+
+/// An attribute of the features.
+pub(super) struct Field {
+    pub name: String,
+    /// A value of it, as text.
+    pub example: Option<String>,
+    /// Whether its values are kept.
+    pub kept: bool,
+}
+
+/// A value of an attribute.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value {
+    Null,
+    Number(f64),
+    Text(String),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Null => f.write_str("nothing"),
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Text(text) => write!(f, "{text:?}"),
+        }
+    }
+}
+
+/// A line as the file has it.
+pub(super) struct Line {
+    pub points: Vec<DVec2>,
+    /// Least and greatest z of its vertices; both NaN if one vertex has none.
+    pub z: Option<[f64; 2]>,
+}
+
+/// A point as the file has it.
+pub(super) struct Spot {
+    pub place: DVec2,
+    pub z: Option<f64>,
+}
+
+/// A feature with the geometry that is of use here.
+#[derive(Default)]
+pub(super) struct Feature {
+    /// As the format counts: what GIS programs show as the feature's id.
+    pub number: u64,
+    /// Values of kept fields, by the field's place in [`Table::fields`].
+    pub values: Vec<(usize, Value)>,
+    pub lines: Vec<Line>,
+    pub spots: Vec<Spot>,
+}
+
+impl Feature {
+    /// Adds a line; z is one value a vertex, or empty.
+    pub fn push_line(&mut self, mut points: Vec<DVec2>, z: &[f64]) {
+        if points.is_empty() {
+            return;
+        }
+        points.shrink_to_fit();
+        let range = z.iter().fold(None, |range: Option<[f64; 2]>, &z| match range {
+            None => Some([z, z]),
+            Some([lo, hi]) if z.is_nan() || lo.is_nan() || hi.is_nan() => Some([f64::NAN; 2]),
+            Some([lo, hi]) => Some([lo.min(z), hi.max(z)]),
+        });
+        self.lines.push(Line { points, z: range });
+    }
+}
+
+/// The content of a file or of the layers asked for.
+#[derive(Default)]
+pub(super) struct Table {
+    pub fields: Vec<Field>,
+    by_name: HashMap<String, usize>,
+    named: Option<String>,
+    pub features: Vec<Feature>,
+    pub crs: Option<Crs>,
+    /// Why there is no coordinate reference system, if there is more to say than that the file names none.
+    pub crs_problem: Option<String>,
+    /// Geometry that was left out: its kind and how often it was met.
+    pub left_out: BTreeMap<String, u64>,
+    pub findings: Vec<Finding>,
+}
+
+/// The kind under which features without geometry are counted in [`Table::left_out`].
+pub(super) const NO_GEOMETRY: &str = "no geometry";
+
+impl Table {
+    /// An empty table that keeps the fields that the request could be about.
+    pub fn new(request: &Request<'_>) -> Self {
+        Self { named: request.elevation_field.map(str::to_lowercase), ..Self::default() }
+    }
+
+    /// The place of a field, which is added if it is new.
+    pub fn field(&mut self, name: &str) -> usize {
+        if let Some(&index) = self.by_name.get(name) {
+            return index;
+        }
+        let kept = is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
+        self.fields.push(Field { name: name.to_owned(), example: None, kept });
+        self.by_name.insert(name.to_owned(), self.fields.len() - 1);
+        self.fields.len() - 1
+    }
+
+    /// Whether a value of this field is of any use.
+    pub fn wants(&self, field: usize) -> bool {
+        self.fields[field].kept || self.fields[field].example.is_none()
+    }
+
+    /// Notes a value: as an example, and among the feature's `values` if the field is kept.
+    pub fn note(&mut self, values: &mut Vec<(usize, Value)>, index: usize, value: Value) {
+        let field = &mut self.fields[index];
+        if field.example.is_none() && value != Value::Null {
+            field.example = Some(shortened(&value.to_string()));
+        }
+        if field.kept {
+            values.push((index, value));
+        }
+    }
+
+    /// Adds a feature, or counts it if nothing in it is of use.
+    pub fn push(&mut self, feature: Feature) {
+        if !feature.lines.is_empty() || !feature.spots.is_empty() {
+            self.features.push(feature);
+        }
+    }
+
+    /// Counts a geometry that is left out.
+    pub fn leave_out(&mut self, kind: &str) {
+        match self.left_out.get_mut(kind) {
+            Some(count) => *count += 1,
+            None => {
+                self.left_out.insert(kind.to_owned(), 1);
+            }
+        }
+    }
+}
+
+/// At most so many characters of a value are shown in a message.
+const EXAMPLE_LENGTH: usize = 24;
+
+fn shortened(text: &str) -> String {
+    if text.chars().count() <= EXAMPLE_LENGTH {
+        return text.to_owned();
+    }
+    text.chars().take(EXAMPLE_LENGTH - 1).chain(['…']).collect()
+}
