@@ -10,7 +10,6 @@ mod elevation;
 mod geojson;
 mod gpkg;
 mod layer;
-pub mod raster;
 mod shapefile;
 mod staged;
 mod table;
