@@ -5,6 +5,7 @@ pub mod crs;
 pub mod dem;
 pub mod error;
 pub mod io;
+pub mod preview;
 pub mod progress;
 pub mod skeleton;
 pub mod slice;
