@@ -7,6 +7,8 @@
 mod esri;
 mod wkt;
 
+use std::borrow::Cow;
+
 use wkt::Node;
 
 /// A coordinate reference system, by its EPSG code, its WKT, or both.
@@ -16,6 +18,15 @@ pub struct Crs {
     pub epsg: Option<u32>,
     /// Well-known text (OGC WKT 1 or what the input had), if known.
     pub wkt: Option<String>,
+}
+
+/// What the coordinates of a system are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CrsKind {
+    /// Plane coordinates.
+    Projected,
+    /// Degrees of longitude and latitude.
+    Geographic,
 }
 
 /// A unit of length of map coordinates.
@@ -93,17 +104,57 @@ impl Crs {
         own.or_else(|| self.epsg.and_then(definition).map(|d| d.wkt).filter(|text| is_wkt1(text)))
     }
 
+    /// The well-known text for a file's header: one that names the EPSG code, where that is known, and has no
+    /// `TOWGS84[...]` beside it. One of several datum shifts in the text makes programs take the system for another one
+    /// than the code names.
+    pub fn header_wkt(&self) -> Option<Cow<'_, str>> {
+        let own = self.wkt()?;
+        let Some(root) = wkt::parse(own) else { return Some(Cow::Borrowed(own)) };
+        if epsg_in(root.horizontal()).is_some() {
+            return Some(without_shifts(own, &root));
+        }
+        // Esri's texts do not name the code that they were found to stand for.
+        let entry = self.epsg.and_then(definition).and_then(|d| Some((d.wkt, wkt::parse(d.wkt)?)));
+        Some(entry.map_or(Cow::Borrowed(own), |(text, root)| without_shifts(text, &root)))
+    }
+
     /// The system's name, such as `JGD2011 / Japan Plane Rectangular CS IX`, or `EPSG:…` if only the code is known.
     pub fn name(&self) -> Option<String> {
         let from_wkt = self.root().and_then(|root| root.unbound().name().map(str::to_owned));
         from_wkt.or_else(|| self.epsg.map(|code| format!("EPSG:{code}")))
     }
 
-    /// Whether the coordinates are degrees of longitude and latitude.
+    /// The horizontal part of a compound system, without a transformation bound to it; the system itself if it is
+    /// neither compound nor bound.
+    pub fn horizontal(&self) -> Self {
+        let Some((text, root)) = self.wkt().and_then(|text| Some((text, wkt::parse(text)?))) else {
+            return self.clone();
+        };
+        let part = root.horizontal();
+        let named = epsg_in(part);
+        if std::ptr::eq(part, &root) {
+            return Self { epsg: named.or(self.epsg), wkt: Some(text.to_owned()) };
+        }
+        Self { epsg: named.or_else(|| esri::epsg_of(part)), wkt: Some(text[part.span.clone()].to_owned()) }
+    }
+
+    /// Whether the coordinates are degrees or those of a plane.
     ///
-    /// A compound system is judged by its horizontal part. False if neither the WKT nor the built-in table tells.
+    /// A compound system is judged by its horizontal part. `None` if neither the WKT nor the built-in table tells, and
+    /// for systems that are neither, such as the grid of a building site.
+    pub fn kind(&self) -> Option<CrsKind> {
+        let root = self.root()?;
+        let horizontal = root.horizontal();
+        if horizontal.is_geographic() {
+            Some(CrsKind::Geographic)
+        } else {
+            horizontal.is_projected().then_some(CrsKind::Projected)
+        }
+    }
+
+    /// Whether the coordinates are known to be degrees of longitude and latitude; see [`Crs::kind`].
     pub fn is_geographic(&self) -> bool {
-        self.root().is_some_and(|root| root.horizontal().is_geographic())
+        self.kind() == Some(CrsKind::Geographic)
     }
 
     /// The unit of length of the coordinates; `None` for degrees or if the WKT does not say.
@@ -124,6 +175,26 @@ impl Crs {
     fn root(&self) -> Option<Node> {
         self.wkt().and_then(wkt::parse)
     }
+}
+
+/// The EPSG code that a system names for itself.
+fn epsg_in(node: &Node) -> Option<u32> {
+    node.authority().filter(|(authority, _)| authority.eq_ignore_ascii_case("EPSG")).map(|(_, code)| code)
+}
+
+/// The text without the datum shifts in it.
+fn without_shifts<'a>(text: &'a str, root: &Node) -> Cow<'a, str> {
+    let mut rest = 0;
+    let mut kept = String::new();
+    for shift in root.all().into_iter().filter(|n| n.keyword == "TOWGS84") {
+        kept.push_str(text[rest..shift.span.start].trim_end().trim_end_matches(','));
+        rest = shift.span.end;
+    }
+    if kept.is_empty() {
+        return Cow::Borrowed(text);
+    }
+    kept.push_str(&text[rest..]);
+    Cow::Owned(kept)
 }
 
 /// The built-in table's entry of an EPSG code. A few entries come without a text and are of no use.
@@ -208,6 +279,71 @@ mod tests {
         let crs = Crs { epsg: Some(6677), wkt: Some(r#"PROJCRS["x",ID["EPSG",6677]]"#.into()) };
         assert!(crs.wkt1().is_some_and(|text| text.starts_with("PROJCS[")));
         assert_eq!(Crs::from_wkt(r#"PROJCRS["x"]"#).wkt1(), None);
+    }
+
+    #[test]
+    fn a_projected_system_is_told_from_the_geographic_one_inside_it() {
+        let utm = Crs::from_epsg(6690);
+        assert_eq!(utm.kind(), Some(CrsKind::Projected));
+        assert_eq!(utm.horizontal(), utm);
+        assert_eq!(utm.name().as_deref(), Some("JGD2011 / UTM zone 53N"));
+        assert_eq!(utm.length_unit(), Some(LengthUnit { name: "metre".into(), metres: 1.0 }));
+        let degrees = Crs::from_wkt(Crs::from_epsg(4326).wkt().expect("the table has WGS 84"));
+        assert_eq!(degrees.kind(), Some(CrsKind::Geographic));
+        assert_eq!(degrees.epsg, Some(4326));
+        assert_eq!(degrees.length_unit(), None);
+        assert_eq!(Crs::from_wkt("LOCAL_CS[\"site\",UNIT[\"metre\",1]]").kind(), None);
+    }
+
+    #[test]
+    fn a_compound_system_gives_its_horizontal_part() {
+        let utm = Crs::from_epsg(6690).wkt.expect("the table has zone 53");
+        let vertical = "VERT_CS[\"height\",UNIT[\"metre\",1]]";
+        let compound = Crs::from_wkt(&format!("COMPD_CS[\"both [1]\",{utm},{vertical},AUTHORITY[\"EPSG\",\"99999\"]]"));
+        assert_eq!(compound.horizontal(), Crs { epsg: Some(6690), wkt: Some(utm.clone()) });
+        assert_eq!(compound.header_wkt().as_deref(), compound.wkt.as_deref());
+        let end = utm.rfind(",AUTHORITY").expect("a code");
+        let uncoded = Crs::from_wkt(&format!("COMPD_CS[\"both\",{}],{vertical}]", &utm[..end]));
+        assert_eq!((uncoded.epsg, uncoded.horizontal().epsg), (None, Some(6690)));
+    }
+
+    #[test]
+    fn wkt_2_is_read_as_well() {
+        let text = "PROJCRS[\"plan\",BASEGEOGCRS[\"base\",ID[\"EPSG\",4326]],CONVERSION[\"c\"],CS[Cartesian,2],\
+                    AXIS[\"e\",east,LENGTHUNIT[\"US survey foot\",0.304800609601219]],ID[\"EPSG\",2225]]";
+        let crs = Crs::from_wkt(text);
+        assert_eq!((crs.epsg, crs.kind()), (Some(2225), Some(CrsKind::Projected)));
+        assert_eq!(crs.name().as_deref(), Some("plan"));
+        let unit = LengthUnit { name: "US survey foot".into(), metres: 0.304800609601219 };
+        assert_eq!(crs.length_unit(), Some(unit));
+    }
+
+    #[test]
+    fn headers_name_the_code_and_then_no_shift() {
+        let text = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\", TOWGS84[1,2,3] ]],AUTHORITY[\"EPSG\",\"31287\"]]";
+        let expected = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\" ]],AUTHORITY[\"EPSG\",\"31287\"]]";
+        assert_eq!(Crs::from_wkt(text).header_wkt().as_deref(), Some(expected));
+        let own = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\",TOWGS84[1,2,3]]]]";
+        assert_eq!(Crs::from_wkt(own).header_wkt().as_deref(), Some(own));
+        let esri = Crs { epsg: Some(6677), wkt: Some("PROJCS[\"JGD_2011_Japan_Zone_9\"]".into()) };
+        assert!(esri.header_wkt().is_some_and(|text| text.ends_with("AUTHORITY[\"EPSG\",\"6677\"]]")));
+        assert_eq!(Crs { epsg: Some(6677), wkt: Some("no text".into()) }.header_wkt().as_deref(), Some("no text"));
+        assert_eq!(Crs { epsg: None, wkt: None }.header_wkt(), None);
+        for code in 1024..=u16::MAX {
+            let header = Crs::from_epsg(code.into()).header_wkt().map(Cow::into_owned);
+            assert!(header.is_none_or(|text| wkt::parse(&text).is_some() && !text.contains("TOWGS84")), "{code}");
+        }
+    }
+
+    #[test]
+    fn nonsense_names_nothing() {
+        for text in
+            ["", "]", "[[[", "PROJCS", "PROJCS[", "PROJCS[\"", "ENGCRS[\"site\"]", "PROJCS[\"é[\",ID[EPSG", "é[é]"]
+        {
+            let crs = Crs::from_wkt(text);
+            assert_eq!((crs.epsg, crs.kind(), crs.length_unit()), (None, None, None), "{text}");
+            assert_eq!(crs.horizontal(), crs, "{text}");
+        }
     }
 
     #[test]

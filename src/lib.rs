@@ -11,4 +11,3 @@ pub mod skeleton;
 pub mod slice;
 pub mod surface;
 pub mod tin;
-mod wkt;

@@ -3,6 +3,8 @@
 //! One reader serves WKT 1, WKT 2 and Esri's flavour, because all three are keywords with bracketed arguments. Text
 //! that is not of that shape gives `None`; no text makes the reader panic or recurse.
 
+use std::ops::Range;
+
 /// How deep brackets may nest. The deepest systems in use nest about ten levels.
 const MAX_DEPTH: usize = 64;
 
@@ -11,6 +13,8 @@ const MAX_DEPTH: usize = 64;
 pub(super) struct Node {
     /// In capitals.
     pub keyword: String,
+    /// Where it stands in the text: the bytes from the keyword to the closing bracket.
+    pub span: Range<usize>,
     args: Vec<Arg>,
 }
 
@@ -26,48 +30,58 @@ enum Arg {
 /// Reads a text whose whole is one keyword with arguments.
 pub(super) fn parse(text: &str) -> Option<Node> {
     let mut open: Vec<Node> = Vec::new();
-    let mut word = String::new();
-    let mut chars = text.trim().trim_start_matches('\u{feff}').chars().peekable();
-    while let Some(c) = chars.next() {
+    // Where the word begins that the next bracket or comma ends.
+    let mut word = text.len() - text.trim_start().trim_start_matches('\u{feff}').len();
+    let mut chars = text.char_indices().peekable();
+    while let Some((at, c)) = chars.next() {
         match c {
             '[' | '(' => {
-                let keyword = std::mem::take(&mut word).trim().to_ascii_uppercase();
+                let keyword = text[word..at].trim();
                 if keyword.is_empty() || open.len() == MAX_DEPTH {
                     return None;
                 }
-                open.push(Node { keyword, args: Vec::new() });
+                let start = at - text[word..at].trim_start().len();
+                open.push(Node { keyword: keyword.to_ascii_uppercase(), span: start..at, args: Vec::new() });
             }
             ']' | ')' => {
                 let mut node = open.pop()?;
-                flush(&mut word, &mut node);
+                push_word(&text[word..at], &mut node);
+                node.span.end = at + 1;
                 match open.last_mut() {
                     Some(parent) => parent.args.push(Arg::Node(node)),
-                    None => return chars.all(char::is_whitespace).then_some(node),
+                    None => return chars.all(|(_, c)| c.is_whitespace()).then_some(node),
                 }
             }
-            ',' => flush(&mut word, open.last_mut()?),
+            ',' => push_word(&text[word..at], open.last_mut()?),
             '"' => {
+                let parent = open.last_mut()?;
                 let mut quoted = String::new();
-                loop {
+                let end = loop {
                     match chars.next()? {
                         // A doubled quotation mark stands for one inside the text.
-                        '"' if chars.peek() == Some(&'"') => quoted.extend(chars.next()),
-                        '"' => break,
-                        other => quoted.push(other),
+                        (_, '"') if chars.peek().is_some_and(|(_, c)| *c == '"') => {
+                            quoted.extend(chars.next().map(|(_, c)| c));
+                        }
+                        (end, '"') => break end,
+                        (_, other) => quoted.push(other),
                     }
-                }
-                open.last_mut()?.args.push(Arg::Text(quoted));
+                };
+                parent.args.push(Arg::Text(quoted));
+                word = end + 1;
+                continue;
             }
-            other => word.push(other),
+            _ => continue,
         }
+        word = at + 1;
     }
     None
 }
 
-fn flush(word: &mut String, node: &mut Node) {
-    let bare = std::mem::take(word);
-    if !bare.trim().is_empty() {
-        node.args.push(Arg::Word(bare.trim().to_owned()));
+/// Adds a number or a bare word, unless there is nothing but space.
+fn push_word(word: &str, node: &mut Node) {
+    let bare = word.trim();
+    if !bare.is_empty() {
+        node.args.push(Arg::Word(bare.to_owned()));
     }
 }
 
@@ -111,6 +125,16 @@ impl Node {
         Some((node.name()?, code))
     }
 
+    /// This node and all below it, in the order of the text.
+    pub fn all(&self) -> Vec<&Node> {
+        let (mut found, mut waiting) = (Vec::new(), vec![self]);
+        while let Some(node) = waiting.pop() {
+            found.push(node);
+            waiting.extend(node.nodes().rev());
+        }
+        found
+    }
+
     /// The system itself, without a transformation that is bound to it.
     pub fn unbound(&self) -> &Node {
         let source = if self.keyword == "BOUNDCRS" { self.child(&["SOURCECRS"]) } else { None };
@@ -135,6 +159,11 @@ impl Node {
 
     fn is_system(&self) -> bool {
         self.keyword.ends_with("CRS") || self.keyword.ends_with("CS") && self.keyword != "CS"
+    }
+
+    /// Whether this horizontal system has plane coordinates by a projection.
+    pub fn is_projected(&self) -> bool {
+        matches!(self.keyword.as_str(), "PROJCS" | "PROJCRS" | "PROJECTEDCRS")
     }
 
     /// Whether this horizontal system has degrees for coordinates.
@@ -170,6 +199,17 @@ mod tests {
         let node = parse(" GEOGCS ( \"say \"\"hi\"\"\" , UNIT[ \"degree\", 1.5e-2 ] ,x) ").unwrap();
         assert_eq!((node.keyword.as_str(), node.name()), ("GEOGCS", Some("say \"hi\"")));
         assert_eq!(node.child(&["UNIT"]).unwrap().numbers().collect::<Vec<_>>(), [0.015]);
+    }
+
+    #[test]
+    fn every_node_knows_where_it_stands() {
+        let text = "\u{feff} A[\"é[\" , B [1,C[2]],\n D(\"x\"\"\",E[]) ] ";
+        let node = parse(text).unwrap();
+        let spans: Vec<&str> = node.all().iter().map(|n| &text[n.span.clone()]).collect();
+        assert_eq!(
+            spans,
+            [text.trim().trim_start_matches('\u{feff}').trim(), "B [1,C[2]]", "C[2]", "D(\"x\"\"\",E[])", "E[]"]
+        );
     }
 
     #[test]

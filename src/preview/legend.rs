@@ -8,7 +8,6 @@ use super::text::{Align, Typesetter};
 use super::{paint, scale};
 use crate::dem::Dem;
 use crate::skeleton::{BreakKind, BreakLine};
-use crate::wkt;
 
 /// Size of the legend's text, pixels.
 const TEXT: f32 = 15.0;
@@ -61,15 +60,13 @@ pub(super) fn blocks(
 
 fn crs_label(dem: &Dem) -> Option<String> {
     let crs = dem.crs.as_ref()?;
-    let code = crs.epsg.or_else(|| wkt::epsg(crs.wkt.as_deref()?));
-    let name = crs.wkt.as_deref().and_then(wkt::name).map(|name| {
-        let cut = name.char_indices().nth(NAME_LETTERS).map_or(name.len(), |(at, _)| at);
-        if cut < name.len() { format!("{}...", &name[..cut]) } else { name.to_owned() }
-    });
-    match (name, code) {
-        (Some(name), Some(code)) => Some(format!("{name} (EPSG:{code})")),
-        (name, code) => name.or_else(|| code.map(|code| format!("EPSG:{code}"))),
-    }
+    let name = crs.name()?;
+    let cut = name.char_indices().nth(NAME_LETTERS).map_or(name.len(), |(at, _)| at);
+    let short = if cut < name.len() { format!("{}...", &name[..cut]) } else { name };
+    Some(match crs.epsg.map(|code| format!("EPSG:{code}")) {
+        Some(code) if code != short => format!("{short} ({code})"),
+        _ => short,
+    })
 }
 
 fn keys(plan: &Plan, break_lines: &[BreakLine]) -> Vec<(Option<Style>, String)> {

@@ -3,7 +3,6 @@
 use glam::DVec2;
 
 use crate::dem::Dem;
-use crate::wkt::{self, Kind};
 
 /// The longest scale bar, as a share of the map's width and in pixels.
 const LONGEST: (f64, f64) = (0.4, 230.0);
@@ -25,15 +24,11 @@ pub(super) struct Bar {
 /// Metres a map unit in x and y; `None` if the unit is not known.
 pub(super) fn metres_per_unit(dem: &Dem) -> Option<DVec2> {
     let crs = dem.crs.as_ref()?;
-    let looked_up = || crs_definitions::from_code(u16::try_from(crs.epsg?).ok()?).map(|definition| definition.wkt);
-    let text = crs.wkt.as_deref().or_else(looked_up)?;
-    match wkt::horizontal(text)?.0 {
-        Kind::Projected => wkt::linear_unit(text).map(|(_, metres)| DVec2::splat(metres)),
-        Kind::Geographic => {
-            let latitude = dem.grid.center(dem.grid.cols / 2, dem.grid.rows / 2).y.clamp(-89.0, 89.0);
-            Some(DVec2::new(latitude.to_radians().cos(), 1.0) * METRES_PER_DEGREE)
-        }
+    if crs.is_geographic() {
+        let latitude = dem.grid.center(dem.grid.cols / 2, dem.grid.rows / 2).y.clamp(-89.0, 89.0);
+        return Some(DVec2::new(latitude.to_radians().cos(), 1.0) * METRES_PER_DEGREE);
     }
+    crs.length_unit().map(|unit| DVec2::splat(unit.metres))
 }
 
 /// A scale bar of a round length. `None` if a pixel has no sensible size.

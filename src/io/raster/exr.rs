@@ -13,7 +13,8 @@ use exr::prelude::{
 };
 
 use super::pam::{self, Band};
-use super::{Filled, create, crs_wkt, geo_transform};
+use super::{Filled, create, geo_transform};
+use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::error::Result;
 
@@ -32,7 +33,7 @@ pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
         software_name: Some(Text::from("tokosen")),
         ..LayerAttributes::default()
     };
-    if let Some(wkt) = dem.crs.as_ref().and_then(crs_wkt) {
+    if let Some(wkt) = dem.crs.as_ref().and_then(Crs::header_wkt) {
         // GDAL takes the bytes of a text for UTF-8, so they are passed on as they are.
         let text = Text::from_slice_unchecked(wkt.as_bytes());
         attributes.other.insert(Text::from("gdal:crsWkt"), AttributeValue::Text(text));
@@ -68,7 +69,6 @@ mod tests {
 
     use super::super::tests::sample;
     use super::*;
-    use crate::crs::Crs;
 
     #[test]
     fn heights_come_back_bit_for_bit_with_their_place() {

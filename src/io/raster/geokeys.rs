@@ -4,10 +4,7 @@
 //! `ESRI PE String = `, beside a model type that says "user-defined": that is the form in which GDAL, and with it QGIS,
 //! looks for the text.
 
-use crate::crs::Crs;
-use crate::wkt::{self, Kind};
-
-use super::{crs_epsg, crs_wkt};
+use crate::crs::{Crs, CrsKind};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
@@ -42,23 +39,20 @@ pub(super) struct GeoKeys {
 impl GeoKeys {
     /// The keys of a system. `None` if it has neither a code nor a text.
     pub fn of(crs: &Crs) -> Option<Self> {
-        let wkt = crs_wkt(crs);
-        let horizontal = wkt.as_deref().and_then(wkt::horizontal);
-        // A compound system's code has no key: the code of its horizontal part stands there.
-        let own = horizontal.and_then(|(_, text)| wkt::epsg(text));
-        let code = own.or_else(|| crs_epsg(crs)).and_then(|code| u16::try_from(code).ok());
+        // A compound system has no key: its horizontal part stands there.
+        let crs = crs.horizontal();
         let mut keys = Self::default();
-        match code {
-            Some(code) => match horizontal.map_or_else(|| guess_kind(code), |(kind, _)| kind) {
-                Kind::Projected => {
+        match crs.epsg.and_then(|code| u16::try_from(code).ok()) {
+            Some(code) => match crs.kind().unwrap_or_else(|| guess_kind(code)) {
+                CrsKind::Projected => {
                     keys.push(&[[MODEL_TYPE, 0, 1, MODEL_PROJECTED], AREA, [PROJECTED_TYPE, 0, 1, code]])
                 }
-                Kind::Geographic => {
+                CrsKind::Geographic => {
                     keys.push(&[[MODEL_TYPE, 0, 1, MODEL_GEOGRAPHIC], AREA, [GEOGRAPHIC_TYPE, 0, 1, code]])
                 }
             },
             None => {
-                let text = horizontal.map(|(_, text)| text).or(wkt.as_deref())?;
+                let text = crs.header_wkt()?;
                 // The texts are ASCII, and a bar ends each.
                 let plain = text.chars().map(|c| match c {
                     '|' => '/',
@@ -110,18 +104,17 @@ impl GeoKeys {
         };
         let code = keys.iter().filter_map(|&key| self.number(key)).find(|&code| code > 0);
         if let Some(code) = code.filter(|&code| code != USER_DEFINED) {
-            let wkt = crs_definitions::from_code(code).map(|definition| definition.wkt.to_owned());
-            return Some(Crs { epsg: Some(u32::from(code)), wkt });
+            return Some(Crs::from_epsg(code.into()));
         }
         let citations = [PROJECTED_CITATION, GEOGRAPHIC_CITATION, CITATION];
         let text = citations.iter().filter_map(|&key| self.text(key)).find_map(|text| text.strip_prefix(PE_STRING))?;
-        Some(Crs { epsg: wkt::epsg(text), wkt: Some(text.to_owned()) })
+        Some(Crs::from_wkt(text))
     }
 }
 
 /// Projected or geographic, by the code alone: EPSG keeps most geographic systems between 4000 and 4999.
-fn guess_kind(code: u16) -> Kind {
-    if (4000..5000).contains(&code) { Kind::Geographic } else { Kind::Projected }
+fn guess_kind(code: u16) -> CrsKind {
+    if (4000..5000).contains(&code) { CrsKind::Geographic } else { CrsKind::Projected }
 }
 
 #[cfg(test)]
@@ -135,7 +128,7 @@ mod tests {
             assert_eq!(keys.directory, [1, 1, 0, 3, 1024, 0, 1, model, 1025, 0, 1, 1, key, 0, 1, code as u16]);
             let back = keys.crs().unwrap();
             assert_eq!(back.epsg, Some(code));
-            assert_eq!(back.wkt.as_deref(), crs_definitions::from_code(code as u16).map(|d| d.wkt));
+            assert_eq!(back.wkt, Crs::from_epsg(code).wkt);
         }
     }
 

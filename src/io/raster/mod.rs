@@ -18,15 +18,12 @@ mod pam;
 mod picture;
 mod png;
 
-use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::crs::Crs;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
-use crate::wkt;
 
 pub use like::read_grid;
 pub use picture::write_picture;
@@ -113,18 +110,6 @@ impl From<std::io::Error> for Filled {
     }
 }
 
-/// The well-known text of a system, looked up by its EPSG code where it has none of its own.
-fn crs_wkt(crs: &Crs) -> Option<Cow<'_, str>> {
-    let code = crs.epsg.and_then(|code| u16::try_from(code).ok());
-    let text = crs.wkt.as_deref().or_else(|| Some(crs_definitions::from_code(code?)?.wkt))?;
-    Some(wkt::without_shift(text))
-}
-
-/// The EPSG code of a system, looked for in its well-known text where it has none of its own.
-fn crs_epsg(crs: &Crs) -> Option<u32> {
-    crs.epsg.or_else(|| wkt::epsg(crs.wkt.as_deref()?))
-}
-
 /// The affine placement in GDAL's order: x of the corner, cell width, 0, y of the corner, 0, minus the cell height.
 fn geo_transform(grid: &Grid) -> [f64; 6] {
     [grid.corner.x, grid.cell.x, 0.0, grid.corner.y, 0.0, -grid.cell.y]
@@ -147,6 +132,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::crs::Crs;
 
     /// A small tilted surface with a hole.
     pub(super) fn sample(cols: usize, rows: usize) -> Dem {

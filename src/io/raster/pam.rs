@@ -6,7 +6,7 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
-use super::{beside, crs_epsg, crs_wkt, geo_transform, write_text};
+use super::{beside, geo_transform, write_text};
 use crate::dem::Dem;
 use crate::error::Result;
 
@@ -29,7 +29,7 @@ pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
     let name = dem
         .crs
         .as_ref()
-        .and_then(|crs| crs_wkt(crs).map(Cow::into_owned).or_else(|| crs_epsg(crs).map(|code| format!("EPSG:{code}"))));
+        .and_then(|crs| crs.header_wkt().map(Cow::into_owned).or_else(|| crs.epsg.map(|code| format!("EPSG:{code}"))));
     // Writing to a String cannot fail.
     if let Some(name) = name {
         let _ = writeln!(xml, "  <SRS>{}</SRS>", escape(&name));

@@ -15,7 +15,7 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 use super::pam::{self, Band};
-use super::{Filled, create, crs_epsg, crs_wkt, geo_transform};
+use super::{Filled, create, geo_transform};
 use crate::dem::Dem;
 use crate::error::Result;
 
@@ -57,11 +57,11 @@ fn encode(out: impl Write, dem: &Dem, coding: &Coding) -> std::result::Result<()
     }
     text("GeoTransform", geo_transform(&dem.grid).map(|v| v.to_string()).join(", "))?;
     if let Some(crs) = &dem.crs {
-        if let Some(code) = crs_epsg(crs) {
+        if let Some(code) = crs.horizontal().epsg {
             text("EPSG", code.to_string())?;
         }
         // Well-known text may hold any script, which only the international chunk can.
-        if let Some(wkt) = crs_wkt(crs) {
+        if let Some(wkt) = crs.header_wkt() {
             encoder.add_itxt_chunk("WKT".into(), wkt.into_owned())?;
         }
     }
