@@ -21,10 +21,11 @@ use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 use tokosen::tin::{Frame, VertexKind};
 
 fn map_of(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
-    let contours = lines
-        .iter()
-        .enumerate()
-        .map(|(i, (elevation, points))| Contour { elevation: *elevation, points: points.clone(), feature: i as u64 });
+    let contours = lines.iter().enumerate().map(|(i, (elevation, points))| Contour {
+        elevation: *elevation,
+        points: points.clone(),
+        feature: i as u64,
+    });
     ContourMap { contours: contours.collect(), ..ContourMap::default() }
 }
 
@@ -96,10 +97,8 @@ fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
     // 5
     let frame: Vec<[DVec2; 2]> = surface.frame.edges().collect();
     let diagonal = surface.frame.diagonal();
-    let given: HashSet<([u64; 2], u64)> = kept
-        .iter()
-        .flat_map(|l| l.points.iter().map(|p| (bits(*p), l.elevation.to_bits())))
-        .collect();
+    let given: HashSet<([u64; 2], u64)> =
+        kept.iter().flat_map(|l| l.points.iter().map(|p| (bits(*p), l.elevation.to_bits()))).collect();
     for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated && !l.is_closed()) {
         for end in [line.points[0], line.points[line.points.len() - 1]] {
             let at_frame = frame.iter().any(|[a, b]| distance(end, *a, *b) <= 2e-9 * diagonal);

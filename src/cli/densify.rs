@@ -29,10 +29,24 @@ pub struct DensifyArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Interval of the new contours [metres], or several: 5,2,1
-    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present = "levels", help_heading = "Output")]
+    #[arg(
+        short,
+        long,
+        value_name = "STEP",
+        value_delimiter = ',',
+        required_unless_present = "levels",
+        help_heading = "Output"
+    )]
     interval: Vec<f64>,
     /// Elevations of the new contours [metres] instead of an interval: 12.5,13
-    #[arg(long, value_name = "Z", value_delimiter = ',', allow_negative_numbers = true, conflicts_with = "interval", help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "Z",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with = "interval",
+        help_heading = "Output"
+    )]
     levels: Vec<f64>,
     /// Levels lie at BASE plus whole intervals [metres]
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output")]
@@ -69,7 +83,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Usage(message));
     }
     let targets = args.targets()?;
-    let inputs: Vec<&Path> = std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> =
+        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
     let staged = output::open(&args.output, &inputs)?;
     let picture = preview::open(args.preview.as_deref(), &inputs)?;
 

@@ -84,11 +84,7 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
 
 /// The lower left and the upper right corner of the frame.
 pub fn extent(surface: &Surface) -> (DVec2, DVec2) {
-    surface
-        .frame
-        .rings()
-        .flatten()
-        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+    surface.frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
 
 /// A height map on its way: the file was opened before the work, the grid chosen.

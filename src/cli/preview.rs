@@ -23,13 +23,17 @@ pub fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<StagedOutput
 }
 
 /// Draws the picture, still under its temporary name.
-pub fn write(staged: &StagedOutput, surface: &Surface, lines: &[ContourLine], console: &Console) -> Result<(), Failure> {
+pub fn write(
+    staged: &StagedOutput,
+    surface: &Surface,
+    lines: &[ContourLine],
+    console: &Console,
+) -> Result<(), Failure> {
     let (lo, hi) = output::extent(surface);
     let grid = map_grid(lo, hi)?;
     console.step("drawing", || {
         let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), &());
-        let picture =
-            render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
+        let picture = render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
         write_picture(&staged.path(), &picture)
     })?;
     Ok(())

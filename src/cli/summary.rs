@@ -38,10 +38,7 @@ pub fn surface(surface: &Surface, console: &Console) {
     } else {
         format!(", {} ridge lines, {} canyon lines", lines(BreakKind::Ridge), lines(BreakKind::Canyon))
     };
-    console.say(&format!(
-        "surface    {} sub-domains, {inside} triangles{skeleton}",
-        surface.regions.regions.len()
-    ));
+    console.say(&format!("surface    {} sub-domains, {inside} triangles{skeleton}", surface.regions.regions.len()));
 }
 
 /// Tells how many findings there were and how long each step took.

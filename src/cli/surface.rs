@@ -69,4 +69,6 @@ pub fn build_surface(
     Ok(build(map, params, console)?.collect(findings))
 }
 
-fn todo(_: &std::path::Path) -> Result<(geo::MultiPolygon<f64>, Option<tokosen::crs::Crs>), Failure> { Err(Failure::Usage("x".into())) }
+fn todo(_: &std::path::Path) -> Result<(geo::MultiPolygon<f64>, Option<tokosen::crs::Crs>), Failure> {
+    Err(Failure::Usage("x".into()))
+}

@@ -88,7 +88,18 @@ fn crossings(a: DVec2, b: DVec2, border: &Border) -> Vec<DVec2> {
         .collect();
     found.sort_by(f64::total_cmp);
     found.dedup();
-    found.into_iter().map(|t| if t == 0.0 { a } else if t == 1.0 { b } else { a + (b - a) * t }).collect()
+    found
+        .into_iter()
+        .map(|t| {
+            if t == 0.0 {
+                a
+            } else if t == 1.0 {
+                b
+            } else {
+                a + (b - a) * t
+            }
+        })
+        .collect()
 }
 
 /// A point of the piece away from its ends.

@@ -45,10 +45,7 @@ pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolutio
 pub fn is_chord(tin: &Tin, t: u32, i: usize) -> bool {
     let [u, v] = tin.edge(t, i);
     let on_contour = |v: u32| tin.kinds[v as usize] == crate::tin::VertexKind::Contour;
-    on_contour(u)
-        && on_contour(v)
-        && tin.heights[u as usize] == tin.heights[v as usize]
-        && tin.across(t, i).is_some()
+    on_contour(u) && on_contour(v) && tin.heights[u as usize] == tin.heights[v as usize] && tin.across(t, i).is_some()
 }
 
 /// Marks the triangles beyond edge `i` of `t`. The branch is a tree, so that they never lead back to `t`.

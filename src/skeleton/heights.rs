@@ -164,10 +164,8 @@ fn region_heights(
 }
 
 fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
-    let mut segments: Vec<(f64, u32, u8)> = borders
-        .iter()
-        .filter_map(|&(t, i)| tin.contour_level(t, i as usize).map(|level| (level, t, i)))
-        .collect();
+    let mut segments: Vec<(f64, u32, u8)> =
+        borders.iter().filter_map(|&(t, i)| tin.contour_level(t, i as usize).map(|level| (level, t, i))).collect();
     segments.sort_by(|a, b| a.0.total_cmp(&b.0));
     segments
         .chunk_by(|a, b| a.0 == b.0)

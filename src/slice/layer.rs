@@ -20,15 +20,11 @@ pub struct LayerParams {
 /// The contour lines of each target: all input contours bit for bit, and traced lines at the other levels.
 ///
 /// A target's level that the input has is not traced where the input's contours divide the ground; where one of them
-/// ends in the open, a traced line goes on from its end. Lines are ordered by elevation, input before interpolated.
+/// ends in the open, a traced line goes on from its end, and where a gap in it was bridged, the bridge is a line. Lines are ordered by elevation, input before interpolated.
 ///
 /// # Errors
 /// When a target's levels are out of range (see [`Target::levels`]).
-pub fn contour_layers(
-    surface: &Surface,
-    params: &LayerParams,
-    progress: &dyn Progress,
-) -> Result<Vec<ContourLayer>> {
+pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
     let map = &surface.map;
     let bands = || surface.regions.regions.iter().map(|r| r.band);
     let lowest = bands().map(|b| b.lo).filter(|l| l.is_finite()).fold(f64::INFINITY, f64::min);
@@ -61,6 +57,8 @@ pub fn contour_layers(
         let mut lines: Vec<ContourLine> = input.collect();
         for level in wanted {
             let Ok(k) = levels.binary_search_by(|l| l.total_cmp(level)) else { continue };
+            let bridges = surface.bridges.iter().filter(|(l, _)| l == level);
+            lines.extend(bridges.map(|(l, ends)| line(*l, ends.to_vec(), Source::Interpolated, index(*l))));
             lines.extend(traced[k].iter().map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
@@ -73,7 +71,13 @@ pub fn contour_layers(
 fn as_given(given: &[f64], level: f64) -> f64 {
     let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
     let at = given.partition_point(|&l| l < level);
-    [at.checked_sub(1), Some(at)].into_iter().flatten().filter_map(|i| given.get(i)).copied().find(near).unwrap_or(level)
+    [at.checked_sub(1), Some(at)]
+        .into_iter()
+        .flatten()
+        .filter_map(|i| given.get(i))
+        .copied()
+        .find(near)
+        .unwrap_or(level)
 }
 
 fn line(elevation: f64, points: Vec<glam::DVec2>, source: Source, index: bool) -> ContourLine {

@@ -45,8 +45,7 @@ impl Target {
                 if let Some(bad) = levels.iter().find(|l| !l.is_finite()) {
                     return Err(Error::Parameter(format!("the level {bad} is not a number")));
                 }
-                let mut levels: Vec<f64> =
-                    levels.iter().copied().filter(|l| (lowest..=highest).contains(l)).collect();
+                let mut levels: Vec<f64> = levels.iter().copied().filter(|l| (lowest..=highest).contains(l)).collect();
                 levels.sort_by(f64::total_cmp);
                 levels.dedup();
                 Ok(levels)

@@ -305,7 +305,8 @@ mod tests {
     #[test]
     fn a_saddle_on_the_level_does_not_make_a_line_touch_itself() {
         // Two tops joined by a pass that lies exactly on the level.
-        let lines = lines_of(&[(-5.0, 2.0, 9.0), (5.0, 2.0, 9.0), (0.0, 2.0, 5.0), (0.0, 6.0, 1.0), (0.0, -2.0, 1.0)], 5.0);
+        let lines =
+            lines_of(&[(-5.0, 2.0, 9.0), (5.0, 2.0, 9.0), (0.0, 2.0, 5.0), (0.0, 6.0, 1.0), (0.0, -2.0, 1.0)], 5.0);
         for line in &lines {
             let inner = &line[..line.len() - usize::from(line.first() == line.last())];
             let mut seen = std::collections::HashSet::new();

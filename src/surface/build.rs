@@ -1,6 +1,6 @@
 //! From a clean map to a surface: triangulate, find the sub-domains and the skeleton, triangulate again with it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use geo::Contains;
 use glam::DVec2;
@@ -11,7 +11,8 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, End, Skeleton, axis_heights, skeleton};
 use crate::tin::{
-    Frame, FrameRing, Link, NONE, Regions, Tin, TinInput, VertexKind, frame_ring, link_open_ends, regions, triangulate,
+    Frame, FrameRing, Gaps, Link, Regions, Side, Tin, TinInput, VertexKind, close_gaps, frame_ring, link_open_ends,
+    regions, side_of, triangulate,
 };
 
 /// Builds the surface of a clean map (see [`clean`](crate::contour::clean)).
@@ -21,7 +22,10 @@ use crate::tin::{
 /// when the parameters are out of range.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
-        return Err(Error::Parameter(format!("the resolution parameter w is {}, it must be 0 or more", params.resolution)));
+        return Err(Error::Parameter(format!(
+            "the resolution parameter w is {}, it must be 0 or more",
+            params.resolution
+        )));
     }
     let Clipped { map, cuts } = match &params.frame {
         Frame::Polygon(area) => clip(map, area),
@@ -30,7 +34,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map))?;
     let frame = frame_ring(&map, &params.frame);
     let tolerance = 1e-9 * frame.diagonal();
-    let links = link_open_ends(&map, &frame, tolerance);
+    let (ends, links) = link_open_ends(&map, &frame, tolerance);
     let frame = match params.frame {
         Frame::Hull | Frame::Box => frame,
         Frame::Polygon(_) => {
@@ -44,14 +48,16 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     progress.start("triangulating", 0);
     let mut findings = Vec::new();
     let mut spots: Vec<bool> = vec![true; map.spots.len()];
-    let (tin, sub_domains) = loop {
+    let (tin, sub_domains, gaps) = loop {
         let input = parts.input(&spots);
         let tin = with_frame(triangulate(input)?, params, &frame);
+        let gaps = close_gaps(&tin, &ends, interval.step);
+        let tin = tin.with_gaps(&gaps);
         let report = regions(&tin, &interval);
         let outside = spots_outside_bands(&map, &tin, &report.value);
         if outside.is_empty() {
             findings.extend(report.findings);
-            break (tin, report.value);
+            break (tin, report.value, gaps);
         }
         for (spot, finding) in outside {
             spots[spot] = false;
@@ -60,8 +66,9 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     };
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
+    let bridges = bridges(&tin, &sub_domains, &gaps);
     if params.kind == SurfaceKind::Linear {
-        let surface = Surface { map, tin, regions: sub_domains, break_lines: Vec::new(), frame, interval };
+        let surface = Surface { map, tin, regions: sub_domains, bridges, break_lines: Vec::new(), frame, interval };
         return Ok(Report { value: surface, findings });
     }
 
@@ -72,12 +79,17 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     progress.start("triangulating with them", 0);
     let mut input = parts.input(&spots);
     push_skeleton(&mut input, &tin, &skeleton);
+    for &[u, v] in gaps.bridges.iter().chain(&gaps.gates) {
+        input.push_edge(tin.source[u as usize], tin.source[v as usize]);
+    }
     drop((tin, sub_domains));
-    let tin = with_frame(triangulate(input)?, params, &frame);
+    // The same points come first, so the vertices of the gaps have the same numbers again.
+    let tin = with_frame(triangulate(input)?, params, &frame).with_gaps(&gaps);
     let sub_domains = regions(&tin, &interval).value;
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
-    let surface = Surface { map, tin, regions: sub_domains, break_lines: skeleton.lines, frame, interval };
+    let break_lines = skeleton.lines;
+    let surface = Surface { map, tin, regions: sub_domains, bridges, break_lines, frame, interval };
     Ok(Report { value: surface, findings })
 }
 
@@ -85,7 +97,10 @@ fn too_few_levels(map: &ContourMap) -> Error {
     Error::Data(match map.contours.first() {
         None => "there is no contour line".into(),
         Some(c) if map.contours.len() == 1 => {
-            format!("there is one contour line only (elevation {}): a surface needs contours of two levels", c.elevation)
+            format!(
+                "there is one contour line only (elevation {}): a surface needs contours of two levels",
+                c.elevation
+            )
         }
         Some(c) => format!(
             "all {} contour lines have the elevation {}: a surface needs contours of two levels (is it the right \
@@ -147,9 +162,7 @@ fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {
     for piece in &skeleton.axis.pieces {
         let [a, b] = piece.map(|end| match end {
             End::Axis(p) => points[p as usize],
-            End::Vertex(v) => {
-                input.push_local(tin.positions[v as usize], tin.heights[v as usize], tin.kinds[v as usize])
-            }
+            End::Vertex(v) => tin.source[v as usize],
         });
         input.push_edge(a, b);
     }
@@ -190,29 +203,65 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
     outside
 }
 
-/// Gives the corners of the frame heights from the contours around them.
-fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
-    let mut of_vertex = vec![NONE; tin.positions.len()];
+/// The bridges as lines, higher ground on their right.
+fn bridges(tin: &Tin, regions: &Regions, gaps: &Gaps) -> Vec<(f64, [DVec2; 2])> {
+    let mut wanted: HashSet<[u32; 2]> = gaps.bridges.iter().map(|&[u, v]| [u.min(v), u.max(v)]).collect();
+    let mut found = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-        for v in tin.triangles[t as usize] {
-            if tin.kinds[v as usize] == VertexKind::Frame {
-                of_vertex[v as usize] = t;
+        for i in 0..3 {
+            let [u, v] = tin.edge(t, i);
+            if wanted.is_empty() || !wanted.remove(&[u.min(v), u.max(v)]) {
+                continue;
+            }
+            let level = tin.heights[u as usize];
+            let rises = regions.region(t).and_then(|r| side_of(r, level)) == Some(Side::Above);
+            // The triangle lies on the left of the edge from u to v.
+            let ends = if rises { [v, u] } else { [u, v] };
+            found.push((level, ends.map(|v| tin.point(v).truncate())));
+        }
+    }
+    found
+}
+
+/// Gives the corners of the frame heights from the contours around them. Outside the reach of the contours a corner has
+/// the height of the nearest contour.
+fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
+    let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
+    let mut triangle_of: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut nearest: HashMap<u32, (f64, f64)> = HashMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for corner in tin.triangles[t as usize].into_iter().filter(|&v| is_corner(v)) {
+            triangle_of.insert(corner, t);
+            for v in tin.triangles[t as usize].into_iter().filter(|&v| !is_corner(v)) {
+                let distance = tin.positions[corner as usize].distance(tin.positions[v as usize]);
+                let best = nearest.entry(corner).or_insert((f64::INFINITY, f64::NAN));
+                if distance < best.0 {
+                    *best = (distance, tin.heights[v as usize]);
+                }
             }
         }
     }
-    let corners: Vec<u32> = (0..tin.positions.len() as u32).filter(|&v| of_vertex[v as usize] != NONE).collect();
-    let points: Vec<AxisPoint> = corners
+    let region_of = |t: u32| regions.of_triangle[t as usize];
+    let (outer, inner): (Vec<_>, Vec<_>) =
+        triangle_of.into_iter().partition(|&(_, t)| regions.regions[region_of(t) as usize].outer);
+    let points: Vec<AxisPoint> = inner
         .iter()
-        .map(|&v| {
-            let triangle = of_vertex[v as usize];
-            let region = regions.of_triangle[triangle as usize];
-            AxisPoint { position: tin.positions[v as usize], level: None, triangle, region }
+        .map(|&(v, t)| AxisPoint {
+            position: tin.positions[v as usize],
+            level: None,
+            triangle: t,
+            region: region_of(t),
         })
         .collect();
     let found = axis_heights(&tin, regions, &points);
     let mut heights = tin.heights.clone();
-    for (&v, h) in corners.iter().zip(found) {
+    for (&(v, _), h) in inner.iter().zip(found) {
         heights[v as usize] = h;
+    }
+    for (v, t) in outer {
+        let band = regions.regions[region_of(t) as usize].band;
+        let height = nearest.get(&v).map_or(f64::NAN, |n| n.1);
+        heights[v as usize] = if height.is_nan() { band.lo.midpoint(band.hi) } else { height };
     }
     tin.with_heights(heights)
 }

@@ -8,6 +8,8 @@ mod build;
 
 pub use build::build;
 
+use glam::DVec2;
+
 use crate::contour::{ContourMap, Interval};
 use crate::skeleton::BreakLine;
 use crate::tin::{Frame, FrameRing, Regions, Tin};
@@ -48,6 +50,8 @@ pub struct Surface {
     pub tin: Tin,
     /// The sub-domains of its triangles.
     pub regions: Regions,
+    /// Pieces across gaps in contours: level and ends, higher ground on the right.
+    pub bridges: Vec<(f64, [DVec2; 2])>,
     /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`].
     pub break_lines: Vec<BreakLine>,
     /// The frame's outline.

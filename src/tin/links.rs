@@ -1,15 +1,34 @@
-//! Links from the open ends of contours to the frame.
+//! Open ends of contours, and links from them to the frame.
 //!
-//! A contour that runs off the map ends near the frame, seldom on it. Where nothing lies between its end and the nearest
-//! point of the frame, the contour is taken to go on to there, so that it divides the ground on its two sides. Ends that
-//! do not see the frame (auxiliary contours, cliffs, gaps) stay open.
+//! A contour that runs off the map ends near the frame, seldom on it. Where the frame is nearer than any other end and
+//! nothing lies between, the contour is taken to go on straight to the frame, so that it divides the ground on its two
+//! sides. The other ends (a ragged outline, auxiliary contours, cliffs, gaps) are looked at again in the triangulation,
+//! see [`close_gaps`](super::close_gaps).
 
 use glam::DVec2;
+use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
 use rstar::{AABB, RTree};
 
 use super::FrameRing;
-use crate::contour::ContourMap;
+use crate::contour::{Contour, ContourMap};
+
+/// An end of an open contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpenEnd {
+    /// Its place, map coordinates.
+    pub position: DVec2,
+    /// The direction in which the line leaves its end, of length one.
+    pub outwards: DVec2,
+    /// The contour's elevation.
+    pub elevation: f64,
+    /// The contour's number in the map.
+    pub contour: u32,
+    /// Length of the contour, map units.
+    pub length: f64,
+    /// Whether it lies on the frame or is linked to it.
+    pub at_frame: bool,
+}
 
 /// A straight continuation of a contour from its end to the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,61 +44,90 @@ pub struct Link {
 /// Segments a box of the index holds.
 const RUN: usize = 16;
 
-/// Finds the links of all open contours.
+/// All ends of open contours, and the links of those that the frame is nearest to.
 ///
-/// Ends within `tolerance` (map units) of the frame lie on it and need none. An end stays open where a contour lies
-/// between it and the frame, or where another end of its level is nearer than the frame: there a piece is missing.
-pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> Vec<Link> {
-    let ends: Vec<(DVec2, f64)> = map
+/// Ends within `tolerance` (map units) of the frame lie on it and need no link.
+pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Vec<OpenEnd>, Vec<Link>) {
+    let mut ends: Vec<OpenEnd> = map
         .contours
         .iter()
-        .filter(|c| !c.is_closed())
-        .flat_map(|c| [c.points.first(), c.points.last()].into_iter().flatten().map(|&p| (p, c.elevation)))
+        .enumerate()
+        .filter(|(_, c)| !c.is_closed() && c.points.len() >= 2)
+        .flat_map(|(i, c)| ends_of(i as u32, c))
         .collect();
     if ends.is_empty() {
-        return Vec::new();
+        return (ends, Vec::new());
     }
     let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
-    let others = RTree::bulk_load(ends.iter().map(|&(p, z)| GeomWithData::new(p.to_array(), z)).collect());
-    let runs = RTree::bulk_load(
-        map.contours
-            .iter()
-            .enumerate()
-            .flat_map(|(line, c)| {
-                (0..c.points.len().saturating_sub(1)).step_by(RUN).map(move |first| {
-                    let run = &c.points[first..(first + RUN + 1).min(c.points.len())];
-                    let lo = run.iter().fold(DVec2::INFINITY, |m, &p| m.min(p)).to_array();
-                    let hi = run.iter().fold(DVec2::NEG_INFINITY, |m, &p| m.max(p)).to_array();
-                    GeomWithData::new(Rectangle::from_corners(lo, hi), (line, first))
-                })
+    let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
+    let index = Runs::new(map);
+    let links: Vec<(bool, Option<Link>)> = ends
+        .par_iter()
+        .map(|end| {
+            let at = end.position.to_array();
+            let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
+            let on_frame = DVec2::from(edge.nearest_point(&at));
+            let distance = end.position.distance(on_frame);
+            if distance <= tolerance {
+                return (true, None);
+            }
+            let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
+            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !index.sees(map, end.position, on_frame) {
+                return (false, None);
+            }
+            (true, Some(Link { end: end.position, frame: on_frame, elevation: end.elevation }))
+        })
+        .collect();
+    for (end, (at_frame, _)) in ends.iter_mut().zip(&links) {
+        end.at_frame = *at_frame;
+    }
+    (ends, links.into_iter().filter_map(|(_, link)| link).collect())
+}
+
+fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
+    let points = &line.points;
+    let length = line.length();
+    // A few vertices back, so that one crooked segment does not set the direction.
+    let back = 4.min(points.len() - 1);
+    let end = |position: DVec2, behind: DVec2| OpenEnd {
+        position,
+        outwards: (position - behind).normalize_or_zero(),
+        elevation: line.elevation,
+        contour,
+        length,
+        at_frame: false,
+    };
+    let last = points.len() - 1;
+    [end(points[0], points[back]), end(points[last], points[last - back])]
+}
+
+/// Boxes around runs of segments, to find those that a straight view may cross.
+struct Runs(RTree<GeomWithData<Rectangle<[f64; 2]>, (u32, u32)>>);
+
+impl Runs {
+    fn new(map: &ContourMap) -> Self {
+        let runs = map.contours.iter().enumerate().flat_map(|(line, c)| {
+            (0..c.points.len().saturating_sub(1)).step_by(RUN).map(move |first| {
+                let run = &c.points[first..(first + RUN + 1).min(c.points.len())];
+                let lo = run.iter().fold(DVec2::INFINITY, |m, &p| m.min(p)).to_array();
+                let hi = run.iter().fold(DVec2::NEG_INFINITY, |m, &p| m.max(p)).to_array();
+                GeomWithData::new(Rectangle::from_corners(lo, hi), (line as u32, first as u32))
             })
-            .collect(),
-    );
-    let clear = |a: DVec2, b: DVec2| {
+        });
+        Self(RTree::bulk_load(runs.collect()))
+    }
+
+    /// Whether no contour lies between `a`, where contours may end, and `b`.
+    fn sees(&self, map: &ContourMap, a: DVec2, b: DVec2) -> bool {
         let query = AABB::from_corners(a.to_array(), b.to_array());
-        !runs.locate_in_envelope_intersecting(&query).any(|run| {
-            let (line, first) = run.data;
+        !self.0.locate_in_envelope_intersecting(&query).any(|run| {
+            let (line, first) = (run.data.0 as usize, run.data.1 as usize);
             let points = &map.contours[line].points;
             points[first..(first + RUN + 1).min(points.len())]
                 .windows(2)
                 .any(|s| s[0] != a && s[1] != a && segments_meet(a, b, s[0], s[1]))
         })
-    };
-    ends.iter()
-        .filter_map(|&(end, elevation)| {
-            let edge = frame.nearest_neighbor(&end.to_array())?;
-            let on_frame = DVec2::from(edge.nearest_point(&end.to_array()));
-            let distance = end.distance(on_frame);
-            if distance <= tolerance {
-                return None;
-            }
-            let facing = others
-                .nearest_neighbor_iter_with_distance_2(&end.to_array())
-                .take_while(|(_, d2)| *d2 < distance * distance)
-                .any(|(other, d2)| d2 > 0.0 && other.data == elevation);
-            (!facing && clear(end, on_frame)).then_some(Link { end, frame: on_frame, elevation })
-        })
-        .collect()
+    }
 }
 
 /// Whether two segments share a point, with exact predicates.
@@ -89,16 +137,16 @@ fn segments_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     line(a, b).intersects(&line(c, d))
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::Contour;
     use crate::tin::{Frame, frame_ring};
 
     fn map(lines: &[(f64, &[(f64, f64)])]) -> ContourMap {
-        let contours = lines.iter().map(|&(elevation, points)| {
-            Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: 0 }
+        let contours = lines.iter().map(|&(elevation, points)| Contour {
+            elevation,
+            points: points.iter().map(|&p| p.into()).collect(),
+            feature: 0,
         });
         ContourMap { contours: contours.collect(), ..ContourMap::default() }
     }
@@ -113,11 +161,13 @@ mod tests {
             (30.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        let links = link_open_ends(&map, &ring, 1e-7);
+        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
         let of = |z: f64| links.iter().filter(|l| l.elevation == z).map(|l| (l.end, l.frame)).collect::<Vec<_>>();
         assert_eq!(of(10.0), [(DVec2::new(2.0, 50.0), DVec2::new(0.0, 50.0))]);
         assert!(of(0.0).is_empty() && of(30.0).is_empty(), "those ends lie on the frame");
         assert_eq!(of(20.0).len(), 2);
+        let open: Vec<DVec2> = ends.iter().filter(|e| !e.at_frame).map(|e| e.position).collect();
+        assert_eq!(open, [DVec2::new(70.0, 50.0)]);
     }
 
     #[test]
@@ -129,6 +179,8 @@ mod tests {
             (20.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        assert!(link_open_ends(&map, &ring, 1e-7).is_empty());
+        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
+        assert!(links.is_empty());
+        assert_eq!(ends.iter().filter(|e| !e.at_frame).count(), 2);
     }
 }

@@ -5,15 +5,19 @@
 
 mod build;
 mod frame;
+mod gates;
 mod kinds;
 mod links;
 mod regions;
 
 pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
+pub use gates::{Gaps, close_gaps};
 pub use kinds::{TriangleKind, triangle_kinds};
-pub use links::{Link, link_open_ends};
+pub use links::{Link, OpenEnd, link_open_ends};
 pub use regions::{Band, Region, Regions, Side, regions, side_of};
+
+use std::collections::HashSet;
 
 use glam::{DVec2, DVec3};
 
@@ -52,7 +56,7 @@ pub struct Tin {
     pub triangles: Vec<[u32; 3]>,
     /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
     pub neighbours: Vec<[u32; 3]>,
-    /// Bit i: the edge from corner i to corner i+1 is a constraint.
+    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate.
     constraints: Vec<u8>,
     /// Whether the triangle lies inside the frame.
     inside: Vec<bool>,
@@ -86,17 +90,23 @@ impl Tin {
         self.positions[u as usize].distance(self.positions[v as usize])
     }
 
-    /// Whether edge `i` of triangle `t` is a constraint (contour, link, frame or break line).
+    /// Whether edge `i` of triangle `t` is a constraint (contour, link, bridge, gate, frame or break line).
     pub fn is_constraint(&self, t: u32, i: usize) -> bool {
         self.constraints[t as usize] & (1 << i) != 0
     }
 
-    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour or of a link.
+    /// Whether edge `i` of triangle `t` closes the opening between two ends of contours.
+    pub fn is_gate(&self, t: u32, i: usize) -> bool {
+        self.constraints[t as usize] & (8 << i) != 0
+    }
+
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge.
     pub fn contour_level(&self, t: u32, i: usize) -> Option<f64> {
         let [u, v] = self.edge(t, i);
         let on_contour = |v: u32| self.kinds[v as usize] == VertexKind::Contour;
         let level = self.heights[u as usize];
-        (self.is_constraint(t, i) && on_contour(u) && on_contour(v) && level == self.heights[v as usize]).then_some(level)
+        let same = on_contour(u) && on_contour(v) && level == self.heights[v as usize];
+        (same && self.is_constraint(t, i) && !self.is_gate(t, i)).then_some(level)
     }
 
     /// The triangle inside the frame across edge `i` of triangle `t`, whatever the edge is.
@@ -105,14 +115,36 @@ impl Tin {
         (n != NONE && self.inside[n as usize]).then_some(n)
     }
 
-    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour or the frame.
+    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate or the frame.
     pub fn across(&self, t: u32, i: usize) -> Option<u32> {
-        if self.contour_level(t, i).is_some() { None } else { self.inner_neighbour(t, i) }
+        if self.is_gate(t, i) || self.contour_level(t, i).is_some() { None } else { self.inner_neighbour(t, i) }
     }
 
     /// Which edge of `t` leads to its neighbour `n`.
     pub fn edge_towards(&self, t: u32, n: u32) -> Option<usize> {
         self.neighbours[t as usize].iter().position(|&m| m == n)
+    }
+
+    /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
+    pub fn with_gaps(mut self, gaps: &Gaps) -> Self {
+        let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
+        let bridges: HashSet<[u32; 2]> = gaps.bridges.iter().copied().map(sorted).collect();
+        let gates: HashSet<[u32; 2]> = gaps.gates.iter().copied().map(sorted).collect();
+        let ends: HashSet<u32> = bridges.iter().chain(&gates).flatten().copied().collect();
+        for t in 0..self.len() as u32 {
+            for i in 0..3 {
+                let edge = sorted(self.edge(t, i));
+                if ends.is_empty() || !ends.contains(&edge[0]) {
+                    continue;
+                }
+                if bridges.contains(&edge) {
+                    self.constraints[t as usize] |= 1 << i;
+                } else if gates.contains(&edge) {
+                    self.constraints[t as usize] |= 9 << i;
+                }
+            }
+        }
+        self
     }
 
     /// The same triangulation with other heights, one a vertex.
@@ -188,7 +220,9 @@ impl Tin {
                 let [u, v] = self.edge(t, i);
                 let back = (0..3).find(|&j| self.edge(n, j) == [v, u]);
                 match back {
-                    Some(j) if self.neighbours[n as usize][j] == t && self.is_constraint(n, j) == self.is_constraint(t, i) => {}
+                    Some(j)
+                        if self.neighbours[n as usize][j] == t
+                            && self.is_constraint(n, j) == self.is_constraint(t, i) => {}
                     _ => return Err(format!("triangles {t} and {n} disagree about their common edge")),
                 }
             }

@@ -10,6 +10,9 @@ use super::{NONE, Tin};
 use crate::contour::Interval;
 use crate::error::{Finding, FindingKind, Report};
 
+/// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
+const WIDE: f64 = 1.5;
+
 /// How the band of a sub-domain is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Side {
@@ -56,8 +59,9 @@ pub struct Region {
     pub highest: f64,
     /// One of its triangles.
     pub triangle: u32,
-    /// Whether the frame is part of its border.
-    pub at_frame: bool,
+    /// Whether it lies between the frame and a ragged outline of the contours: outside their reach, with several levels
+    /// around it and no order among them.
+    pub outer: bool,
 }
 
 /// The sub-domains of a triangulation.
@@ -80,7 +84,7 @@ impl Regions {
 ///
 /// `interval` gives the next level above a peak's or below a pit's last contour.
 pub fn regions(tin: &Tin, interval: &Interval) -> Report<Regions> {
-    let (of_triangle, mut regions) = flood(tin);
+    let (of_triangle, mut regions) = flood(tin, interval);
     let borders = Borders::new(tin, &of_triangle, regions.len());
     propagate(&mut regions, &borders, interval);
     let findings = contradictions(tin, &of_triangle, &regions, &borders, interval);
@@ -88,7 +92,7 @@ pub fn regions(tin: &Tin, interval: &Interval) -> Report<Regions> {
 }
 
 /// Numbers the connected components and collects the levels on their borders.
-fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
+fn flood(tin: &Tin, interval: &Interval) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();
@@ -97,7 +101,8 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
             continue;
         }
         let id = regions.len() as u32;
-        let (mut lowest, mut highest, mut at_frame) = (f64::INFINITY, f64::NEG_INFINITY, false);
+        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut at_frame, mut at_gate) = (false, false);
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -105,6 +110,14 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                 if let Some(level) = tin.contour_level(t, i) {
                     lowest = lowest.min(level);
                     highest = highest.max(level);
+                    continue;
+                }
+                if tin.is_gate(t, i) {
+                    for level in tin.edge(t, i).map(|v| tin.heights[v as usize]) {
+                        lowest = lowest.min(level);
+                        highest = highest.max(level);
+                    }
+                    at_gate = true;
                     continue;
                 }
                 match tin.inner_neighbour(t, i) {
@@ -118,7 +131,8 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
             }
         }
         let band = Band { lo: lowest, hi: highest, side: Side::Between };
-        regions.push(Region { band, lowest, highest, triangle: first, at_frame });
+        let outer = at_frame && at_gate && highest - lowest > WIDE * interval.step;
+        regions.push(Region { band, lowest, highest, triangle: first, outer });
     }
     (of_triangle, regions)
 }
@@ -246,7 +260,10 @@ fn contradictions(
     let mut findings = Vec::new();
     let gap = |r: &Region| r.highest - r.lowest;
     for (id, region) in regions.iter().enumerate() {
-        if gap(region) > 1.5 * interval.step {
+        if region.outer {
+            continue;
+        }
+        if gap(region) > WIDE * interval.step {
             findings.push(Finding::at(
                 FindingKind::SkippedLevel,
                 steepest_place(tin, of_triangle, id as u32, region.triangle),
@@ -261,7 +278,7 @@ fn contradictions(
         for border in borders.of(id as u32).iter().filter(|b| b.other > id as u32) {
             let other = &regions[border.other as usize];
             let sides = (side_of(region, border.level), side_of(other, border.level));
-            if gap(other) > 1.5 * interval.step || told.contains(&(border.other, border.level.to_bits())) {
+            if gap(other) > WIDE * interval.step || told.contains(&(border.other, border.level.to_bits())) {
                 continue;
             }
             if let (Some(a), Some(b)) = sides
@@ -272,7 +289,10 @@ fn contradictions(
                 findings.push(Finding::at(
                     FindingKind::BandContradiction,
                     border.place,
-                    format!("the ground on both sides of contour {} lies {side} it: a label may be wrong", border.level),
+                    format!(
+                        "the ground on both sides of contour {} lies {side} it: a label may be wrong",
+                        border.level
+                    ),
                 ));
             }
         }

@@ -117,7 +117,9 @@ pub(super) fn find(segments: &Segments, separation: f64) -> Result<Contacts> {
 /// Adds the contacts of a run's segments with each other and with those of later runs; returns how many pairs meet.
 fn contacts_of_run(segments: &Segments, runs: &Runs, i: u32, separation: f64, found: &mut Contacts) -> usize {
     let run = &runs.runs[i as usize];
-    let reach = run.bounds.grown(separation);
+    // Wider than need be, so that the rounding of boxes decides nothing.
+    let margin = 2.0 * separation;
+    let reach = run.bounds.grown(margin);
     let mut met = 0;
     let mut test = |s: Placed, t: Placed| {
         let contact = contact(&s, &t, separation);
@@ -131,7 +133,7 @@ fn contacts_of_run(segments: &Segments, runs: &Runs, i: u32, separation: f64, fo
         }
     };
     for s in placed(segments, run) {
-        let near = s.segment.bounds().grown(separation);
+        let near = s.segment.bounds().grown(margin);
         for t in placed(segments, run).skip(s.number + 1 - run.from as usize) {
             if near.meets(&t.segment.bounds()) {
                 test(s, t);
@@ -140,9 +142,9 @@ fn contacts_of_run(segments: &Segments, runs: &Runs, i: u32, separation: f64, fo
     }
     for j in runs.near(&reach).filter(|&j| j > i) {
         let other = &runs.runs[j as usize];
-        let shared = overlap(&reach, &other.bounds.grown(separation));
+        let shared = overlap(&reach, &other.bounds.grown(margin));
         for s in placed(segments, run) {
-            let near = s.segment.bounds().grown(separation);
+            let near = s.segment.bounds().grown(margin);
             if !near.meets(&shared) {
                 continue;
             }

@@ -1,7 +1,8 @@
 //! Which segments go, and the lines without them.
 
-use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+use rayon::prelude::*;
 
 use super::canonical::is_closed;
 use super::meet;
@@ -18,45 +19,67 @@ use crate::contour::Contour;
 /// Gives each chosen segment with one that it was in conflict with when it was chosen, sorted.
 pub(super) fn choose(segments: &Segments, conflicts: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let mut both: Vec<(u32, u32)> = conflicts.iter().flat_map(|&(s, t)| [(s, t), (t, s)]).collect();
-    both.sort_unstable();
+    both.par_sort_unstable();
     // One node a segment; its neighbours, as node numbers, are neighbours[first[node]..first[node + 1]].
-    let mut nodes: Vec<u32> = both.iter().map(|p| p.0).collect();
-    nodes.dedup();
-    let node = |segment: u32| nodes.partition_point(|&s| s < segment);
-    let mut first: Vec<usize> = nodes.iter().map(|&s| both.partition_point(|p| p.0 < s)).collect();
+    let mut nodes: Vec<u32> = Vec::new();
+    let mut first: Vec<usize> = Vec::new();
+    let mut node_of = vec![u32::MAX; segments.len()];
+    for (i, &(s, _)) in both.iter().enumerate() {
+        if nodes.last() != Some(&s) {
+            node_of[s as usize] = nodes.len() as u32;
+            nodes.push(s);
+            first.push(i);
+        }
+    }
     first.push(both.len());
-    let neighbours: Vec<usize> = both.iter().map(|p| node(p.1)).collect();
-    drop(both);
+    let neighbours: Vec<u32> = both.iter().map(|p| node_of[p.1 as usize]).collect();
+    drop((both, node_of));
 
-    // Bits of positive numbers are in the numbers' order.
-    let lengths: Vec<u64> = nodes
-        .iter()
-        .map(|&s| {
-            let segment = segments.get(s);
-            segment.a.distance(segment.b).to_bits()
-        })
-        .collect();
-    let mut degree: Vec<usize> = first.windows(2).map(|w| w[1] - w[0]).collect();
-    let entry = |n: usize, degree: usize| (degree, Reverse(lengths[n]), Reverse(n));
-    let mut queue: BinaryHeap<_> = degree.iter().enumerate().map(|(n, &d)| entry(n, d)).collect();
+    // The queue holds numbers only, whose upper half is a node's degree, and whose lower half says how late it comes.
+    let (late, by_lateness) = lateness(segments, &nodes);
+    let mut degree: Vec<u32> = first.windows(2).map(|w| (w[1] - w[0]) as u32).collect();
+    let entry = |n: usize, degree: u32| u64::from(degree) << 32 | u64::from(u32::MAX - late[n]);
+    let mut queue: BinaryHeap<u64> = degree.iter().enumerate().map(|(n, &d)| entry(n, d)).collect();
     let mut gone = vec![false; nodes.len()];
     let mut chosen = Vec::new();
-    while let Some((d, _, Reverse(n))) = queue.pop() {
-        // A node that lost conflicts since has an entry further down.
-        if gone[n] || d != degree[n] || d == 0 {
+    while let Some(top) = queue.pop() {
+        let (d, n) = ((top >> 32) as u32, by_lateness[(u32::MAX - top as u32) as usize] as usize);
+        if d != degree[n] {
+            // It has lost conflicts since it was put in. Degrees only fall, so no entry stands too far down.
+            queue.push(entry(n, degree[n]));
             continue;
+        }
+        if d == 0 {
+            break;
         }
         gone[n] = true;
         let mut partner = None;
-        for &m in neighbours[first[n]..first[n + 1]].iter().filter(|&&m| !gone[m]) {
+        for &m in neighbours[first[n]..first[n + 1]].iter().filter(|&&m| !gone[m as usize]) {
+            let m = m as usize;
             partner.get_or_insert(m);
             degree[m] -= 1;
-            queue.push(entry(m, degree[m]));
         }
         chosen.extend(partner.map(|m| (nodes[n], nodes[m])));
     }
     chosen.sort_unstable();
     chosen
+}
+
+/// The nodes' places in the order by length and then by number, and the nodes in that order.
+fn lateness(segments: &Segments, nodes: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut order: Vec<(f64, u32)> = (0u32..)
+        .zip(nodes)
+        .map(|(n, &s)| {
+            let segment = segments.get(s);
+            (segment.a.distance(segment.b), n)
+        })
+        .collect();
+    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut late = vec![0; nodes.len()];
+    for (i, &(_, n)) in (0u32..).zip(&order) {
+        late[n as usize] = i;
+    }
+    (late, order.into_iter().map(|o| o.1).collect())
 }
 
 /// What to say about a segment that goes because of another.

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
+use super::canonical::compare_points;
 use super::segments::Segment;
 
 /// How two segments meet.
@@ -62,9 +63,11 @@ fn meeting_in_line(s: &Segment, t: &Segment) -> Meeting {
     }
 }
 
-/// Distance from a point to a segment.
+/// Distance from a point to a segment, the same to the last bit for either direction of the segment: what was apart before
+/// a line is turned round is apart after it.
 pub(super) fn point_distance(p: DVec2, s: &Segment) -> f64 {
-    let (along, to) = (s.b - s.a, p - s.a);
+    let (a, b) = if compare_points(&s.a, &s.b).is_le() { (s.a, s.b) } else { (s.b, s.a) };
+    let (along, to) = (b - a, p - a);
     let share = (to.dot(along) / along.length_squared()).clamp(0.0, 1.0);
     // A segment too short for its square to be a number above zero is a point.
     if share.is_nan() { to.length() } else { (to - along * share).length() }

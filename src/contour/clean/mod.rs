@@ -80,7 +80,7 @@ pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>
     let ContourMap { contours, spots, crs } = map;
     let lines = clean_lines(contours, params)?;
     let mut findings = lines.findings;
-    findings.extend(lines.removed.iter().map(Removed::finding));
+    findings.par_extend(lines.removed.par_iter().map(Removed::finding));
     let spots = spots::clean(spots, &lines.contours, params.separation)?.collect(&mut findings);
     Ok(Report { value: ContourMap { contours: lines.contours, spots, crs }, findings })
 }
@@ -98,10 +98,13 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
         return Err(Error::Data("a spot height is not finite".to_owned()));
     }
     let segments = Segments::new(&map.contours)?;
-    match contacts::find(&segments, params.separation)?.iter().next() {
-        None => Ok(()),
-        Some((s, t)) => Err(Error::Data(cut::finding(&segments, s, t).finding().to_string())),
-    }
+    let contacts = contacts::find(&segments, params.separation)?;
+    let Some((s, t)) = contacts.iter().next() else { return Ok(()) };
+    let (a, b, place) = (segments.line_of(s), segments.line_of(t), meet::place(&segments.get(s), &segments.get(t)));
+    Err(Error::Data(format!(
+        "the contours {} m (feature {}) and {} m (feature {}) meet at {} {}",
+        a.elevation, a.feature, b.elevation, b.feature, place.x, place.y
+    )))
 }
 
 /// The lines after cleaning, and what happened to them.
@@ -131,10 +134,12 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> 
         contacts = contacts::find(&Segments::new(&lines)?, params.separation)?;
     }
 
-    if !contacts.conflicts.is_empty() {
+    // No line meets itself any more but by crossing, so there are only conflicts left.
+    let conflicts: Vec<_> = contacts.iter().collect();
+    if !conflicts.is_empty() {
         let segments = Segments::new(&lines)?;
-        let cuts = cut::choose(&segments, &contacts.conflicts);
-        removed.extend(cuts.iter().map(|&(s, partner)| cut::finding(&segments, s, partner)));
+        let cuts = cut::choose(&segments, &conflicts);
+        removed.par_extend(cuts.par_iter().map(|&(s, partner)| cut::finding(&segments, s, partner)));
         let starts = segments.into_starts();
         lines = cut::apply(lines, &starts, &cuts);
         canonical::sort(&mut lines);

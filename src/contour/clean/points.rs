@@ -11,14 +11,26 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 /// and distances need.
 const LARGEST_COORDINATE: f64 = 1e50;
 
+/// Coordinates smaller than this, in map units, become zero. Their products would underflow, and the predicates would no
+/// longer be exact; nor does a triangulation take them.
+const SMALLEST_COORDINATE: f64 = 1e-40;
+
+/// Zero for a number that is as good as zero, negative zero among them, so that equal numbers have equal bits.
+fn without_dust(x: f64) -> f64 {
+    if x.abs() < SMALLEST_COORDINATE { 0.0 } else { x }
+}
+
 /// Whether a point is a place.
 pub(super) fn is_place(p: DVec2) -> bool {
     p.x.abs() <= LARGEST_COORDINATE && p.y.abs() <= LARGEST_COORDINATE
 }
 
+/// A point without dust in its coordinates.
+pub(super) fn tidy(p: DVec2) -> DVec2 {
+    DVec2::new(without_dust(p.x), without_dust(p.y))
+}
+
 /// Drops points and lines that are none.
-///
-/// Negative zeros become zeros on the way, so that equal numbers have equal bits from here on.
 pub(super) fn drop_bad(contours: Vec<Contour>) -> Report<Vec<Contour>> {
     let (lines, findings): (Vec<Option<Contour>>, Vec<Vec<Finding>>) =
         contours.into_par_iter().map(drop_bad_points).unzip();
@@ -42,7 +54,7 @@ fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
         return (None, vec![finding(FindingKind::SkippedFeature, line.points.iter().find(|p| is_place(**p)), message)]);
     }
     line.elevation += 0.0;
-    line.points.iter_mut().for_each(|p| *p += 0.0);
+    line.points.iter_mut().for_each(|p| *p = tidy(*p));
     let mut findings = Vec::new();
     if line.points.len() < 2
         || line.points.iter().any(|p| !is_place(*p))

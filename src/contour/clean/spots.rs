@@ -7,7 +7,7 @@ use rstar::primitives::GeomWithData;
 
 use super::canonical::compare_points;
 use super::meet::{Meeting, meeting, point_distance};
-use super::points::is_place;
+use super::points::{is_place, tidy};
 use super::segments::{Bounds, Runs, Segment, Segments};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Report, Result};
@@ -20,8 +20,10 @@ const SAME_HEIGHT: f64 = 1e-9;
 /// `contours` are clean. Gives the spot heights sorted by x, y and height.
 pub(super) fn clean(spots: Vec<DVec3>, contours: &[Contour], separation: f64) -> Result<Report<Vec<DVec3>>> {
     let mut findings = Vec::new();
-    let (mut spots, bad): (Vec<DVec3>, Vec<DVec3>) =
-        spots.into_iter().map(|s| s + 0.0).partition(|s| is_place(s.truncate()) && s.z.is_finite());
+    let (mut spots, bad): (Vec<DVec3>, Vec<DVec3>) = spots
+        .into_iter()
+        .map(|s| tidy(s.truncate()).extend(s.z + 0.0))
+        .partition(|s| is_place(s.truncate()) && s.z.is_finite());
     let mut places: Vec<DVec2> = bad.iter().map(|s| s.truncate()).collect();
     places.sort_unstable_by(compare_points);
     findings.extend(places.into_iter().map(|p| Finding {
@@ -70,7 +72,8 @@ fn off_contours(
 /// The contour that a spot height lies on: of several, the one nearest in height, then the first.
 fn contour_at<'a>(spot: &DVec3, segments: &Segments<'a>, runs: &Runs, separation: f64) -> Option<&'a Contour> {
     let p = spot.truncate();
-    let reach = Bounds { min: p, max: p }.grown(separation);
+    // Wider than need be, so that the rounding of boxes decides nothing.
+    let reach = Bounds { min: p, max: p }.grown(2.0 * separation);
     let line = runs
         .near(&reach)
         .filter(|&i| {

@@ -71,6 +71,30 @@ fn absurd_coordinates_are_no_places() {
 }
 
 #[test]
+fn coordinates_too_small_for_products_are_zero() {
+    // As they stand, their products underflow, and the line seems to meet itself wherever it is looked at.
+    let points = [(1.0, 0.0), (0.0, 0.0), (1e-320, -2.876694929374245e-94), (-0.0, 4.320544865689347e-154)];
+    let points = points.map(|p| DVec2::new(p.0, p.1)).into();
+    let report = cleaned(vec![Contour { elevation: 0.0, points, feature: 1 }], 0.0);
+    assert_eq!(report.value.contours, [line(1, 0.0, &[(0, 0), (1, 0)])]);
+}
+
+#[test]
+fn a_line_turned_round_is_as_near_as_before() {
+    // Rounding is larger than the distance here, and cleaning turns the pieces that it makes.
+    let mut lines = vec![
+        line(1, 0.0, &[(0, 0), (-1, 9)]),
+        line(2, -1.0, &[(0, 1), (0, -1), (1, 0), (0, 9), (0, 0)]),
+        line(3, 0.0, &[(0, 0), (-1, 0), (-1, -1)]),
+    ];
+    lines[0].points[1].y = 1e50;
+    lines[1].points[3].y = 1e50;
+    let params = CleanParams { snap: 0.0, separation: 1e-320 };
+    let report = clean(map(lines), &params).expect("few conflicts");
+    validate(&report.value, &params).expect("sound");
+}
+
+#[test]
 fn negative_zero_is_zero() {
     let mut lines = vec![line(1, 0.0, &[(0, 0), (5, 0)]), line(2, -0.0, &[(5, 0), (0, 0)])];
     lines[1].points[1] = DVec2::new(-0.0, -0.0);

@@ -181,6 +181,16 @@ fn rewritten(lines: &[Contour], seed: u64) -> Vec<Contour> {
     lines
 }
 
+/// Numbers that make trouble, and some that meet.
+fn wild() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => (-3i8..4).prop_map(f64::from),
+        1 => any::<f64>(),
+        1 => prop::num::f64::ANY,
+        1 => prop::sample::select(vec![-0.0, 1e-320, 1e-160, 1e50, 9.9e49, 0.1, 0.3, 0.1 + 0.2]),
+    ]
+}
+
 fn settings() -> ProptestConfig {
     ProptestConfig { failure_persistence: None, ..ProptestConfig::default() }
 }
@@ -269,6 +279,36 @@ proptest! {
     #[test]
     fn kept_apart(input in lines(30, 9), separation in 0i64..12) {
         check(&input, &CleanParams { snap: 0.0, separation: SCALE * separation as f64 / 4.0 }, separation)?;
+    }
+
+    #[test]
+    fn no_number_is_too_wild(
+        rows in prop::collection::vec((prop::collection::vec((wild(), wild()), 0..9), wild()), 0..9),
+        spots in prop::collection::vec((wild(), wild(), wild()), 0..9),
+        snap in prop::sample::select(vec![0.0, 1.0, 1e300]),
+        separation in prop::sample::select(vec![0.0, 1e-6, 1e-320, 1e3]),
+    ) {
+        let contours = (0u64..)
+            .zip(&rows)
+            .map(|(feature, (points, elevation))| Contour {
+                elevation: *elevation,
+                points: points.iter().map(|p| DVec2::new(p.0, p.1)).collect(),
+                feature,
+            })
+            .collect();
+        let spots: Vec<DVec3> = spots.iter().map(|s| DVec3::new(s.0, s.1, s.2)).collect();
+        let input = ContourMap { contours, spots, crs: None };
+        let params = CleanParams { snap, separation };
+        let report = clean(input.clone(), &params).expect("few conflicts");
+        crate::contour::clean::validate(&report.value, &params).expect("sound");
+        let _ = crate::contour::find_interval(&input.contours);
+        let mut turned = input;
+        turned.contours.reverse();
+        turned.spots.reverse();
+        let again = clean(turned, &params).expect("few conflicts");
+        // Places of bad spot heights may be NaN, so findings are compared as text.
+        prop_assert_eq!(again.value, report.value);
+        prop_assert_eq!(format!("{:?}", again.findings), format!("{:?}", report.findings));
     }
 
     #[test]
