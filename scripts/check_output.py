@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks an output of tokosen against its input, independently of tokosen's own code.
 
-    check_output.py INPUT OUTPUT [--dem DEM.tif] [--frame POLYGON]
+    check_output.py INPUT OUTPUT [--dem DEM.tif] [--frame POLYGON [--clip]]
 
 INPUT holds contour lines with an attribute for the elevation (--elev; a usual name is found by itself) or 3-D lines.
 OUTPUT is a GeoPackage (all its layers), GeoJSON or Shapefile of tokosen. Prints a row a check, with the first few
@@ -25,6 +25,11 @@ Checks of each layer that has the attributes elev and source:
 Checks of a DEM:
   dem range    no cell further than one interval outside the levels of the input
   dem side     the DEM is higher on the right of the lines than on the left (in 98 of 100 lines)
+
+With --clip the output was cut to the polygon: input lines are wanted as far as their segments lie inside it, and lines
+of source input may end in a part of an input segment on its border, and lie nowhere else than inside. A polygon that
+reaches further beyond the box around the map than half the mean distance between contours counts as far as the map's
+convex hull.
 
 Repeated points of the input count once. An input line that was repaired on purpose is no error of the output: --cut and
 --joints say how many lines and segments may differ.
@@ -217,8 +222,42 @@ def segments(lines):
     return np.flatnonzero(first)
 
 
-def kept(inp, out, allowed_cut, allowed_joints):
-    """Compares input lines and the output lines of source input: (problems, text)."""
+def inside(lines, frame):
+    """The runs of segments of lines that lie inside the frame."""
+    s = segments(lines)
+    pieces = shapely.linestrings(np.stack([lines.xy[s], lines.xy[s + 1]], axis=1))
+    shapely.prepare(frame)
+    s = s[shapely.covers(frame, pieces)]
+    runs = np.split(s, np.flatnonzero((np.diff(s) != 1) | np.isin(s[1:], lines.start)) + 1) if len(s) else []
+    out = Lines(np.array([shapely.linestrings(lines.xy[run[0] : run[-1] + 2]) for run in runs], object), np.zeros(len(runs)), {})
+    owner = lines.line_of_vertex()[[run[0] for run in runs]] if runs else np.array([], int)
+    out.elev, out.feature = lines.elev[owner], lines.feature[owner]
+    return out
+
+
+def not_cut(inp, out, first, frame, tolerance):
+    """Of the output segments that start at the vertices `first`, those that are no part of an input segment of their
+    level up to the border of the frame."""
+    s = segments(inp)
+    tree = shapely.STRtree(shapely.linestrings(np.stack([inp.xy[s], inp.xy[s + 1]], axis=1)))
+    level = inp.elev[inp.line_of_vertex()[s]]
+    own = out.elev[out.line_of_vertex()[first]]
+    on_border = np.zeros(len(first), bool)
+    on_line = np.ones(len(first), bool)
+    for end in (0, 1):
+        p = shapely.points(out.xy[first + end])
+        on_border |= shapely.distance(p, shapely.boundary(frame)) <= tolerance
+        n, m = tree.query(p, predicate="dwithin", distance=tolerance)
+        on_line &= np.isin(np.arange(len(first)), n[level[m] == own[n]])
+    return first[~(on_border & on_line)]
+
+
+def kept(inp, out, allowed_cut, allowed_joints, clip=None):
+    """Compares input lines and the output lines of source input: (problems, text). `clip`: a frame that the lines were
+    cut to, and the distance that counts as on it."""
+    whole_input = inp
+    if clip:
+        inp = inside(inp, clip[0])
     a, b = numbered(inp, out)
     sa, sb = segments(inp), segments(out)
     factor = np.int64(max(a.max(initial=0), b.max(initial=0)) + 1)
@@ -256,6 +295,11 @@ def kept(inp, out, allowed_cut, allowed_joints):
     cut = np.flatnonzero(lost)
     foreign = sb[~np.isin(kb, ka)]
     problems = []
+    if clip:
+        foreign = not_cut(whole_input, out, foreign, *clip)
+        shapely.prepare(reach := shapely.buffer(clip[0], clip[1]))
+        beyond = np.flatnonzero(~shapely.covers(reach, shapely.points(out.xy)))
+        problems += [f"line of source input (level {out.elev[owner_b[v]]:g}) leaves the frame at {place(out.xy[v])}" for v in beyond]
     if len(cut) + len(in_pieces) > allowed_cut:
         for i in cut:
             missing = sa[(owner_a[sa] == i) & ~found][0] if len(problems) < SHOWN else None
@@ -358,8 +402,11 @@ def probes(lines, a_line):
     return line[use], ((a + b) / 2)[use], np.column_stack([along[:, 1], -along[:, 0]])
 
 
-def right_side(lines, tree, chunks, chunk_line):
-    """Lines whose neighbours of another level lie on the wrong side, by rays to both sides: (problems, lines told)."""
+def right_side(lines, tree, chunks, chunk_line, area=None):
+    """Lines whose neighbours of another level lie on the wrong side, by rays to both sides: (problems, lines told). Rays
+    that leave `area` tell nothing."""
+    if area is not None:
+        shapely.prepare(area)
     line, middle, right = probes(lines, 5)
     extent = float(np.ptp(lines.xy, axis=0).max())
     votes = np.zeros(len(lines), int)
@@ -375,9 +422,13 @@ def right_side(lines, tree, chunks, chunk_line):
             order = np.lexsort((distance, r))
             r, c = r[order], c[order]
             nearest = np.r_[True, r[1:] != r[:-1]][: len(r)]
-            r, hit = r[nearest], chunk_line[c[nearest]]
+            r, hit, distance = r[nearest], chunk_line[c[nearest]], distance[order][nearest]
             own = line[waiting[r]]
             rise = np.sign(lines.elev[hit] - lines.elev[own]) * sign
+            if area is not None:
+                a = start[waiting[r]]
+                b = a + 0.999 * sign * distance[:, None] * right[waiting[r]]
+                rise[~shapely.covers(area, shapely.linestrings(np.stack([a, b], axis=1)))] = 0
             np.add.at(votes, own, rise.astype(int))
             np.add.at(told, own, (rise != 0).astype(int))
             waiting = np.delete(waiting, r)
@@ -412,7 +463,8 @@ def check_layer(rows, name, lines, not_lines, inp, frame, args):
         rows.row(name, "lines", ["no line"], "")
         return None
     source_input = lines.without(np.ones(len(lines.xy), bool), lines.fields["source"] == "input")
-    problems, note = kept(inp, source_input, args.cut, args.joints)
+    clip = (frame, args.tolerance) if args.clip else None
+    problems, note = kept(inp, source_input, args.cut, args.joints, clip)
     rows.row(name, "input kept", problems, "all there" if not args.cut + args.joints else "within what is allowed", note)
     chunks, chunk_line, _ = chunks_of(lines)
     tree = shapely.STRtree(chunks)
@@ -433,7 +485,7 @@ def check_layer(rows, name, lines, not_lines, inp, frame, args):
         rows.row(name, "closed", [f"line {i} at {place(lines.points(i)[0])}" for i in wrong], f"{int(lines.closed().sum())} closed lines")
     if "depression" in lines.fields:
         rows.row(name, "turning", turning(lines), f"{int(truth_values(lines.fields['depression']).sum())} depression contours")
-    problems, told = right_side(lines, tree, chunks, chunk_line)
+    problems, told = right_side(lines, tree, chunks, chunk_line, frame if args.clip else None)
     rows.row(name, "right side", problems, f"higher for {told} lines; {len(lines) - told} cannot be told")
     return lines
 
@@ -477,6 +529,7 @@ def main():
     parser.add_argument("output")
     parser.add_argument("--dem", help="a DEM that was made from the same input")
     parser.add_argument("--frame", help="file with the polygon that the output was made in (default: convex hull of the input)")
+    parser.add_argument("--clip", action="store_true", help="the output was cut to the polygon of --frame")
     parser.add_argument("--elev", help="attribute of the input that holds the elevation")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="distance of an end from the frame, map units (%(default)s)")
     parser.add_argument("--cut", type=int, default=0, metavar="N", help="input lines that may be cut or in pieces (%(default)s)")
@@ -486,7 +539,12 @@ def main():
     try:
         inp = read_input(args.input, args.elev)
         layers = read_output(args.output)
-        frame = read_frame(args.frame) if args.frame else shapely.convex_hull(shapely.multipoints(inp.xy))
+        hull = shapely.convex_hull(shapely.multipoints(inp.xy))
+        frame = read_frame(args.frame) if args.frame else hull
+        if args.clip:
+            beyond = (np.array(frame.bounds) - hull.bounds) * [-1, -1, 1, 1]
+            if (beyond > 0.5 * shapely.area(hull) / shapely.length(inp.geometry()).sum()).any():
+                frame = shapely.intersection(frame, hull)
         checked = {name: check_layer(rows, name, lines, rest, inp, frame, args) for name, (lines, rest) in layers.items()}
         if args.dem:
             check_dem(rows, args.dem, inp, {k: v for k, v in checked.items() if v is not None})

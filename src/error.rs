@@ -90,6 +90,8 @@ pub enum FindingKind {
     SpotOnLine,
     /// A spot height lies outside the two levels around it; left out.
     SpotOutsideBand,
+    /// The frame polygon reaches beyond what the contours tell of; it was cut.
+    FrameBeyondMap,
     /// Neighbouring contours skip one or more levels: a contour is missing or mislabelled.
     SkippedLevel,
     /// The levels on the two sides of a contour contradict each other.
@@ -111,6 +113,7 @@ impl FindingKind {
             Self::SelfCross => "lines that cross themselves or their own level",
             Self::SpotOnLine => "spot heights on contours",
             Self::SpotOutsideBand => "spot heights outside the contours around them",
+            Self::FrameBeyondMap => "frame larger than the map",
             Self::SkippedLevel => "neighbouring contours that skip a level",
             Self::BandContradiction => "contours with the same side on both sides",
         }

@@ -10,6 +10,7 @@
 mod common;
 
 use std::collections::HashSet;
+use std::f64::consts::TAU;
 
 use common::Terrain;
 use glam::{DVec2, DVec3};
@@ -171,6 +172,27 @@ proptest! {
     }
 
     #[test]
+    fn hold_in_polygons_that_share_places_with_contours(seed in any::<u64>()) {
+        for (k, terrain) in common::all_kinds(seed).into_iter().enumerate() {
+            let area = area_on_contours(&terrain, seed.wrapping_add(k as u64));
+            check_terrain(&terrain, &Frame::Polygon(area));
+        }
+    }
+
+    #[test]
+    fn hold_where_parts_of_the_frame_touch(seed in any::<u64>()) {
+        let terrain = common::hills(seed, 60, 50);
+        let middle = terrain.origin + DVec2::new(295.0, -245.0);
+        let square = |corner: DVec2, side: f64| {
+            let corners = [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)].map(|(x, y)| (corner.x + x, corner.y + y));
+            geo::Polygon::new(corners.to_vec().into(), Vec::new())
+        };
+        // Two that share a corner, and one that hardly any contour runs through.
+        let parts = vec![square(middle, 180.0), square(middle - 200.0, 200.0), square(middle + DVec2::new(9.0, -9.0), 0.01)];
+        check_terrain(&terrain, &Frame::Polygon(geo::MultiPolygon::new(parts)));
+    }
+
+    #[test]
     fn hold_with_pieces_missing_and_spot_heights(seed in any::<u64>(), cut in 2usize..9) {
         let terrain = common::hills(seed, 70, 60);
         let mut lines = terrain.contours();
@@ -217,6 +239,40 @@ proptest! {
         turned.rotate_left(lines.len() / 3);
         prop_assert_eq!(&one, &run(&turned, 2));
     }
+}
+
+/// A star with a hole. Its corners are vertices of contours, points of their segments, or lie outside of the map; here and
+/// there an edge follows a contour.
+fn area_on_contours(terrain: &Terrain, seed: u64) -> geo::MultiPolygon<f64> {
+    let lines = terrain.contours();
+    let size = terrain.cell * DVec2::new(terrain.cols as f64, terrain.rows as f64);
+    let middle = terrain.origin + DVec2::new(0.5, -0.5) * size;
+    let mut state = seed;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below.max(1)
+    };
+    // Three corners all around, so that the middle lies inside.
+    let mut corners: Vec<DVec2> =
+        (0..3).map(|k| middle + 0.4 * size.y * DVec2::from_angle(0.3 + f64::from(k) * TAU / 3.0)).collect();
+    for _ in 0..12 {
+        let Some((_, points)) = lines.get(next(lines.len())) else { break };
+        let i = next(points.len() - 1);
+        match next(4) {
+            0 => corners.extend(&points[i..(i + 6).min(points.len())]),
+            1 => corners.push(points[i].midpoint(points[i + 1])),
+            2 => corners.push(middle + 1.5 * (points[i] - middle)),
+            _ => corners.push(points[i]),
+        }
+    }
+    // Sorted by their direction from the middle, no two edges cross.
+    corners.sort_by(|a, b| (*a - middle).to_angle().total_cmp(&(*b - middle).to_angle()));
+    corners.dedup_by(|a, b| ((*a - middle).to_angle() - (*b - middle).to_angle()).abs() < 1e-6);
+    let ring: Vec<(f64, f64)> = corners.iter().map(|p| (p.x, p.y)).collect();
+    let hole: Vec<(f64, f64)> = corners.iter().map(|p| middle + 0.3 * (*p - middle)).map(|p| (p.x, p.y)).collect();
+    let area = geo::Polygon::new(ring.into(), vec![hole.into()]);
+    assert!(geo::Validation::is_valid(&area), "a frame without sense tests nothing");
+    area.into()
 }
 
 /// Tops, hollows, spurs and gullies do not stay level.

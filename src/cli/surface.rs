@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use tokosen::contour::ContourMap;
 use tokosen::error::{Error, Finding};
+use tokosen::io::{ReadOptions, read_area};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 use tokosen::tin::Frame;
 
@@ -41,11 +42,12 @@ impl SurfaceArgs {
             "bbox" => Frame::Box,
             file => {
                 let path = PathBuf::from(file);
-                let (area, crs): (geo::MultiPolygon<f64>, Option<tokosen::crs::Crs>) = todo(&path)?;
+                let (area, crs) = read_area(&path, &ReadOptions::default())?;
                 if let (Some(a), Some(b)) = (&map.crs, &crs)
                     && !a.matches(b)
                 {
-                    let message = "is in another coordinate reference system than the contours";
+                    let message =
+                        "is in another coordinate reference system than the contours; reproject one of them first";
                     return Err(Failure::Work(Error::file(&path, message)));
                 }
                 Frame::Polygon(area)
@@ -67,8 +69,4 @@ pub fn build_surface(
     console: &Console,
 ) -> Result<Surface, Failure> {
     Ok(build(map, params, console)?.collect(findings))
-}
-
-fn todo(_: &std::path::Path) -> Result<(geo::MultiPolygon<f64>, Option<tokosen::crs::Crs>), Failure> {
-    Err(Failure::Usage("x".into()))
 }

@@ -1,133 +1,286 @@
 //! Clips a map to an area, so that its contours end exactly on the area's border.
+//!
+//! Contours and border must share every vertex where they meet, or a triangulation of both would find them crossing by a
+//! rounding error. So vertices of contours that lie on the border, but for rounding, become vertices of the border;
+//! corners of the border that lie on a contour become vertices of the contour; and where the two then still cross, the
+//! crossing becomes a vertex of both. Coordinates of the contours are never changed.
 
-use geo::{Contains, MultiPolygon};
+use std::collections::HashSet;
+
+use geo::MultiPolygon;
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
+use rayon::prelude::*;
 
+use super::border::{Border, OnEdge, rings, with_vertices};
+use super::clean::{Meeting, Segment, meeting, place, point_distance};
 use super::{Contour, ContourMap};
 
-/// A map cut to an area, and the area with every cut as a vertex of its border.
+/// A map cut to an area, and the area with a vertex wherever a contour meets its border.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clipped {
-    /// The pieces of contours and the spot heights inside the area.
+    /// The pieces of contours inside the area or along its border, and the spot heights there.
     pub map: ContourMap,
-    /// Where contours were cut, on the area's border.
-    pub cuts: Vec<DVec2>,
+    /// The area. Its border is where it was but for rounding.
+    pub area: MultiPolygon<f64>,
 }
 
-/// Cuts contours where they cross the border of `area` and keeps what lies inside, its own vertices unchanged.
+/// Cuts contours where they meet the border of `area` and keeps what lies inside, its own vertices unchanged. Pieces that
+/// run along the border are kept. A contour that only touches the border from inside stays in one piece.
+///
+/// No two polygons of `area` may overlap, and none may cross itself.
 pub fn clip(map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
-    let border: Vec<_> = area
-        .iter()
-        .flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors()))
-        .flat_map(|ring| ring.lines())
-        .enumerate()
-        .map(|(id, l)| GeomWithData::new(Line::new([l.start.x, l.start.y], [l.end.x, l.end.y]), id as u32))
+    let border = Border::new(area);
+    let on_border: Vec<OnEdge> = map
+        .contours
+        .par_iter()
+        .flat_map_iter(|contour| contour.points.iter())
+        .filter_map(|&p| {
+            let (edge, ends) = border.edge_at(p)?;
+            (p != ends.a && p != ends.b).then_some((edge, p))
+        })
         .collect();
-    let border = RTree::bulk_load(border);
-    let inside = |p: DVec2| area.contains(&geo::Point::new(p.x, p.y));
-    let mut clipped = Clipped { map: ContourMap { crs: map.crs, ..ContourMap::default() }, cuts: Vec::new() };
-    clipped.map.spots = map.spots.into_iter().filter(|s| inside(s.truncate())).collect();
-    for contour in map.contours {
-        let (pieces, cuts) = pieces_of(&contour, &border);
-        let kept = pieces.into_iter().filter(|piece| inside(middle_of(piece)));
-        clipped.map.contours.extend(kept.map(|points| Contour { points, ..contour }));
-        clipped.cuts.extend(cuts);
-    }
-    clipped
+    let area = with_vertices(area, on_border);
+    let border = Border::new(&area);
+    let corners: HashSet<[u64; 2]> = rings(&area).flatten_points().map(bits).collect();
+
+    let nodes: Vec<(Vec<Node>, Vec<OnEdge>)> =
+        map.contours.par_iter().map(|contour| nodes(contour, &border, &corners)).collect();
+    let crossings = nodes.iter().flat_map(|(_, crossings)| crossings.iter().copied()).collect();
+    let area = with_vertices(&area, crossings);
+    let contours: Vec<Vec<Contour>> = map
+        .contours
+        .into_par_iter()
+        .zip(nodes)
+        .map(|(contour, (nodes, _))| {
+            let of = |points| Contour { points, ..contour };
+            kept_pieces(nodes, &border).into_iter().map(of).collect()
+        })
+        .collect();
+    let spots = map.spots.into_iter().filter(|s| {
+        let place = s.truncate();
+        border.contains(place) || border.edge_at(place).is_some()
+    });
+    let spots = spots.collect();
+    Clipped { map: ContourMap { contours: contours.into_iter().flatten().collect(), spots, crs: map.crs }, area }
 }
 
-type Border = RTree<GeomWithData<Line<[f64; 2]>, u32>>;
+/// A vertex of a contour, old or new.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Node {
+    point: DVec2,
+    on_border: bool,
+}
 
-/// The pieces of a contour between its crossings with the border, and the crossings.
-fn pieces_of(contour: &Contour, border: &Border) -> (Vec<Vec<DVec2>>, Vec<DVec2>) {
-    let mut pieces = vec![vec![contour.points[0]]];
-    let mut cuts = Vec::new();
+fn bits(p: DVec2) -> [u64; 2] {
+    // Adding zero makes one of the two zeros.
+    (p + 0.0).to_array().map(f64::to_bits)
+}
+
+/// The vertices of a contour with those where it meets the border, and its crossings with their edges.
+fn nodes(contour: &Contour, border: &Border, corners: &HashSet<[u64; 2]>) -> (Vec<Node>, Vec<OnEdge>) {
+    let node = |point: DVec2| Node { point, on_border: corners.contains(&bits(point)) };
+    let mut nodes: Vec<Node> = contour.points.first().copied().map(node).into_iter().collect();
+    let mut crossings = Vec::new();
     for w in contour.points.windows(2) {
-        for cut in crossings(w[0], w[1], border) {
-            if let Some(piece) = pieces.last_mut()
-                && piece.last() != Some(&cut)
-            {
-                piece.push(cut);
+        let segment = Segment { a: w[0], b: w[1] };
+        let mut new = Vec::new();
+        for (edge, ends) in border.near(segment.a, segment.b) {
+            let on_segment = |corner: DVec2| {
+                let near = |p: DVec2| p.distance(corner) <= border.tolerance();
+                !near(segment.a) && !near(segment.b) && point_distance(corner, &segment) <= border.tolerance()
+            };
+            let [at_a, at_b] = [ends.a, ends.b].map(on_segment);
+            new.extend([(at_a, ends.a), (at_b, ends.b)].into_iter().filter(|(on, _)| *on).map(|(_, corner)| corner));
+            if !at_a && !at_b && ends.a != ends.b && meeting(&segment, &ends) == Meeting::Cross {
+                let crossing = place(&segment, &ends);
+                new.push(crossing);
+                crossings.push((edge, crossing));
             }
-            pieces.push(vec![cut]);
-            cuts.push(cut);
         }
-        if let Some(piece) = pieces.last_mut()
-            && piece.last() != Some(&w[1])
-        {
-            piece.push(w[1]);
-        }
+        let along = segment.b - segment.a;
+        let share = |p: DVec2| (p - segment.a).dot(along);
+        new.sort_by(|p, q| share(*p).total_cmp(&share(*q)).then(p.x.total_cmp(&q.x)).then(p.y.total_cmp(&q.y)));
+        new.dedup();
+        new.retain(|p| *p != segment.a && *p != segment.b);
+        nodes.extend(new.into_iter().map(|point| Node { point, on_border: true }));
+        nodes.push(node(segment.b));
     }
-    // A ring starts somewhere between two crossings: its first and last piece are one.
-    if contour.is_closed() && pieces.len() > 1 {
-        let first = pieces.remove(0);
-        if let Some(last) = pieces.last_mut() {
-            last.extend(first.into_iter().skip(1));
-        }
-    }
-    pieces.retain(|p| p.len() >= 2);
-    (pieces, cuts)
+    (nodes, crossings)
 }
 
-/// Where the segment crosses the border, from `a` to `b`.
-fn crossings(a: DVec2, b: DVec2, border: &Border) -> Vec<DVec2> {
-    let mut found: Vec<f64> = border
-        .locate_in_envelope_intersecting(&AABB::from_corners(a.to_array(), b.to_array()))
-        .filter_map(|edge| {
-            let (c, d) = (DVec2::from(edge.geom().from), DVec2::from(edge.geom().to));
-            let across = (b - a).perp_dot(d - c);
-            if across == 0.0 {
-                return None;
-            }
-            let t = (c - a).perp_dot(d - c) / across;
-            let s = (c - a).perp_dot(b - a) / across;
-            ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s)).then_some(t)
-        })
-        .collect();
-    found.sort_by(f64::total_cmp);
-    found.dedup();
-    found
-        .into_iter()
-        .map(|t| {
-            if t == 0.0 {
-                a
-            } else if t == 1.0 {
-                b
-            } else {
-                a + (b - a) * t
-            }
-        })
-        .collect()
+/// The pieces between vertices on the border that lie inside; successive ones are joined again.
+fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
+    let Some(last) = nodes.len().checked_sub(1) else { return Vec::new() };
+    let closed = nodes.len() >= 4 && nodes[0].point == nodes[last].point;
+    let Some(first) = nodes.iter().position(|n| n.on_border) else {
+        let inside = border.contains(nodes[0].point);
+        return if inside { vec![points(&nodes)] } else { Vec::new() };
+    };
+    if closed {
+        // A ring is cut at the border, not where it happens to start.
+        nodes.pop();
+        nodes.rotate_left(first);
+        nodes.push(nodes[0]);
+    }
+    let stops: Vec<usize> = (1..last).filter(|&i| nodes[i].on_border).collect();
+    let starts = std::iter::once(0).chain(stops.iter().copied());
+    let mut kept: Vec<Vec<DVec2>> = Vec::new();
+    let mut end = None;
+    for (from, to) in starts.zip(stops.iter().copied().chain([last])) {
+        let piece = &nodes[from..=to];
+        if !is_inside(piece, border) {
+            continue;
+        }
+        match kept.last_mut().filter(|_| end == Some(from)) {
+            Some(piece_before) => piece_before.extend(points(&piece[1..])),
+            None => kept.push(points(piece)),
+        }
+        end = Some(to);
+    }
+    if closed && kept.len() == 1 && kept[0].len() == nodes.len() {
+        // Nothing was cut off: the ring starts where it did.
+        let ring = &mut kept[0];
+        ring.pop();
+        ring.rotate_right(first);
+        ring.push(ring[0]);
+    } else if closed && kept.len() > 1 && kept[0][0] == nodes[0].point && end == Some(last) {
+        let first = kept.remove(0);
+        if let Some(piece) = kept.last_mut() {
+            piece.extend(&first[1..]);
+        }
+    }
+    // Between vertices that are one but for rounding there is nothing.
+    kept.retain(|piece| piece.windows(2).any(|w| w[0].distance(w[1]) > border.tolerance()));
+    kept
 }
 
-/// A point of the piece away from its ends.
-fn middle_of(piece: &[DVec2]) -> DVec2 {
-    let longest = piece.windows(2).max_by(|a, b| a[0].distance(a[1]).total_cmp(&b[0].distance(b[1])));
-    longest.map_or(piece[0], |w| w[0].midpoint(w[1]))
+fn points(nodes: &[Node]) -> Vec<DVec2> {
+    nodes.iter().map(|n| n.point).collect()
+}
+
+/// Whether a piece between two vertices on the border lies inside or along the border.
+fn is_inside(piece: &[Node], border: &Border) -> bool {
+    if let Some(node) = piece.iter().find(|n| !n.on_border) {
+        return border.contains(node.point);
+    }
+    let middle = piece[0].point.midpoint(piece[piece.len() - 1].point);
+    border.contains(middle) || border.edge_at(middle).is_some()
+}
+
+/// The points of rings.
+trait FlattenPoints {
+    fn flatten_points(self) -> impl Iterator<Item = DVec2>;
+}
+
+impl<'a, I: Iterator<Item = &'a geo::LineString<f64>>> FlattenPoints for I {
+    fn flatten_points(self) -> impl Iterator<Item = DVec2> {
+        self.flat_map(|ring| ring.coords().map(|c| DVec2::new(c.x, c.y)))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use geo::polygon;
+    use glam::DVec3;
+
+    use super::*;
+
+    fn area() -> MultiPolygon<f64> {
+        polygon![(x: 0.0, y: 0.0), (x: 10.0, y: 0.0), (x: 10.0, y: 10.0), (x: 0.0, y: 10.0)].into()
+    }
+
+    fn line(points: &[(f64, f64)]) -> Vec<DVec2> {
+        points.iter().map(|&p| p.into()).collect()
+    }
+
+    fn clipped(lines: &[&[(f64, f64)]]) -> Clipped {
+        let contours = lines.iter().map(|points| Contour { elevation: 10.0, points: line(points), feature: 1 });
+        clip(ContourMap { contours: contours.collect(), ..ContourMap::default() }, &area())
+    }
+
+    fn pieces(lines: &[&[(f64, f64)]]) -> Vec<Vec<DVec2>> {
+        clipped(lines).map.contours.into_iter().map(|c| c.points).collect()
+    }
+
+    fn corners(area: &MultiPolygon<f64>) -> usize {
+        rings(area).map(|ring| ring.0.len() - 1).sum()
+    }
 
     #[test]
     fn a_ring_across_the_border_keeps_its_inner_part_in_one_piece() {
-        let area: MultiPolygon<f64> =
-            polygon![(x: 0.0, y: 0.0), (x: 10.0, y: 0.0), (x: 10.0, y: 10.0), (x: 0.0, y: 10.0)].into();
-        let ring = [(5.0, 2.0), (15.0, 2.0), (15.0, 8.0), (5.0, 8.0), (5.0, 2.0)].map(DVec2::from).to_vec();
+        let ring = line(&[(5.0, 2.0), (15.0, 2.0), (15.0, 8.0), (5.0, 8.0), (5.0, 2.0)]);
         let map = ContourMap {
             contours: vec![Contour { elevation: 10.0, points: ring, feature: 1 }],
-            spots: vec![glam::DVec3::new(1.0, 1.0, 3.0), glam::DVec3::new(11.0, 1.0, 3.0)],
+            spots: vec![DVec3::new(1.0, 1.0, 3.0), DVec3::new(11.0, 1.0, 3.0), DVec3::new(0.0, 4.0, 3.0)],
             crs: None,
         };
-        let clipped = clip(map, &area);
-        let expected = [(10.0, 8.0), (5.0, 8.0), (5.0, 2.0), (10.0, 2.0)].map(DVec2::from).to_vec();
+        let clipped = clip(map, &area());
+        let expected = line(&[(10.0, 8.0), (5.0, 8.0), (5.0, 2.0), (10.0, 2.0)]);
         assert_eq!(clipped.map.contours.len(), 1);
         assert_eq!(clipped.map.contours[0].points, expected);
-        assert_eq!(clipped.map.spots.len(), 1);
-        assert_eq!(clipped.cuts.len(), 2);
+        assert_eq!(clipped.map.spots, [DVec3::new(1.0, 1.0, 3.0), DVec3::new(0.0, 4.0, 3.0)]);
+        assert_eq!(corners(&clipped.area), 6, "both crossings are corners of the border");
+    }
+
+    #[test]
+    fn a_line_that_touches_the_border_from_inside_stays_whole() {
+        let ring = [(5.0, 2.0), (10.0, 5.0), (5.0, 8.0), (0.0, 5.0), (5.0, 2.0)];
+        let open = [(1.0, 1.0), (2.0, 0.0), (3.0, 1.0)];
+        let found = clipped(&[&ring, &open]);
+        let points: Vec<_> = found.map.contours.iter().map(|c| c.points.clone()).collect();
+        assert_eq!(points, [line(&ring), line(&open)]);
+        assert_eq!(corners(&found.area), 7);
+    }
+
+    #[test]
+    fn a_line_that_touches_the_border_from_outside_is_dropped() {
+        assert!(pieces(&[&[(2.0, -1.0), (3.0, 0.0), (4.0, -1.0)], &[(9.0, 12.0), (12.0, 9.0)]]).is_empty());
+        assert!(pieces(&[&[(9.0, 11.0), (11.0, 9.0)]]).is_empty(), "through the corner");
+    }
+
+    #[test]
+    fn a_line_along_the_border_is_kept() {
+        let along = [(0.0, 2.0), (0.0, 5.0), (0.0, 8.0)];
+        assert_eq!(pieces(&[&along]), [line(&along)]);
+        let border = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)];
+        assert_eq!(pieces(&[&border]), [line(&border)]);
+        let off_and_on = [(3.0, -2.0), (3.0, 0.0), (6.0, 0.0), (6.0, 4.0), (12.0, 4.0)];
+        assert_eq!(pieces(&[&off_and_on]), [line(&[(3.0, 0.0), (6.0, 0.0), (6.0, 4.0), (10.0, 4.0)])]);
+    }
+
+    #[test]
+    fn corners_of_the_border_cut_lines_that_pass_through_them() {
+        let found = pieces(&[&[(-5.0, -5.0), (20.0, 20.0)]]);
+        assert_eq!(found, [line(&[(0.0, 0.0), (10.0, 10.0)])]);
+        // The line passes the corner by less than the tolerance.
+        let found =
+            pieces(&[&[(5.0, 15.0 + 1e-9), (15.0, 5.0 + 1e-9)], &[(5.0, 5.0), (10.0 + 1e-9, 10.0), (15.0, 5.0)]]);
+        assert_eq!(found, [line(&[(5.0, 5.0), (10.0 + 1e-9, 10.0)])]);
+    }
+
+    #[test]
+    fn holes_and_other_polygons_are_minded() {
+        let holed = polygon!(
+            exterior: [(x: 0.0, y: 0.0), (x: 10.0, y: 0.0), (x: 10.0, y: 10.0), (x: 0.0, y: 10.0)],
+            interiors: [[(x: 4.0, y: 4.0), (x: 4.0, y: 6.0), (x: 6.0, y: 6.0), (x: 6.0, y: 4.0)]],
+        );
+        let other = polygon![(x: 12.0, y: 0.0), (x: 14.0, y: 0.0), (x: 14.0, y: 10.0), (x: 12.0, y: 10.0)];
+        let contours = vec![Contour { elevation: 1.0, points: line(&[(-1.0, 5.0), (20.0, 5.0)]), feature: 1 }];
+        let found = clip(ContourMap { contours, ..ContourMap::default() }, &MultiPolygon::new(vec![holed, other]));
+        let found: Vec<_> = found.map.contours.into_iter().map(|c| c.points).collect();
+        let expected =
+            [line(&[(0.0, 5.0), (4.0, 5.0)]), line(&[(6.0, 5.0), (10.0, 5.0)]), line(&[(12.0, 5.0), (14.0, 5.0)])];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn no_line_and_no_area_are_borne_with() {
+        assert!(pieces(&[]).is_empty());
+        assert!(pieces(&[&[], &[(20.0, 5.0)]]).is_empty());
+        let map = ContourMap {
+            contours: vec![Contour { elevation: 1.0, points: line(&[(1.0, 1.0), (2.0, 2.0)]), feature: 1 }],
+            ..ContourMap::default()
+        };
+        assert!(clip(map, &MultiPolygon::new(Vec::new())).map.contours.is_empty());
     }
 }

@@ -1,11 +1,13 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+mod border;
 pub mod clean;
 mod clip;
 mod interval_search;
 mod levels;
 mod line;
 
+pub(crate) use border::{Border, rings, with_vertices};
 pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
 pub use levels::{Interval, distinct_levels, find_interval};

@@ -123,7 +123,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         items.extend(feature.lines.iter().map(|line| item(feature.number, &feature.values, line.z)));
     }
     if items.is_empty() {
-        return Err(Error::file(path, format!("there is no line in it{}", left_out_words(&table))));
+        return Err(Error::file(path, format!("there is no line in it{}", table.found_words())));
     }
     let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
     drop(items);
@@ -165,7 +165,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     let mut findings = take_findings(&mut table);
     let items = spot_items(&table);
     if items.is_empty() {
-        return Err(Error::file(path, format!("there is no point in it{}", left_out_words(&table))));
+        return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
     let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
     drop(items);
@@ -407,15 +407,6 @@ fn take_findings(table: &mut Table) -> Vec<Finding> {
         findings.push(Finding::general(FindingKind::SkippedFeature, message));
     }
     findings
-}
-
-fn left_out_words(table: &Table) -> String {
-    let mut found: Vec<String> = table.left_out.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-    let (lines, spots) =
-        table.features.iter().fold((0, 0), |(lines, spots), f| (lines + f.lines.len(), spots + f.spots.len()));
-    found.extend((lines > 0).then(|| format!("{lines} lines")));
-    found.extend((spots > 0).then(|| format!("{spots} points")));
-    if found.is_empty() { String::new() } else { format!(" (found: {})", found.join(", ")) }
 }
 
 #[cfg(test)]

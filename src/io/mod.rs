@@ -6,6 +6,7 @@
 //!
 //! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
 
+mod area;
 mod elevation;
 mod geojson;
 mod gpkg;
@@ -17,6 +18,7 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
+use geo::MultiPolygon;
 use glam::DVec3;
 
 use crate::contour::{ContourLayer, ContourMap};
@@ -94,6 +96,20 @@ pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<Contou
 pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<SpotHeights>> {
     let table = read_table(path, options, Purpose::Spots)?;
     elevation::spot_heights(path, table, options.elevation_field.as_deref())
+}
+
+/// Reads the area inside the polygons of a boundary file, with the coordinate reference system if the file names one.
+///
+/// Polygons of all features go together: those that overlap or share an edge are united, which may move their vertices
+/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at.
+///
+/// # Errors
+/// If the file cannot be read or has no polygon, or if a ring has fewer than four points (the last repeats the first),
+/// coordinates that are not finite, no area, or crosses itself or another ring of its polygon.
+pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64>, Option<Crs>)> {
+    let mut table = read_table(path, options, Purpose::Area)?;
+    let crs = table.crs.take();
+    Ok((area::area(path, table)?, crs))
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {

@@ -1,5 +1,5 @@
-//! What every vector format is read into before elevations are looked for: features with lines, points and the few
-//! attribute values that could be an elevation.
+//! What every vector format is read into before elevations are looked for: features with lines, points, polygons and
+//! the few attribute values that could be an elevation.
 //!
 //! Attributes that nobody will ask for are not kept; one example of each stays for messages.
 
@@ -28,6 +28,8 @@ pub(super) enum Purpose {
     Contours,
     /// Spot heights alone.
     Spots,
+    /// Polygons that bound an area. Otherwise polygons are left out.
+    Area,
 }
 
 /// An attribute of the features.
@@ -79,7 +81,11 @@ pub(super) struct Feature {
     pub values: Vec<(usize, Value)>,
     pub lines: Vec<Line>,
     pub spots: Vec<Spot>,
+    pub polygons: Vec<Rings>,
 }
+
+/// A polygon as the file has it: the exterior ring, then the holes.
+pub(super) type Rings = Vec<Vec<DVec2>>;
 
 impl Feature {
     /// Adds a line; z is one value a vertex, or empty.
@@ -103,6 +109,8 @@ pub(super) struct Table {
     pub fields: Vec<Field>,
     by_name: HashMap<String, usize>,
     named: Option<String>,
+    /// Whether polygons are kept.
+    pub wants_polygons: bool,
     pub features: Vec<Feature>,
     pub crs: Option<Crs>,
     /// Why there is no coordinate reference system, if there is more to say than that the file names none.
@@ -118,7 +126,11 @@ pub(super) const NO_GEOMETRY: &str = "no geometry";
 impl Table {
     /// An empty table that keeps the fields that the request could be about.
     pub fn new(request: &Request<'_>) -> Self {
-        Self { named: request.elevation_field.map(str::to_lowercase), ..Self::default() }
+        Self {
+            named: request.elevation_field.map(str::to_lowercase),
+            wants_polygons: request.purpose == Purpose::Area,
+            ..Self::default()
+        }
     }
 
     /// The place of a field, which is added if it is new.
@@ -150,7 +162,7 @@ impl Table {
 
     /// Adds a feature, or counts it if nothing in it is of use.
     pub fn push(&mut self, feature: Feature) {
-        if !feature.lines.is_empty() || !feature.spots.is_empty() {
+        if !feature.lines.is_empty() || !feature.spots.is_empty() || !feature.polygons.is_empty() {
             self.features.push(feature);
         }
     }
@@ -163,6 +175,16 @@ impl Table {
                 self.left_out.insert(kind.to_owned(), 1);
             }
         }
+    }
+
+    /// What was found besides what was looked for, as the end of a message; empty if nothing was.
+    pub fn found_words(&self) -> String {
+        let mut found: Vec<String> = self.left_out.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        let count = |of: fn(&Feature) -> usize| self.features.iter().map(of).sum::<usize>();
+        let (lines, spots) = (count(|f| f.lines.len()), count(|f| f.spots.len()));
+        found.extend((lines > 0).then(|| format!("{lines} lines")));
+        found.extend((spots > 0).then(|| format!("{spots} points")));
+        if found.is_empty() { String::new() } else { format!(" (found: {})", found.join(", ")) }
     }
 }
 

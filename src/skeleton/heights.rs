@@ -145,6 +145,11 @@ fn region_heights(
             .map(|&p| (p, between_levels(tin, &trees, &band, &points[p as usize])))
             .collect();
     }
+    if trees.is_empty() {
+        // Nothing but gates and the frame around it: there is no contour to measure from.
+        let level = if band.side == Side::Above { band.lo } else { band.hi };
+        return own.iter().map(|&p| (p, band.strictly_inside(level))).collect();
+    }
     let distances: Vec<f64> = own
         .par_iter()
         .with_min_len(256)

@@ -2,11 +2,10 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use geo::Contains;
 use glam::DVec2;
 
 use super::{Surface, SurfaceKind, SurfaceParams};
-use crate::contour::{Clipped, ContourMap, clip, find_interval};
+use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, End, Skeleton, axis_heights, skeleton};
@@ -27,33 +26,37 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             params.resolution
         )));
     }
-    let Clipped { map, cuts } = match &params.frame {
-        Frame::Polygon(area) => clip(map, area),
-        Frame::Hull | Frame::Box => Clipped { map, cuts: Vec::new() },
-    };
-    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map))?;
     let frame = frame_ring(&map, &params.frame);
+    let mut findings = Vec::new();
+    let (map, frame) = match &params.frame {
+        Frame::Polygon(wanted) => {
+            if frame.area != *wanted {
+                let message = "the frame polygon reaches beyond the contours; the surface ends at their convex hull";
+                findings.push(Finding::general(FindingKind::FrameBeyondMap, message));
+            }
+            let Clipped { map, area } = clip(map, &frame.area);
+            (map, FrameRing { area })
+        }
+        Frame::Hull | Frame::Box => (map, frame),
+    };
+    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, &params.frame))?;
     let tolerance = 1e-9 * frame.diagonal();
     let (ends, links) = link_open_ends(&map, &frame, tolerance);
     let frame = match params.frame {
         Frame::Hull | Frame::Box => frame,
-        Frame::Polygon(_) => {
-            let on_border: Vec<DVec2> = cuts.into_iter().chain(links.iter().map(|l| l.frame)).collect();
-            frame.with_points(&on_border)
-        }
+        Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let frame_edges = matches!(params.frame, Frame::Polygon(_));
     let parts = Parts { map: &map, frame: &frame, frame_edges, links: &links, tolerance };
 
     progress.start("triangulating", 0);
-    let mut findings = Vec::new();
     let mut spots: Vec<bool> = vec![true; map.spots.len()];
     let (tin, sub_domains, gaps) = loop {
         let input = parts.input(&spots);
         let tin = with_frame(triangulate(input)?, params, &frame);
         let gaps = close_gaps(&tin, &ends, interval.step);
         let tin = tin.with_gaps(&gaps);
-        let report = regions(&tin, &interval);
+        let (tin, report) = known_regions(tin, &interval);
         let outside = spots_outside_bands(&map, &tin, &report.value);
         if outside.is_empty() {
             findings.extend(report.findings);
@@ -85,7 +88,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     drop((tin, sub_domains));
     // The same points come first, so the vertices of the gaps have the same numbers again.
     let tin = with_frame(triangulate(input)?, params, &frame).with_gaps(&gaps);
-    let sub_domains = regions(&tin, &interval).value;
+    let (tin, report) = known_regions(tin, &interval);
+    let sub_domains = report.value;
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
     let break_lines = skeleton.lines;
@@ -93,18 +97,19 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     Ok(Report { value: surface, findings })
 }
 
-fn too_few_levels(map: &ContourMap) -> Error {
+fn too_few_levels(map: &ContourMap, frame: &Frame) -> Error {
+    let (inside, remedy) = match frame {
+        Frame::Polygon(_) => (" inside the frame polygon", "choose a larger polygon"),
+        Frame::Hull | Frame::Box => ("", "is it the right elevation field?"),
+    };
     Error::Data(match map.contours.first() {
-        None => "there is no contour line".into(),
-        Some(c) if map.contours.len() == 1 => {
-            format!(
-                "there is one contour line only (elevation {}): a surface needs contours of two levels",
-                c.elevation
-            )
-        }
+        None => format!("there is no contour line{inside}"),
+        Some(c) if map.contours.len() == 1 => format!(
+            "there is one contour line only{inside} (elevation {}): a surface needs contours of two levels",
+            c.elevation
+        ),
         Some(c) => format!(
-            "all {} contour lines have the elevation {}: a surface needs contours of two levels (is it the right \
-             elevation field?)",
+            "all {} contour lines{inside} have the elevation {}: a surface needs contours of two levels ({remedy})",
             map.contours.len(),
             c.elevation
         ),
@@ -172,8 +177,32 @@ fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {
 fn with_frame(tin: Tin, params: &SurfaceParams, frame: &FrameRing) -> Tin {
     match params.frame {
         Frame::Hull | Frame::Box => tin,
-        Frame::Polygon(_) => tin.restricted(|p| frame.area.contains(&geo::Point::new(p.x, p.y))),
+        Frame::Polygon(_) => {
+            let border = Border::new(&frame.area);
+            tin.restricted(|p| border.contains(p))
+        }
     }
+}
+
+/// The sub-domains, less parts of the frame that hold no contour: nothing is known of their heights, so they are taken out
+/// of the frame.
+fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
+    let report = regions(&tin, interval);
+    let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
+    let unknown = report.value.regions.iter().filter(|r| !r.lowest.is_finite());
+    let unknown: Vec<DVec2> = unknown.map(|r| middle(r.triangle)).collect();
+    if unknown.is_empty() {
+        return (tin, report);
+    }
+    let is_known: Vec<bool> =
+        (0..tin.len() as u32).map(|t| report.value.region(t).is_some_and(|r| r.lowest.is_finite())).collect();
+    let tin = tin.only(&is_known);
+    let mut report = regions(&tin, interval);
+    report.findings.extend(unknown.into_iter().map(|place| {
+        let message = "a part of the frame holds no contour; it is left without heights";
+        Finding::at(FindingKind::FrameBeyondMap, place, message)
+    }));
+    (tin, report)
 }
 
 /// Spot heights that contradict the levels around them, by their number in the map.
@@ -224,14 +253,19 @@ fn bridges(tin: &Tin, regions: &Regions, gaps: &Gaps) -> Vec<(f64, [DVec2; 2])> 
 }
 
 /// Gives the corners of the frame heights from the contours around them. Outside the reach of the contours a corner has
-/// the height of the nearest contour.
+/// the height of the nearest contour. Where two parts of the frame touch, the height lies in the bands of both, if it can.
 fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
     let mut triangle_of: BTreeMap<u32, u32> = BTreeMap::new();
     let mut nearest: HashMap<u32, (f64, f64)> = HashMap::new();
+    let mut limits: HashMap<u32, (f64, f64)> = HashMap::new();
+    let region_of = |t: u32| regions.of_triangle[t as usize];
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         for corner in tin.triangles[t as usize].into_iter().filter(|&v| is_corner(v)) {
             triangle_of.insert(corner, t);
+            let band = regions.regions[region_of(t) as usize].band;
+            let limit = limits.entry(corner).or_insert((band.lo, band.hi));
+            *limit = (limit.0.max(band.lo), limit.1.min(band.hi));
             for v in tin.triangles[t as usize].into_iter().filter(|&v| !is_corner(v)) {
                 let distance = tin.positions[corner as usize].distance(tin.positions[v as usize]);
                 let best = nearest.entry(corner).or_insert((f64::INFINITY, f64::NAN));
@@ -241,7 +275,6 @@ fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
             }
         }
     }
-    let region_of = |t: u32| regions.of_triangle[t as usize];
     let (outer, inner): (Vec<_>, Vec<_>) =
         triangle_of.into_iter().partition(|&(_, t)| regions.regions[region_of(t) as usize].outer);
     let points: Vec<AxisPoint> = inner
@@ -262,6 +295,9 @@ fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
         let band = regions.regions[region_of(t) as usize].band;
         let height = nearest.get(&v).map_or(f64::NAN, |n| n.1);
         heights[v as usize] = if height.is_nan() { band.lo.midpoint(band.hi) } else { height };
+    }
+    for (v, (lo, hi)) in limits.into_iter().filter(|(_, (lo, hi))| lo <= hi) {
+        heights[v as usize] = heights[v as usize].clamp(lo, hi);
     }
     tin.with_heights(heights)
 }

@@ -1,11 +1,19 @@
 //! The frame: the outermost border, which closes the contours that run off the map.
 
-use geo::{BoundingRect, ConvexHull, Coord, LineString, MultiPoint, MultiPolygon, Polygon};
+use geo::{Area, BooleanOps, BoundingRect, ConvexHull, Coord, MapCoords, MultiPoint, MultiPolygon, Polygon, Rect};
 use glam::DVec2;
 use rstar::RTree;
-use rstar::primitives::{GeomWithData, Line};
+use rstar::primitives::Line;
 
-use crate::contour::ContourMap;
+use crate::contour::clean::{Segment, place};
+use crate::contour::{Border, ContourMap, rings, with_vertices};
+
+/// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean distance between
+/// contours. The border of a sheet lies a little outside its contours; further out, the ends of contours are nearer to
+/// each other than to the frame, and it is left open where they lead.
+const REACH: f64 = 0.5;
+/// How far intersecting moves a vertex at most, as a share of the size of what is intersected.
+const ROUNDING: f64 = 2e-9;
 
 /// How the frame is chosen.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,7 +23,7 @@ pub enum Frame {
     Hull,
     /// The smallest upright rectangle around them.
     Box,
-    /// A boundary polygon of the user's.
+    /// A boundary polygon of the user's. Its polygons do not overlap, and none crosses itself.
     Polygon(MultiPolygon<f64>),
 }
 
@@ -29,7 +37,7 @@ pub struct FrameRing {
 impl FrameRing {
     /// The vertices of each ring, the first one not repeated.
     pub fn rings(&self) -> impl Iterator<Item = Vec<DVec2>> {
-        self.area.iter().flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors())).map(|ring| {
+        rings(&self.area).map(|ring| {
             let n = ring.0.len().saturating_sub(1);
             ring.0[..n].iter().map(|c| DVec2::new(c.x, c.y)).collect()
         })
@@ -37,40 +45,18 @@ impl FrameRing {
 
     /// The edges of all rings.
     pub fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
-        self.area
-            .iter()
-            .flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors()))
+        rings(&self.area)
             .flat_map(|ring| ring.lines().map(|l| [DVec2::new(l.start.x, l.start.y), DVec2::new(l.end.x, l.end.y)]))
     }
 
-    /// The same outline with further vertices, each on the edge that is nearest to it.
+    /// The same outline with further vertices, each on the edge that it lies on; points elsewhere are passed over.
     pub fn with_points(&self, points: &[DVec2]) -> Self {
-        let edges = self.edges().enumerate().map(|(id, [a, b])| GeomWithData::new(Line::new(a.into(), b.into()), id));
-        let tree: RTree<GeomWithData<Line<[f64; 2]>, usize>> = RTree::bulk_load(edges.collect());
-        let mut on_edge: Vec<Vec<DVec2>> = vec![Vec::new(); tree.size()];
-        for p in points {
-            if let Some(edge) = tree.nearest_neighbor(&p.to_array()) {
-                on_edge[edge.data].push(*p);
-            }
-        }
-        let mut id = 0;
-        let mut ring_with = |ring: &LineString<f64>| {
-            let mut coords = Vec::with_capacity(ring.0.len());
-            for line in ring.lines() {
-                let start = DVec2::new(line.start.x, line.start.y);
-                coords.push(line.start);
-                let new = &mut on_edge[id];
-                new.sort_by(|a, b| a.distance_squared(start).total_cmp(&b.distance_squared(start)));
-                coords.extend(new.iter().map(|p| Coord { x: p.x, y: p.y }));
-                id += 1;
-            }
-            LineString::new(coords)
-        };
-        let polygons = self.area.iter().map(|p| {
-            let exterior = ring_with(p.exterior());
-            Polygon::new(exterior, p.interiors().iter().map(&mut ring_with).collect())
+        let border = Border::new(&self.area);
+        let on_edges = points.iter().filter_map(|&p| {
+            let (edge, ends) = border.edge_at(p)?;
+            (p != ends.a && p != ends.b).then_some((edge, p))
         });
-        Self { area: polygons.collect() }
+        Self { area: with_vertices(&self.area, on_edges.collect()) }
     }
 
     /// Length of the diagonal of the box around the frame.
@@ -80,18 +66,119 @@ impl FrameRing {
 }
 
 /// The frame of a map.
+///
+/// A polygon that reaches further beyond the box around the map than contours are apart is taken only as far as their
+/// convex hull: there is nothing to go by outside.
 pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let points = || {
         let contours = map.contours.iter().flat_map(|c| c.points.iter().copied());
         contours.chain(map.spots.iter().map(|s| s.truncate())).map(|p| geo::Point::new(p.x, p.y))
     };
+    let hull = || points().collect::<MultiPoint<f64>>().convex_hull();
+    let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
     let area = match frame {
-        Frame::Hull => points().collect::<MultiPoint<f64>>().convex_hull().into(),
-        Frame::Box => match points().collect::<MultiPoint<f64>>().bounding_rect() {
+        Frame::Hull => hull().into(),
+        Frame::Box => match bounds() {
             Some(rect) => rect.to_polygon().into(),
             None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),
         },
-        Frame::Polygon(area) => area.clone(),
+        Frame::Polygon(area) => match (area.bounding_rect(), bounds()) {
+            (Some(wanted), Some(known)) => {
+                let hull = hull();
+                let length: f64 = map.contours.iter().map(|c| c.length()).sum();
+                let reach = REACH * hull.unsigned_area() / length;
+                if is_near(&wanted, &known, reach) { area.clone() } else { inside_hull(area, &hull) }
+            }
+            _ => area.clone(),
+        },
     };
     FrameRing { area }
+}
+
+/// Whether a rectangle reaches beyond another by no more than `reach`.
+fn is_near(wanted: &Rect<f64>, known: &Rect<f64>, reach: f64) -> bool {
+    let west_south = known.min() - wanted.min();
+    let east_north = wanted.max() - known.max();
+    [west_south.x, west_south.y, east_north.x, east_north.y].into_iter().all(|beyond| beyond <= reach)
+}
+
+/// The part of an area inside the convex hull of a map.
+///
+/// Intersecting rounds coordinates. Corners of both outlines get theirs back, and where the outlines cross, the place is
+/// computed anew, so that it lies on both.
+fn inside_hull(area: &MultiPolygon<f64>, hull: &Polygon<f64>) -> MultiPolygon<f64> {
+    let hull: MultiPolygon<f64> = hull.clone().into();
+    let size = |area: &MultiPolygon<f64>| area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
+    let near = ROUNDING * size(area).max(size(&hull));
+    let corners = rings(area).chain(rings(&hull)).flat_map(|ring| ring.coords()).map(|c| [c.x, c.y]);
+    let corners = RTree::bulk_load(corners.collect());
+    let edges = |area: &MultiPolygon<f64>| {
+        let lines = rings(area).flat_map(|ring| ring.lines());
+        RTree::bulk_load(lines.map(|l| Line::new([l.start.x, l.start.y], [l.end.x, l.end.y])).collect())
+    };
+    let edges = [edges(area), edges(&hull)];
+    let nearest_edge = |edges: &RTree<Line<[f64; 2]>>, at: [f64; 2]| {
+        let edge = edges.nearest_neighbor(&at)?;
+        Some(Segment { a: edge.from.into(), b: edge.to.into() })
+    };
+    area.intersection(&hull).map_coords(|c| {
+        let at = [c.x, c.y];
+        let is_near = |p: DVec2| p.distance(at.into()) <= near;
+        let corner = corners.nearest_neighbor(&at).map(|&corner| DVec2::from(corner));
+        let crossing = || Some(place(&nearest_edge(&edges[0], at)?, &nearest_edge(&edges[1], at)?));
+        let exact = corner.filter(|&p| is_near(p)).or_else(|| crossing().filter(|&p| is_near(p)));
+        exact.map_or(c, |p| Coord { x: p.x, y: p.y })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::polygon;
+
+    use super::*;
+    use crate::contour::Contour;
+
+    /// Two lines across a square of 100 from (5e5, 4e6).
+    fn map() -> ContourMap {
+        let line = |elevation: f64, y: f64| {
+            let points = [0.0, 37.0, 100.0].map(|x| DVec2::new(5e5 + x, 4e6 + y)).to_vec();
+            Contour { elevation, points, feature: 0 }
+        };
+        ContourMap { contours: vec![line(10.0, 0.0), line(20.0, 55.5), line(30.0, 100.0)], ..ContourMap::default() }
+    }
+
+    fn square(x: f64, y: f64, side: f64) -> MultiPolygon<f64> {
+        let (x, y) = (5e5 + x, 4e6 + y);
+        polygon![(x: x, y: y), (x: x + side, y: y), (x: x + side, y: y + side), (x: x, y: y + side)].into()
+    }
+
+    #[test]
+    fn a_polygon_a_little_larger_than_the_map_is_kept() {
+        for area in [square(10.3, 10.3, 50.1), square(-5.0, -5.0, 110.0)] {
+            assert_eq!(frame_ring(&map(), &Frame::Polygon(area.clone())).area, area);
+        }
+    }
+
+    #[test]
+    fn a_polygon_far_larger_than_the_map_ends_at_its_hull() {
+        let ring = |frame| {
+            let ring = frame_ring(&map(), &frame);
+            let mut corners: Vec<[u64; 2]> = ring.rings().flatten().map(|p| p.to_array().map(f64::to_bits)).collect();
+            corners.sort_unstable();
+            corners
+        };
+        assert_eq!(ring(Frame::Polygon(square(-1e6, -1e6, 2.1e6))), ring(Frame::Hull));
+        let partly = frame_ring(&map(), &Frame::Polygon(square(33.3, 20.2, 1e6)));
+        let corners: Vec<DVec2> = partly.rings().flatten().map(|p| p - DVec2::new(5e5, 4e6)).collect();
+        assert_eq!(corners.len(), 4);
+        assert!(corners.iter().any(|p| p.distance(DVec2::new(33.3, 20.2)) < 1e-9));
+        assert!(corners.contains(&DVec2::splat(100.0)));
+        let on_hull = corners.iter().filter(|p| p.x == 100.0 || p.y == 100.0).count();
+        assert_eq!(on_hull, 3, "crossings lie exactly on the edge of the map: {corners:?}");
+    }
+
+    #[test]
+    fn a_polygon_elsewhere_leaves_nothing() {
+        assert_eq!(frame_ring(&map(), &Frame::Polygon(square(500.0, 0.0, 10.0))).area, MultiPolygon::new(Vec::new()));
+    }
 }

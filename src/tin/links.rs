@@ -5,6 +5,8 @@
 //! sides. The other ends (a ragged outline, auxiliary contours, cliffs, gaps) are looked at again in the triangulation,
 //! see [`close_gaps`](super::close_gaps).
 
+use std::collections::HashMap;
+
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
@@ -61,7 +63,7 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
     let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Runs::new(map);
-    let links: Vec<(bool, Option<Link>)> = ends
+    let mut links: Vec<(bool, Option<Link>)> = ends
         .par_iter()
         .map(|end| {
             let at = end.position.to_array();
@@ -78,10 +80,29 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
             (true, Some(Link { end: end.position, frame: on_frame, elevation: end.elevation }))
         })
         .collect();
+    keep_shortest(&mut links);
     for (end, (at_frame, _)) in ends.iter_mut().zip(&links) {
         end.at_frame = *at_frame;
     }
     (ends, links.into_iter().filter_map(|(_, link)| link).collect())
+}
+
+/// Leaves a single link at each point of the frame. A corner that points into the area is the nearest point of many ends,
+/// and links of different levels must not meet.
+fn keep_shortest(links: &mut [(bool, Option<Link>)]) {
+    let length = |link: &Link| link.end.distance(link.frame);
+    let mut shortest: HashMap<[u64; 2], (f64, usize)> = HashMap::new();
+    for (i, link) in links.iter().enumerate().filter_map(|(i, (_, link))| Some((i, link.as_ref()?))) {
+        let best = shortest.entry(link.frame.to_array().map(f64::to_bits)).or_insert((length(link), i));
+        if length(link) < best.0 {
+            *best = (length(link), i);
+        }
+    }
+    for (i, (at_frame, link)) in links.iter_mut().enumerate() {
+        if link.as_ref().is_some_and(|link| shortest[&link.frame.to_array().map(f64::to_bits)].1 != i) {
+            (*at_frame, *link) = (false, None);
+        }
+    }
 }
 
 fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
@@ -102,7 +123,10 @@ fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
 }
 
 /// Boxes around runs of segments, to find those that a straight view may cross.
-struct Runs(RTree<GeomWithData<Rectangle<[f64; 2]>, (u32, u32)>>);
+struct Runs(RTree<Run>);
+
+/// The box around a run, the line's number and that of the run's first segment.
+type Run = GeomWithData<Rectangle<[f64; 2]>, (u32, u32)>;
 
 impl Runs {
     fn new(map: &ContourMap) -> Self {

@@ -153,6 +153,12 @@ impl Tin {
         Self { heights, ..self }
     }
 
+    /// Takes all triangles but those marked in `keep`, one flag a triangle, out of the frame.
+    pub fn only(mut self, keep: &[bool]) -> Self {
+        self.inside.iter_mut().zip(keep).for_each(|(inside, keep)| *inside &= keep);
+        self
+    }
+
     /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints; each is asked once, in the
     /// middle of its largest triangle, in map coordinates.
     pub fn restricted(mut self, keep: impl Fn(DVec2) -> bool) -> Self {

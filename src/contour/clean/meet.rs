@@ -8,7 +8,7 @@ use super::segments::Segment;
 
 /// How two segments meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Meeting {
+pub(crate) enum Meeting {
     /// They share no point.
     Apart,
     /// They share one point, the end of one of them at least.
@@ -26,7 +26,7 @@ fn side(s: &Segment, p: DVec2) -> f64 {
 }
 
 /// How two segments meet, exactly. Neither may be a point.
-pub(super) fn meeting(s: &Segment, t: &Segment) -> Meeting {
+pub(crate) fn meeting(s: &Segment, t: &Segment) -> Meeting {
     let (ta, tb) = (side(s, t.a), side(s, t.b));
     if ta == 0.0 && tb == 0.0 {
         return meeting_in_line(s, t);
@@ -65,7 +65,7 @@ fn meeting_in_line(s: &Segment, t: &Segment) -> Meeting {
 
 /// Distance from a point to a segment, the same to the last bit for either direction of the segment: what was apart before
 /// a line is turned round is apart after it.
-pub(super) fn point_distance(p: DVec2, s: &Segment) -> f64 {
+pub(crate) fn point_distance(p: DVec2, s: &Segment) -> f64 {
     let (a, b) = if compare_points(&s.a, &s.b).is_le() { (s.a, s.b) } else { (s.b, s.a) };
     let (along, to) = (b - a, p - a);
     let share = (to.dot(along) / along.length_squared()).clamp(0.0, 1.0);
@@ -91,7 +91,7 @@ fn nearest_end(s: &Segment, t: &Segment) -> (f64, DVec2) {
 }
 
 /// About where two segments meet, for a message.
-pub(super) fn place(s: &Segment, t: &Segment) -> DVec2 {
+pub(crate) fn place(s: &Segment, t: &Segment) -> DVec2 {
     let (u, v) = (s.b - s.a, t.b - t.a);
     let share = (t.a - s.a).perp_dot(v) / u.perp_dot(v);
     if meeting(s, t) == Meeting::Cross && (0.0..=1.0).contains(&share) { s.a + u * share } else { nearest_end(s, t).1 }

@@ -25,6 +25,9 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
+pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
+pub(crate) use self::segments::Segment;
+
 use self::contacts::Contacts;
 use self::removed::Removed;
 use self::segments::Segments;

@@ -23,9 +23,9 @@ pub(super) struct Segments<'a> {
 
 /// One segment.
 #[derive(Clone, Copy)]
-pub(super) struct Segment {
-    pub(super) a: DVec2,
-    pub(super) b: DVec2,
+pub(crate) struct Segment {
+    pub(crate) a: DVec2,
+    pub(crate) b: DVec2,
 }
 
 impl Segment {

@@ -2,7 +2,7 @@
 //!
 //! The type of a geometry may come after its coordinates, so they are read without knowing it: an array of numbers is
 //! a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon types
-//! differ in how deep the parts lie, and nothing is lost by not keeping that.
+//! differ in how deep the parts lie; of that no more is kept than which parts lie in one array.
 
 use std::fmt;
 
@@ -15,6 +15,8 @@ pub(super) struct Part {
     pub points: Vec<DVec2>,
     /// One value a point, NaN where the position has none; empty if none has.
     pub z: Vec<f64>,
+    /// Whether it is the last one of an array of parts, as the rings of a polygon are.
+    pub ends_group: bool,
 }
 
 impl Part {
@@ -48,6 +50,7 @@ impl<'de> DeserializeSeed<'de> for Coordinates<'_> {
 enum Level {
     Number(f64),
     Position,
+    Part,
     Deeper,
     /// An empty array or null.
     Nothing,
@@ -92,7 +95,7 @@ impl<'de> Visitor<'de> for &mut Nest<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Level, A::Error> {
         let mut position = [f64::NAN; 3];
-        let (mut numbers, mut positions, mut deeper) = (0_usize, 0_usize, 0_usize);
+        let (mut numbers, mut positions, mut parts, mut deeper) = (0_usize, 0_usize, 0_usize, 0_usize);
         while let Some(level) = seq.next_element_seed(&mut *self)? {
             match level {
                 Level::Number(value) => {
@@ -102,11 +105,12 @@ impl<'de> Visitor<'de> for &mut Nest<'_> {
                     numbers += 1;
                 }
                 Level::Position => positions += 1,
+                Level::Part => parts += 1,
                 Level::Deeper => deeper += 1,
                 Level::Nothing => {}
             }
         }
-        match (numbers, positions, deeper) {
+        match (numbers, positions, parts + deeper) {
             (0, 0, 0) => Ok(Level::Nothing),
             (1, 0, 0) => Err(A::Error::custom("a position has one number; it needs two or three")),
             (_, 0, 0) => {
@@ -120,9 +124,14 @@ impl<'de> Visitor<'de> for &mut Nest<'_> {
             }
             (0, _, 0) => {
                 self.open = false;
+                Ok(Level::Part)
+            }
+            (0, 0, _) => {
+                if let Some(last) = self.parts.last_mut().filter(|_| parts > 0) {
+                    last.ends_group = true;
+                }
                 Ok(Level::Deeper)
             }
-            (0, 0, _) => Ok(Level::Deeper),
             _ => Err(A::Error::custom("the coordinates mix numbers and arrays")),
         }
     }

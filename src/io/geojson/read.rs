@@ -226,6 +226,16 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
                 feature.spots.extend(spots);
             }
         }
+        Some("Polygon" | "MultiPolygon") if table.wants_polygons && !object.parts.is_empty() => {
+            let mut rings = Vec::new();
+            for part in object.parts {
+                rings.push(part.points);
+                if part.ends_group {
+                    feature.polygons.push(std::mem::take(&mut rings));
+                }
+            }
+            feature.polygons.extend((!rings.is_empty()).then_some(rings));
+        }
         Some("GeometryCollection") if !object.members.is_empty() => {
             for member in object.members {
                 add_geometry(member, feature, table);
@@ -234,6 +244,7 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
         Some("LineString" | "MultiLineString" | "Point" | "MultiPoint" | "GeometryCollection") | None => {
             table.leave_out(NO_GEOMETRY);
         }
+        Some("Polygon" | "MultiPolygon") if table.wants_polygons => table.leave_out(NO_GEOMETRY),
         Some(other) => table.leave_out(other),
     }
 }
@@ -243,7 +254,8 @@ fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
     let Some(member) = member else {
         let lines = table.features.iter().flat_map(|f| f.lines.iter().flat_map(|line| &line.points));
         let spots = table.features.iter().flat_map(|f| f.spots.iter().map(|spot| &spot.place));
-        if lines.chain(spots).all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0) {
+        let corners = table.features.iter().flat_map(|f| f.polygons.iter().flatten().flatten());
+        if lines.chain(spots).chain(corners).all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0) {
             table.crs = Some(Crs::wgs84());
         } else {
             let problem = "the file does not name its coordinate reference system, and its coordinates are no degrees, \

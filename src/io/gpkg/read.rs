@@ -24,11 +24,12 @@ struct Layer {
 enum Content {
     Lines,
     Points,
+    Polygons,
     Other,
 }
 
-/// Reads the one layer that the request is about: the named one, else the only one of lines (or points, if the request
-/// is about points). A single layer of points beside a single layer of lines is read with it.
+/// Reads the one layer that the request is about: the named one, else the only one of lines (or of points or polygons,
+/// if the request is about those). A single layer of points beside a single layer of lines is read with it.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     // SQLite does not say why it cannot open a file; the system does.
     File::open(path).map_err(|e| Error::io("read", path, e))?;
@@ -86,6 +87,7 @@ fn content_of(kind: &str) -> Content {
     match kind.to_ascii_uppercase().as_str() {
         "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => Content::Lines,
         "POINT" | "MULTIPOINT" => Content::Points,
+        "POLYGON" | "MULTIPOLYGON" | "SURFACE" | "CURVEPOLYGON" | "MULTISURFACE" => Content::Polygons,
         _ => Content::Other,
     }
 }
@@ -120,10 +122,11 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
         };
     }
     let of = |content: Content| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
-    let (lines, points) = (of(Content::Lines), of(Content::Points));
+    let (lines, points, polygons) = (of(Content::Lines), of(Content::Points), of(Content::Polygons));
     let (wanted, what) = match request.purpose {
         Purpose::Contours => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
+        Purpose::Area => (&polygons, "polygons"),
     };
     match wanted.as_slice() {
         [] => Err(Error::file(path, format!("there is no layer of {what}; its layers are {}", names(&all)))),
@@ -143,7 +146,11 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
         }
         many => {
             let list = names(many);
-            Err(Error::file(path, format!("there are several layers of {what}: {list}; choose one with --layer")))
+            let remedy = match request.purpose {
+                Purpose::Contours => "choose one with --layer",
+                _ => "copy the right one to a file of its own, for instance with 'ogr2ogr one.gpkg all.gpkg LAYER'",
+            };
+            Err(Error::file(path, format!("there are several layers of {what}: {list}; {remedy}")))
         }
     }
 }

@@ -81,7 +81,8 @@ pub(super) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
     Ok(TYPES[code])
 }
 
-/// Adds the lines and points of a geometry to a feature; anything else is counted in the table.
+/// Adds the lines and points of a geometry to a feature, and its polygons if they are wanted; anything else is counted
+/// in the table.
 pub(super) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
     geometry(&mut Bytes { rest: wkb }, feature, table, 0)
 }
@@ -134,11 +135,19 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
             feature.push_line(points, &z);
         }
         "Polygon" => {
+            let mut rings = Vec::new();
             for _ in 0..bytes.u32(little)? {
                 let count = bytes.u32(little)?;
-                bytes.positions(count, width)?;
+                let positions = bytes.positions(count, width)?;
+                if table.wants_polygons && count > 0 {
+                    rings.push(split(positions, width, false, little).0);
+                }
             }
-            table.leave_out("Polygon");
+            match (table.wants_polygons, rings.is_empty()) {
+                (false, _) => table.leave_out("Polygon"),
+                (true, true) => table.leave_out(NO_GEOMETRY),
+                (true, false) => feature.polygons.push(rings),
+            }
         }
         "MultiPoint" | "MultiLineString" | "MultiPolygon" | "GeometryCollection" | "MultiCurve" => {
             let count = bytes.u32(little)?;

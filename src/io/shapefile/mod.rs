@@ -3,6 +3,7 @@
 
 mod dbf;
 mod encoding;
+mod polygon;
 mod read;
 mod write;
 

@@ -5,9 +5,9 @@ use std::io::BufReader;
 use std::path::Path;
 
 use glam::DVec2;
-use shapefile::{Shape, ShapeReader};
+use shapefile::{PolygonRing, Shape, ShapeReader};
 
-use super::{companion, dbf};
+use super::{companion, dbf, polygon};
 use crate::crs::Crs;
 use crate::error::{Error, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
@@ -119,7 +119,21 @@ fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
                 feature.push_line(part.iter().map(|p| DVec2::new(p.x, p.y)).collect(), &z);
             }
         }
-        Shape::Polygon(_) | Shape::PolygonM(_) | Shape::PolygonZ(_) => table.leave_out("Polygon"),
+        Shape::Polygon(_) | Shape::PolygonM(_) | Shape::PolygonZ(_) if !table.wants_polygons => {
+            table.leave_out("Polygon");
+        }
+        Shape::Polygon(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
+        Shape::PolygonM(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
+        Shape::PolygonZ(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
         Shape::Multipatch(_) => table.leave_out("MultiPatch"),
     }
+}
+
+fn add_rings<P>(rings: Vec<PolygonRing<P>>, place: fn(&P) -> DVec2, feature: &mut Feature, table: &mut Table) {
+    let rings: Vec<Vec<DVec2>> =
+        rings.iter().filter(|ring| !ring.is_empty()).map(|ring| ring.points().iter().map(place).collect()).collect();
+    if rings.is_empty() {
+        table.leave_out(NO_GEOMETRY);
+    }
+    feature.polygons.extend(polygon::grouped(rings));
 }
