@@ -112,7 +112,8 @@ impl DemOutput {
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
         let grid = grid_for(&self.choice, surface)?;
         let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), console);
-        console.step("writing", || write_dem(&self.staged.path(), &dem))?;
+        let written = console.step("writing", || write_dem(&self.staged.path(), &dem));
+        written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)
     }
 }

@@ -34,7 +34,7 @@ pub fn write(
     console.step("drawing", || {
         let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), &());
         let picture = render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
-        write_picture(&staged.path(), &picture)
+        write_picture(&staged.path(), &picture).map_err(|e| staged.with_final_name(e))
     })?;
     Ok(())
 }
