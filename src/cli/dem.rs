@@ -40,19 +40,15 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
-    if args.grid.cell.is_none() && args.grid.like.is_none() {
-        return Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into()));
-    }
-    let inputs: Vec<&Path> =
-        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
-    let picture = preview::open(args.preview.as_deref(), &inputs)?;
-    let mut inputs_and_grid = inputs.clone();
-    inputs_and_grid.extend(args.grid.like.as_deref());
-    // Opened once before reading, so that a missing folder is told at once.
-    output::open(&args.output, &inputs_and_grid)?;
+    args.grid.check()?;
+    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.file()).collect();
+    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
+    output::check_paths(&inputs, &outputs)?;
+    let staged = output::open_dem(&args.output)?;
+    let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let output = DemOutput::open(&args.output, &args.grid, &inputs_and_grid, input.map.crs.as_ref())?;
+    let output = DemOutput::new(staged, &args.grid, input.map.crs.as_ref())?;
     let params = args.surface.params(&input.map)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;

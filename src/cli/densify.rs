@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::contour::{ContourLayer, Source};
-use tokosen::io::{VectorFormat, write_contours};
+use tokosen::io::{VectorFormat, contour_files, write_contours};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 
 use super::console::Console;
@@ -34,6 +34,7 @@ pub struct DensifyArgs {
         long,
         value_name = "STEP",
         value_delimiter = ',',
+        allow_negative_numbers = true,
         required_unless_present = "levels",
         help_heading = "Output"
     )]
@@ -83,17 +84,25 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Usage(message));
     }
     let targets = args.targets()?;
-    let inputs: Vec<&Path> =
-        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
-    let staged = output::open(&args.output, &inputs)?;
-    let picture = preview::open(args.preview.as_deref(), &inputs)?;
+    let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
+    let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.file()).collect();
+    let outputs: Vec<&Path> =
+        files.iter().map(PathBuf::as_path).chain(args.dem.as_deref()).chain(args.preview.as_deref()).collect();
+    output::check_paths(&inputs, &outputs)?;
+    let staged = output::open(&args.output)?;
+    let dem_file = match &args.dem {
+        Some(path) => {
+            args.grid.check()?;
+            Some(output::open_dem(path)?)
+        }
+        None => None,
+    };
+    let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
     let crs = input.map.crs.clone();
-    let dem_output = match &args.dem {
-        Some(path) => Some(DemOutput::open(path, &args.grid, &inputs, crs.as_ref())?),
-        None => None,
-    };
+    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, crs.as_ref())).transpose()?;
     let params = args.surface.params(&input.map)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
@@ -126,6 +135,9 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
 
 impl DensifyArgs {
     fn targets(&self) -> Result<Vec<Target>, Failure> {
+        if let Some(bad) = self.levels.iter().chain([&self.base]).find(|level| !level.is_finite()) {
+            return Err(Failure::Usage(format!("{bad} is no elevation")));
+        }
         if !self.levels.is_empty() {
             return Ok(vec![Target::Levels(self.levels.clone())]);
         }

@@ -27,7 +27,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [map units]
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, allow_negative_numbers = true)]
     pub snap: f64,
     /// Stop with exit status 1 when anything is wrong with the input, instead of going on without the smallest piece
     #[arg(long)]
@@ -41,6 +41,11 @@ pub struct Input {
 }
 
 impl InputArgs {
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(&self.contours).chain(&self.points).map(PathBuf::as_path)
+    }
+
     /// Reads and cleans the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
         if !(self.snap.is_finite() && self.snap >= 0.0) {
@@ -73,11 +78,9 @@ impl InputArgs {
         if self.strict && !findings.is_empty() {
             console.clear();
             summary::findings(findings, console);
-            return Err(Failure::Work(Error::Data(format!(
-                "{} findings about {}, and --strict is set",
-                findings.len(),
-                self.contours.display()
-            ))));
+            let count = if findings.len() == 1 { "1 finding".into() } else { format!("{} findings", findings.len()) };
+            let message = format!("{count} about {}, and --strict is set", self.contours.display());
+            return Err(Failure::Work(Error::Data(message)));
         }
         Ok(())
     }

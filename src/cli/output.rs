@@ -18,7 +18,7 @@ use super::console::Console;
 #[derive(Debug, Clone, Args)]
 pub struct GridArgs {
     /// Cell size of the height map [map units]; cells lie on multiples of it
-    #[arg(long, value_name = "SIZE")]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub cell: Option<f64>,
     /// Take the grid of this GeoTIFF: size, place and cells, square or not
     #[arg(long, value_name = "RASTER", conflicts_with = "cell")]
@@ -35,12 +35,23 @@ pub enum GridChoice {
 const MOST_CELLS: f64 = 4e9;
 
 impl GridArgs {
-    /// Checks the arguments and reads the grid of `--like`.
-    pub fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+    /// Checks what can be checked before anything is read.
+    pub fn check(&self) -> Result<(), Failure> {
         match (self.cell, &self.like) {
-            (Some(cell), _) if cell.is_finite() && cell > 0.0 => Ok(GridChoice::Cell(cell)),
-            (Some(cell), _) => Err(Failure::Usage(format!("--cell is {cell}, it must be more than 0"))),
-            (None, Some(path)) => {
+            (Some(cell), _) if !(cell.is_finite() && cell > 0.0) => {
+                Err(Failure::Usage(format!("--cell is {cell}, it must be more than 0")))
+            }
+            (None, None) => Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into())),
+            _ => Ok(()),
+        }
+    }
+
+    /// The grid that is asked for; reads that of `--like`.
+    fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+        self.check()?;
+        match &self.like {
+            None => Ok(GridChoice::Cell(self.cell.unwrap_or_default())),
+            Some(path) => {
                 let (grid, like_crs) = read_grid(path)?;
                 if let (Some(a), Some(b)) = (crs, &like_crs)
                     && !a.matches(b)
@@ -52,7 +63,6 @@ impl GridArgs {
                 }
                 Ok(GridChoice::Like(grid))
             }
-            (None, None) => Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into())),
         }
     }
 }
@@ -93,19 +103,23 @@ pub struct DemOutput {
     pub choice: GridChoice,
 }
 
+/// Opens the file of a height map.
+pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if !DEM_EXTENSIONS.contains(&extension.as_str()) {
+        return Err(Failure::Usage(format!(
+            "{}: height maps are written as {}",
+            path.display(),
+            DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+        )));
+    }
+    open(path)
+}
+
 impl DemOutput {
-    /// Opens the file and checks the grid.
-    pub fn open(path: &Path, grid: &GridArgs, inputs: &[&Path], crs: Option<&Crs>) -> Result<Self, Failure> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if !DEM_EXTENSIONS.contains(&extension.as_str()) {
-            return Err(Failure::Usage(format!(
-                "{}: height maps are written as {}",
-                path.display(),
-                DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
-            )));
-        }
-        let choice = grid.choice(crs)?;
-        Ok(Self { staged: open(path, inputs)?, choice })
+    /// A height map of the grid that is asked for. `crs` is that of the contours.
+    pub fn new(staged: StagedOutput, grid: &GridArgs, crs: Option<&Crs>) -> Result<Self, Failure> {
+        Ok(Self { choice: grid.choice(crs)?, staged })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
@@ -119,15 +133,32 @@ impl DemOutput {
 }
 
 /// Opens an output before the work starts, so that a missing folder is told at once.
-pub fn open(path: &Path, inputs: &[&Path]) -> Result<StagedOutput, Failure> {
-    let same = |input: &&Path| match (input.canonicalize(), path.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    };
-    if inputs.iter().any(same) {
-        return Err(Failure::Usage(format!("{} is an input: choose another name for the output", path.display())));
-    }
+pub fn open(path: &Path) -> Result<StagedOutput, Failure> {
     Ok(StagedOutput::create(path)?)
+}
+
+/// Refuses to write over an input or to write two outputs into one file.
+pub fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
+    let mut taken = Vec::new();
+    for path in outputs {
+        let file = identity(path);
+        if inputs.contains(&file) {
+            return Err(Failure::Usage(format!("{} is an input: choose another name for the output", path.display())));
+        }
+        if taken.contains(&file) {
+            return Err(Failure::Usage(format!("{} is named for two outputs", path.display())));
+        }
+        taken.push(file);
+    }
+    Ok(())
+}
+
+/// What two paths of one file have in common, whether it is there yet or not.
+fn identity(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let made = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(made).unwrap_or_else(|| path.to_owned())
 }
 
 /// One line of the summary about a height map.

@@ -14,12 +14,12 @@ use super::console::Console;
 use super::output;
 
 /// Opens the picture's file, if one is asked for.
-pub fn open(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<StagedOutput>, Failure> {
+pub fn open(path: Option<&Path>) -> Result<Option<StagedOutput>, Failure> {
     let Some(path) = path else { return Ok(None) };
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Failure::Usage(format!("{}: pictures are written as .png", path.display())));
     }
-    output::open(path, inputs).map(Some)
+    output::open(path).map(Some)
 }
 
 /// Draws the picture, still under its temporary name.

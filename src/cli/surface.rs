@@ -1,6 +1,6 @@
 //! The arguments about the surface.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use tokosen::contour::ContourMap;
@@ -22,7 +22,7 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
     pub frame: String,
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = 1.0)]
+    #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true)]
     pub resolution: f64,
 }
 
@@ -35,20 +35,24 @@ pub enum KindArg {
 }
 
 impl SurfaceArgs {
+    /// The boundary file, if the frame is one.
+    pub fn file(&self) -> Option<&Path> {
+        (!matches!(self.frame.as_str(), "hull" | "bbox")).then(|| Path::new(&self.frame))
+    }
+
     /// The library's parameters; reads the boundary polygon if there is one.
     pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
-        let frame = match self.frame.as_str() {
-            "hull" => Frame::Hull,
-            "bbox" => Frame::Box,
-            file => {
-                let path = PathBuf::from(file);
-                let (area, crs) = read_area(&path, &ReadOptions::default())?;
+        let frame = match self.file() {
+            None if self.frame == "bbox" => Frame::Box,
+            None => Frame::Hull,
+            Some(path) => {
+                let (area, crs) = read_area(path, &ReadOptions::default())?;
                 if let (Some(a), Some(b)) = (&map.crs, &crs)
                     && !a.matches(b)
                 {
                     let message =
                         "is in another coordinate reference system than the contours; reproject one of them first";
-                    return Err(Failure::Work(Error::file(&path, message)));
+                    return Err(Failure::Work(Error::file(path, message)));
                 }
                 Frame::Polygon(area)
             }

@@ -85,17 +85,17 @@ pub(super) fn of_contours(layer: &ContourLayer) -> Result<Layer<'_>> {
 }
 
 /// Names of layers become names of tables and files: there must be at least one, and no two alike.
-pub(super) fn check_names(layers: &[Layer<'_>]) -> Result<()> {
-    if layers.is_empty() {
+pub(super) fn check_names(names: &[&str]) -> Result<()> {
+    if names.is_empty() {
         return Err(Error::Parameter("there is no layer to write".to_owned()));
     }
     let mut seen = BTreeSet::new();
-    for layer in layers {
-        if layer.name.trim().is_empty() || layer.name.contains('\0') {
-            return Err(Error::Parameter(format!("{:?} is no name for a layer", layer.name)));
+    for name in names {
+        if name.trim().is_empty() || name.contains('\0') {
+            return Err(Error::Parameter(format!("{name:?} is no name for a layer")));
         }
-        if !seen.insert(suffix(layer.name).to_lowercase()) {
-            return Err(Error::Parameter(format!("two layers would be called {:?}", layer.name)));
+        if !seen.insert(suffix(name).to_lowercase()) {
+            return Err(Error::Parameter(format!("two layers would be called {name:?}")));
         }
     }
     Ok(())
@@ -103,13 +103,13 @@ pub(super) fn check_names(layers: &[Layer<'_>]) -> Result<()> {
 
 /// The file of a layer in a format that holds one layer a file: the target's name, or `STEM_SUFFIX.EXT` if there are
 /// several layers.
-pub(super) fn file_name(target: &Path, layer: &Layer<'_>, layer_count: usize) -> OsString {
+pub(super) fn file_name(target: &Path, layer: &str, layer_count: usize) -> OsString {
     if layer_count == 1 {
         return target.file_name().unwrap_or_default().to_owned();
     }
     let mut name = target.file_stem().unwrap_or_default().to_owned();
     name.push("_");
-    name.push(suffix(layer.name));
+    name.push(suffix(layer));
     if let Some(extension) = target.extension() {
         name.push(".");
         name.push(extension);

@@ -155,19 +155,29 @@ pub fn looks_like_degrees(map: &ContourMap) -> bool {
 /// If the extension is not known, the layers cannot be told apart by name, a line cannot be written (fewer than two
 /// points, NaN), the format cannot hold as much, or the disk is full.
 pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
-    let format = VectorFormat::from_path(out.target())?;
+    let names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
+    let files = contour_files(out.target(), &names)?;
     let layers = layers.iter().map(layer::of_contours).collect::<Result<Vec<_>>>()?;
-    layer::check_names(&layers)?;
+    let format = VectorFormat::from_path(out.target())?;
     if format == VectorFormat::GeoPackage {
         gpkg::write(&out.path(), &layers, crs).map_err(|e| out.with_final_name(e))?;
-        return Ok(vec![out.target().to_owned()]);
+        return Ok(files);
     }
-    let mut written = Vec::new();
-    for layer in &layers {
-        let name = layer::file_name(out.target(), layer, layers.len());
+    for (layer, file) in layers.iter().zip(&files) {
         let write = if format == VectorFormat::Shapefile { shapefile::write } else { geojson::write };
-        write(&out.sibling(&name), layer, crs).map_err(|e| out.with_final_name(e))?;
-        written.push(out.target().with_file_name(name));
+        write(&out.sibling(file.file_name().unwrap_or_default()), layer, crs).map_err(|e| out.with_final_name(e))?;
     }
-    Ok(written)
+    Ok(files)
+}
+
+/// The files that [`write_contours`] writes for layers of these names, so that they can be looked at before the work.
+///
+/// # Errors
+/// If the extension is not known, or the layers cannot be told apart by name.
+pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
+    layer::check_names(layers)?;
+    if VectorFormat::from_path(target)? == VectorFormat::GeoPackage {
+        return Ok(vec![target.to_owned()]);
+    }
+    Ok(layers.iter().map(|name| target.with_file_name(layer::file_name(target, name, layers.len()))).collect())
 }

@@ -71,7 +71,7 @@ impl StagedOutput {
         let staging = tempfile::Builder::new()
             .prefix(".tokosen-")
             .tempdir_in(&folder)
-            .map_err(|e| Error::io("create a file in", &folder, e))?;
+            .map_err(|e| Error::io("create a file in", &folder, without_path(e)))?;
         Ok(Self { target, folder, staging })
     }
 
@@ -149,6 +149,15 @@ impl StagedOutput {
     }
 }
 
+/// The system's own word, without the temporary file's name that follows it and means nothing to the user.
+fn without_path(error: std::io::Error) -> std::io::Error {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((words, _)) => std::io::Error::new(error.kind(), words),
+        None => error,
+    }
+}
+
 /// Names beside an output of this name that only fit its former content.
 fn stale_companions(name: &OsStr) -> Vec<OsString> {
     let path = Path::new(name);
@@ -218,6 +227,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let missing = StagedOutput::create(&dir.path().join("no/such/a.gpkg")).unwrap_err();
         assert!(missing.to_string().contains("no/such"), "{missing}");
+        let cause = std::error::Error::source(&missing).unwrap().to_string();
+        assert!(!cause.contains(".tokosen"), "{cause}");
         assert!(StagedOutput::create(dir.path()).unwrap_err().to_string().contains("is a folder"));
         assert!(StagedOutput::create(Path::new("")).is_err());
         assert!(StagedOutput::create(Path::new("/")).is_err());
