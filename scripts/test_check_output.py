@@ -121,7 +121,54 @@ class CheckOutput(unittest.TestCase):
         self.assertEqual(self.run_on(path), ["input kept"])
         self.assertRegex(self.said, r"FAIL  contours_20m +input kept")
 
+    def clipped(self):
+        """The sound lines cut to a polygon with a bay and a hole, and the file of the polygon."""
+        x0, y0, x1, y1 = shapely.total_bounds([shapely.linestrings(r["points"]) for r in self.lines])
+        at = lambda *uv: [(x0 + u * (x1 - x0), y0 + v * (y1 - y0)) for u, v in uv]
+        polygon = shapely.Polygon(at((0.1, 0.1), (0.9, 0.2), (0.8, 0.9), (0.5, 0.6), (0.2, 0.8)),
+                                  [at((0.4, 0.3), (0.4, 0.4), (0.6, 0.4), (0.6, 0.3))])
+        file = self.path / "polygon.gpkg"
+        if not file.exists():
+            pyogrio.raw.write(file, geometry=shapely.to_wkb([polygon]), field_data=[], fields=[], geometry_type="Polygon",
+                              crs="EPSG:32616", driver="GPKG")
+        lines = []
+        for r in self.lines:
+            cut = shapely.intersection(shapely.linestrings(r["points"]), polygon)
+            for part in shapely.get_parts(shapely.line_merge(cut)):
+                points = shapely.get_coordinates(part)
+                # Merging may turn a line round: the old direction is that of any two successive old vertices.
+                place = {tuple(p): i for i, p in enumerate(r["points"][:-1])}
+                old = [place[tuple(p)] for p in points if tuple(p) in place]
+                steps = np.diff(old)
+                if len(steps) and np.sum(steps == -1) > np.sum(steps == 1):
+                    points = points[::-1]
+                if len(points) > 1 and (r["source"] == "input" or len(old) > 2):
+                    lines.append(record(r["elev"], points, r["source"]))
+        return lines, ["--clip", "--frame", file]
+
+    def test_output_cut_to_a_polygon(self):
+        lines, options = self.clipped()
+        self.assertEqual([f for f in self.run_check(lines, *options) if f != "right side"], [], self.said)
+
     # Broken outputs.
+
+    def test_cut_line_that_lost_its_end(self):
+        lines, options = self.clipped()
+        r = next(r for r in lines if r["source"] == "input" and not r["closed"] and len(r["points"]) > 40)
+        r["points"], r["z"] = r["points"][:-3], r["z"][:-3]
+        self.assertIn("input kept", self.run_check(lines, *options))
+
+    def test_line_beyond_the_polygon(self):
+        lines, options = self.clipped()
+        lines.append(next(r for r in self.lines if r["source"] == "input" and not r["closed"]))
+        self.assertIn("input kept", self.run_check(lines, *options))
+
+    def test_cut_line_that_ends_beside_its_segment(self):
+        lines, options = self.clipped()
+        r = next(r for r in lines if r["source"] == "input" and not r["closed"] and len(r["points"]) > 40)
+        r["points"] = r["points"].copy()
+        r["points"][0] += 0.5 * (r["points"][1] - r["points"][0])[::-1] * [1, -1]
+        self.assertIn("input kept", self.run_check(lines, *options))
 
     def test_lost_vertex(self):
         lines = self.copy()
