@@ -7,7 +7,7 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
-use crate::tin::{Band, NONE, Regions, Side, Tin, VertexKind};
+use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
 
 /// How many segments are tried for one that can be seen before the nearest one is taken.
 const SIGHT_TRIALS: usize = 48;
@@ -15,8 +15,8 @@ const SIGHT_TRIALS: usize = 48;
 /// Heights of points inside sub-domains.
 ///
 /// Between two levels it is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`, with the shortest distances to
-/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has a single
-/// level the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
+/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has no level
+/// on the side that the ground lies on, the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
 /// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
@@ -132,35 +132,109 @@ fn region_heights(
     if own.is_empty() {
         return Vec::new();
     }
-    let band = regions.regions[region].band;
-    if !(band.lo.is_finite() && band.hi.is_finite()) {
-        return Vec::new();
-    }
     let borders = Groups::row(&groups.border_start, &groups.borders, region);
-    let trees = level_trees(tin, borders);
-    if band.side == Side::Between {
-        return own
-            .par_iter()
-            .with_min_len(256)
-            .map(|&p| (p, between_levels(tin, &trees, &band, &points[p as usize])))
-            .collect();
+    let ground = Ground { tin, regions, region: &regions.regions[region], trees: level_trees(tin, borders) };
+    let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
+    let mut tops: Vec<(f64, Cap)> = Vec::new();
+    let spots = Groups::row(&groups.spot_start, &groups.spots, region);
+    let mut heights = Vec::with_capacity(own.len());
+    for (&p, known) in own.iter().zip(&found) {
+        let height = match *known {
+            Known::Height(height) => height,
+            Known::Distance { from, side, distance } => {
+                let k = tops.iter().position(|(level, _)| *level == from).unwrap_or_else(|| {
+                    let distances = found.iter().filter_map(|k| match k {
+                        Known::Distance { from: level, distance, .. } if *level == from => Some(*distance),
+                        _ => None,
+                    });
+                    tops.push((from, ground.cap(from, side, borders, spots, distances)));
+                    tops.len() - 1
+                });
+                tops[k].1.height(points[p as usize].position, distance)
+            }
+        };
+        heights.push((p, height));
     }
-    let distances: Vec<f64> = own
-        .par_iter()
-        .with_min_len(256)
-        .map(|&p| trees.iter().map(|t| t.distance(points[p as usize].position)).fold(f64::INFINITY, f64::min))
-        .collect();
-    let spots: Vec<(DVec2, f64, f64)> = Groups::row(&groups.spot_start, &groups.spots, region)
-        .iter()
-        .map(|&v| {
-            let at = tin.positions[v as usize];
-            let distance = trees.iter().map(|t| t.distance(at)).fold(f64::INFINITY, f64::min);
-            (at, tin.heights[v as usize], distance)
-        })
-        .collect();
-    let widest = distances.iter().chain(spots.iter().map(|s| &s.2)).fold(0.0f64, |m, &d| m.max(d));
-    let cap = Cap::new(band, widest, slope_outside(tin, borders), spots);
-    own.iter().zip(&distances).map(|(&p, &d)| (p, cap.height(points[p as usize].position, d))).collect()
+    heights
+}
+
+/// What the contours around a point say about its height.
+enum Known {
+    /// The height, from two levels.
+    Height(f64),
+    /// The distance to the one level on the way, and the side of it that the point lies on.
+    Distance { from: f64, side: Side, distance: f64 },
+}
+
+/// A sub-domain with its border, for questions about points in it.
+struct Ground<'a> {
+    tin: &'a Tin,
+    regions: &'a Regions,
+    region: &'a Region,
+    trees: Vec<LevelTree>,
+}
+
+impl Ground<'_> {
+    /// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one on the side
+    /// that the sub-domain lies on; the distance if there is none.
+    fn known(&self, point: &AxisPoint) -> Known {
+        let at = point.position;
+        let own = match point.level {
+            Some(level) => self.trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
+            None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
+        };
+        let Some((own_distance, own_level)) = own else {
+            // Gates only: the level of the ends on both sides is all that is known.
+            let height = point.level.filter(|_| self.region.band.lo.is_finite());
+            return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
+        };
+        let side = self.region.side(own_level).unwrap_or(Side::Above);
+        let mut other = None;
+        for tree in self.trees.iter().filter(|t| match side {
+            Side::Above => t.level > own_level,
+            Side::Below => t.level < own_level,
+        }) {
+            let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
+            if tree.lower_bound(at) < best {
+                // A straight view can be blocked only by something nearer, which is the point's own contour.
+                let straight = tree.distance(at);
+                let seen = || tree.visible_distance(self.tin, point.triangle, at);
+                let distance = if straight <= own_distance { straight } else { seen() };
+                if distance < best {
+                    other = Some((distance, tree.level));
+                }
+            }
+        }
+        match other {
+            Some((distance, level)) if distance + own_distance > 0.0 => {
+                let height = (own_level * distance + level * own_distance) / (distance + own_distance);
+                Known::Height(self.region.band.strictly_inside(height))
+            }
+            _ => Known::Distance { from: own_level, side, distance: own_distance },
+        }
+    }
+
+    /// The rounded top or hollow beyond a level. `distances` are those of all points on it.
+    fn cap(
+        &self,
+        level: f64,
+        side: Side,
+        borders: &[(u32, u8)],
+        spots: &[u32],
+        distances: impl Iterator<Item = f64>,
+    ) -> Cap {
+        let tree = self.trees.iter().find(|t| t.level == level);
+        let spots: Vec<(DVec2, f64, f64)> = spots
+            .iter()
+            .map(|&v| {
+                let at = self.tin.positions[v as usize];
+                (at, self.tin.heights[v as usize], tree.map_or(0.0, |t| t.distance(at)))
+            })
+            .collect();
+        let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
+        let slope = slope_outside(self.tin, borders, level);
+        Cap::new(self.regions.beyond(level, side), side, widest, slope, spots)
+    }
 }
 
 fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
@@ -183,41 +257,15 @@ fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
         .collect()
 }
 
-/// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one.
-fn between_levels(tin: &Tin, trees: &[LevelTree], band: &Band, point: &AxisPoint) -> f64 {
-    let at = point.position;
-    let own = match point.level {
-        Some(level) => trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
-        None => trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
-    };
-    let (own_distance, own_level) = own.unwrap_or((0.0, band.lo));
-    let mut other = (f64::INFINITY, own_level);
-    for tree in trees.iter().filter(|t| t.level != own_level) {
-        if tree.lower_bound(at) < other.0 {
-            // A straight view can be blocked only by something nearer, which is the point's own contour.
-            let straight = tree.distance(at);
-            let seen = || tree.visible_distance(tin, point.triangle, at);
-            let distance = if straight <= own_distance { straight } else { seen() };
-            if distance < other.0 {
-                other = (distance, tree.level);
-            }
-        }
-    }
-    let (distance, level) = other;
-    let height = if distance.is_finite() && own_distance + distance > 0.0 {
-        (own_level * distance + level * own_distance) / (distance + own_distance)
-    } else {
-        band.lo.midpoint(band.hi)
-    };
-    band.strictly_inside(height)
-}
-
-/// Mean slope just outside the border, rise over run: the interval over the mean width of the strip beyond it.
-fn slope_outside(tin: &Tin, borders: &[(u32, u8)]) -> Option<f64> {
+/// Mean slope just outside the border at a level, rise over run: the interval over the mean width of the strip beyond.
+fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: f64) -> Option<f64> {
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {
         let i = i as usize;
         let (Some(level), Some(n)) = (tin.contour_level(t, i), tin.inner_neighbour(t, i)) else { continue };
+        if level != at {
+            continue;
+        }
         let Some(j) = tin.edge_towards(n, t) else { continue };
         let apex = tin.triangles[n as usize][(j + 2) % 3] as usize;
         let step = (tin.heights[apex] - level).abs();

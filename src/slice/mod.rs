@@ -9,4 +9,4 @@ mod trace;
 pub use layer::{LayerParams, contour_layers};
 pub use orient::{ascends_right, signed_area};
 pub use target::Target;
-pub use trace::slice;
+pub use trace::{Traced, slice};
