@@ -25,8 +25,7 @@ pub struct Cap {
 impl Cap {
     /// The profile beyond one level of a sub-domain: `band` is the level and the next one on `side`, `widest` the largest
     /// distance to the contour, `slope` the slope outside. `spots` are position, height and distance to the contour.
-    pub fn new(band: Band, side: Side, widest: f64, slope: Option<f64>, spots: Vec<(DVec2, f64, f64)>) -> Self {
-        let slope = slope.unwrap_or(0.5 * (band.hi - band.lo) / widest.max(f64::MIN_POSITIVE));
+    pub fn new(band: Band, side: Side, widest: f64, slope: f64, spots: Vec<(DVec2, f64, f64)>) -> Self {
         let mut cap = Self { band, side, widest, slope, factors: Vec::new() };
         cap.factors = spots
             .into_iter()

@@ -20,9 +20,12 @@ const SIGHT_TRIALS: usize = 48;
 /// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
+    let map_slope = slope_outside(tin, &groups.borders, None).unwrap_or(0.0);
     let mut heights = vec![f64::NAN; points.len()];
-    let found: Vec<Vec<(u32, f64)>> =
-        (0..regions.regions.len()).into_par_iter().map(|r| region_heights(tin, regions, points, &groups, r)).collect();
+    let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
+        .into_par_iter()
+        .map(|r| region_heights(tin, regions, points, &groups, map_slope, r))
+        .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
     }
@@ -126,6 +129,7 @@ fn region_heights(
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
+    map_slope: f64,
     region: usize,
 ) -> Vec<(u32, f64)> {
     let own = Groups::row(&groups.point_start, &groups.points, region);
@@ -133,7 +137,8 @@ fn region_heights(
         return Vec::new();
     }
     let borders = Groups::row(&groups.border_start, &groups.borders, region);
-    let ground = Ground { tin, regions, region: &regions.regions[region], trees: level_trees(tin, borders) };
+    let trees = level_trees(tin, borders);
+    let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope };
     let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
     let mut tops: Vec<(f64, Cap)> = Vec::new();
     let spots = Groups::row(&groups.spot_start, &groups.spots, region);
@@ -172,6 +177,8 @@ struct Ground<'a> {
     regions: &'a Regions,
     region: &'a Region,
     trees: Vec<LevelTree>,
+    /// Mean slope of the whole map at its contours.
+    map_slope: f64,
 }
 
 impl Ground<'_> {
@@ -232,7 +239,7 @@ impl Ground<'_> {
             })
             .collect();
         let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
-        let slope = slope_outside(self.tin, borders, level);
+        let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or(self.map_slope);
         Cap::new(self.regions.beyond(level, side), side, widest, slope, spots)
     }
 }
@@ -257,13 +264,14 @@ fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
         .collect()
 }
 
-/// Mean slope just outside the border at a level, rise over run: the interval over the mean width of the strip beyond.
-fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: f64) -> Option<f64> {
+/// Mean slope just outside the border (at one level, or at all), rise over run: the interval over the mean width of the
+/// strip beyond. None where no triangle beyond reaches another level.
+fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f64> {
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {
         let i = i as usize;
         let (Some(level), Some(n)) = (tin.contour_level(t, i), tin.inner_neighbour(t, i)) else { continue };
-        if level != at {
+        if at.is_some_and(|at| at != level) {
             continue;
         }
         let Some(j) = tin.edge_towards(n, t) else { continue };
