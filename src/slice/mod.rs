@@ -1,4 +1,4 @@
-//! New contour lines: [`slice`] traces levels on a surface, [`contour_layers`] makes map layers of them and of the
+//! New contour lines: [`slice()`] traces levels on a surface, [`contour_layers`] makes map layers of them and of the
 //! input's own contours.
 
 mod layer;

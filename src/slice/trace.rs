@@ -10,6 +10,7 @@
 //! its end and does not run along it a second time.
 
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -36,6 +37,7 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
     }
     progress.start("slicing", levels.len() as u64);
     let mut lines = Vec::with_capacity(levels.len());
+    let spare: Mutex<Vec<Vec<u32>>> = Mutex::default();
     let mut from = 0;
     while from < levels.len() {
         let mut to = from + 1;
@@ -45,12 +47,18 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             to += 1;
         }
         let crossed = Crossed::new(&ranges, &counts[from..to], from as u32);
-        let visited = || vec![NONE; tin.len()];
-        lines.par_extend((from..to).into_par_iter().map_init(visited, |visited, k| {
-            let mut trace = Trace { tin, regions, ranges: &ranges, k: k as u32, level: levels[k], visited, beads: 0 };
+        lines.par_extend((from..to).into_par_iter().map(|k| {
+            // Levels have different marks, so an array that another level used needs no clearing.
+            let used = spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let mut visited = used.unwrap_or_else(|| vec![NONE; tin.len()]);
+            let level = levels[k];
+            let mut trace =
+                Trace { tin, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
             let lines = trace.lines(crossed.of(k - from));
+            let beads = trace.beads;
+            spare.lock().unwrap_or_else(PoisonError::into_inner).push(visited);
             progress.advance(1);
-            Traced { lines, beads: trace.beads }
+            Traced { lines, beads }
         }));
         from = to;
     }

@@ -15,7 +15,7 @@ use crate::tin::{
     regions, triangulate,
 };
 
-/// Builds the surface of a clean map (see [`clean`](crate::contour::clean)).
+/// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
 /// # Errors
 /// When the map has fewer than two levels, when a contour line crosses another, when the points have no extent, or
