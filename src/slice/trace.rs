@@ -205,16 +205,23 @@ impl Trace<'_> {
         let closed = loop {
             self.visited[t as usize] = self.k;
             let (_, exit) = self.doors(t);
-            let ends = self.tin.edge(t, exit);
-            hub = hub.map(|v| v.filter(|v| ends.contains(v)));
+            let mut out = (t, exit);
             let mut step = self.crossing(t, exit, false);
-            let last = steps[steps.len() - 1].vertex;
-            step.on_border = match (last, step.vertex) {
-                (Some(a), Some(b)) => a != b && self.along_border(t, a, b),
-                _ => false,
-            };
+            if let (Some(a), Some(b)) = (steps[steps.len() - 1].vertex, step.vertex)
+                && a != b
+            {
+                if let Some(twin) = self.crest_twin(t, a, b) {
+                    // On a crest the line turns back to its own side.
+                    out = (twin, self.doors(twin).1);
+                    step = self.crossing(twin, out.1, false);
+                } else {
+                    step.on_border = self.along_border(t, a, b);
+                }
+            }
+            let ends = self.tin.edge(out.0, out.1);
+            hub = hub.map(|v| v.filter(|v| ends.contains(v)));
             steps.push(step);
-            match self.tin.inner_neighbour(t, exit).filter(|&n| self.crosses(n)) {
+            match self.tin.inner_neighbour(out.0, out.1).filter(|&n| self.crosses(n)) {
                 Some(n) if n == first => break true,
                 Some(n) if self.visited[n as usize] == self.k => break false,
                 Some(n) => t = n,
@@ -234,6 +241,16 @@ impl Trace<'_> {
         let levels = self.regions.region(t).map_or(&[][..], |r| &r.levels);
         let between = |(low, high): (&(f64, Side), &(f64, Side))| low.0 < height && height < high.0;
         self.tin.kinds[v as usize] == VertexKind::Axis && levels.first().zip(levels.last()).is_some_and(between)
+    }
+
+    /// The triangle on the other side of a crest: an edge with both ends exactly on the level and lower ground on both its
+    /// sides. The lines of the two sides would both run along it; instead each goes on where the other left it.
+    fn crest_twin(&self, t: u32, a: u32, b: u32) -> Option<u32> {
+        let i = (0..3).find(|&i| matches!(self.tin.edge(t, i), [u, v] if [u, v] == [a, b] || [u, v] == [b, a]))?;
+        let twin = self.tin.across(t, i).filter(|&n| self.crosses(n))?;
+        let (entry, exit) = self.doors(twin);
+        let vertex = |door: usize| self.crossing(twin, door, false).vertex;
+        (vertex(entry) == Some(b) && vertex(exit) == Some(a)).then_some(twin)
     }
 
     /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a gate or of the frame.
@@ -348,6 +365,13 @@ mod tests {
             assert!(inner.iter().all(|p| seen.insert([p.x.to_bits(), p.y.to_bits()])), "{line:?}");
         }
         assert!(lines.len() >= 2);
+    }
+
+    #[test]
+    fn no_two_lines_run_along_a_crest_on_the_level() {
+        let lines = lines_of(&[(-5.0, 2.0, 5.0), (5.0, 2.0, 5.0), (0.0, 6.0, 1.0), (0.0, -2.0, 1.0)], 5.0);
+        let along = |w: &[DVec2]| w.iter().all(|p| p.y == 2.0 && p.x.abs() == 5.0);
+        assert_eq!(lines.iter().flat_map(|l| l.windows(2)).filter(|w| along(w)).count(), 0, "{lines:?}");
     }
 
     #[test]
