@@ -37,7 +37,7 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
     }
     progress.start("slicing", levels.len() as u64);
     let mut lines = Vec::with_capacity(levels.len());
-    let spare: Mutex<Vec<Vec<u32>>> = Mutex::default();
+    let marks: Vec<Mutex<Vec<u32>>> = (0..rayon::current_num_threads().max(1)).map(|_| Mutex::default()).collect();
     let mut from = 0;
     while from < levels.len() {
         let mut to = from + 1;
@@ -49,14 +49,14 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
         let crossed = Crossed::new(&ranges, &counts[from..to], from as u32);
         lines.par_extend((from..to).into_par_iter().map(|k| {
             // Levels have different marks, so an array that another level used needs no clearing.
-            let used = spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-            let mut visited = used.unwrap_or_else(|| vec![NONE; tin.len()]);
+            let own = rayon::current_thread_index().unwrap_or(0) % marks.len();
+            let mut visited = marks[own].lock().unwrap_or_else(PoisonError::into_inner);
+            visited.resize(tin.len(), NONE);
             let level = levels[k];
             let mut trace =
                 Trace { tin, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
             let lines = trace.lines(crossed.of(k - from));
             let beads = trace.beads;
-            spare.lock().unwrap_or_else(PoisonError::into_inner).push(visited);
             progress.advance(1);
             Traced { lines, beads }
         }));
