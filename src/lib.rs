@@ -68,6 +68,7 @@ pub mod error;
 pub mod io;
 pub mod preview;
 pub mod progress;
+mod rows;
 pub mod skeleton;
 pub mod slice;
 pub mod surface;

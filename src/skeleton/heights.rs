@@ -1,5 +1,7 @@
 //! Heights of axis points: equation (1) of the paper between two levels, a rounded top where there is only one.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::primitives::Line;
@@ -7,6 +9,7 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
+use crate::rows::Rows;
 use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
 
 /// How many segments are tried for one that can be seen before the nearest one is taken.
@@ -20,7 +23,7 @@ const SIGHT_TRIALS: usize = 48;
 /// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
-    let map_slope = slope_outside(tin, &groups.borders, None).unwrap_or(0.0);
+    let map_slope = slope_outside(tin, groups.borders.all(), None).unwrap_or(0.0);
     let mut heights = vec![f64::NAN; points.len()];
     let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
         .into_par_iter()
@@ -32,64 +35,40 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f
     heights
 }
 
-/// What belongs to each sub-domain, in compressed rows.
+/// What belongs to each sub-domain.
 struct Groups {
-    point_start: Vec<u32>,
-    points: Vec<u32>,
-    border_start: Vec<u32>,
+    /// Numbers of points.
+    points: Rows<u32>,
     /// Triangle and edge of each piece of contour on the border.
-    borders: Vec<(u32, u8)>,
-    spot_start: Vec<u32>,
-    spots: Vec<u32>,
+    borders: Rows<(u32, u8)>,
+    /// Vertices that are spot heights.
+    spots: Rows<u32>,
 }
 
 impl Groups {
     fn new(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Self {
         let count = regions.regions.len();
-        let (point_start, points) = rows(count, points.iter().enumerate().map(|(i, p)| (p.region, i as u32)));
         let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
-        let (border_start, borders) = rows(
-            count,
-            inside().flat_map(|t| {
-                let region = regions.of_triangle[t as usize];
-                (0..3).filter(move |&i| tin.contour_level(t, i).is_some()).map(move |i| (region, (t, i as u8)))
-            }),
-        );
-        let mut region_of_spot = vec![NONE; tin.positions.len()];
+        let region_of = |t: u32| regions.of_triangle[t as usize] as usize;
+        let mut region_of_spot = BTreeMap::new();
         for t in inside() {
             for v in tin.triangles[t as usize] {
                 if tin.kinds[v as usize] == VertexKind::Spot {
-                    region_of_spot[v as usize] = regions.of_triangle[t as usize];
+                    region_of_spot.insert(v, region_of(t));
                 }
             }
         }
-        let spots = region_of_spot.iter().enumerate().filter(|(_, r)| **r != NONE).map(|(v, r)| (*r, v as u32));
-        let (spot_start, spots) = rows(count, spots);
-        Self { point_start, points, border_start, borders, spot_start, spots }
+        Self {
+            points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
+            borders: Rows::new(count, || {
+                inside().flat_map(|t| {
+                    let on_contour = move |&i: &usize| tin.contour_level(t, i).is_some();
+                    (0..3).filter(on_contour).map(move |i| (region_of(t), (t, i as u8)))
+                })
+            }),
+            spots: Rows::new(count, || region_of_spot.iter().map(|(&v, &region)| (region, v))),
+        }
     }
-
-    fn row<'a, T>(start: &[u32], items: &'a [T], r: usize) -> &'a [T] {
-        &items[start[r] as usize..start[r + 1] as usize]
-    }
-}
-
-/// Sorts items into rows by a counting sort that keeps their order.
-fn rows<T: Copy + Default>(count: usize, items: impl Iterator<Item = (u32, T)> + Clone) -> (Vec<u32>, Vec<T>) {
-    let mut start = vec![0u32; count + 1];
-    for (r, _) in items.clone() {
-        start[r as usize + 1] += 1;
-    }
-    for r in 0..count {
-        start[r + 1] += start[r];
-    }
-    let mut next = start.clone();
-    let mut sorted = vec![T::default(); start[count] as usize];
-    for (r, item) in items {
-        let slot = &mut next[r as usize];
-        sorted[*slot as usize] = item;
-        *slot += 1;
-    }
-    (start, sorted)
 }
 
 /// The border of one sub-domain at one level, for shortest-distance queries.
@@ -132,16 +111,16 @@ fn region_heights(
     map_slope: f64,
     region: usize,
 ) -> Vec<(u32, f64)> {
-    let own = Groups::row(&groups.point_start, &groups.points, region);
+    let own = groups.points.of(region);
     if own.is_empty() {
         return Vec::new();
     }
-    let borders = Groups::row(&groups.border_start, &groups.borders, region);
+    let borders = groups.borders.of(region);
     let trees = level_trees(tin, borders);
     let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope };
     let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
     let mut tops: Vec<(f64, Cap)> = Vec::new();
-    let spots = Groups::row(&groups.spot_start, &groups.spots, region);
+    let spots = groups.spots.of(region);
     let mut heights = Vec::with_capacity(own.len());
     for (&p, known) in own.iter().zip(&found) {
         let height = match *known {

@@ -16,6 +16,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::progress::Progress;
+use crate::rows::Rows;
 use crate::tin::{NONE, Regions, Side, Tin, VertexKind};
 
 /// Crossings of triangles and levels that are held at a time, to bound memory.
@@ -46,7 +47,13 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             size += counts[to];
             to += 1;
         }
-        let crossed = Crossed::new(&ranges, &counts[from..to], from as u32);
+        let batch = from as u32..to as u32;
+        let crossed = Rows::new(to - from, || {
+            ranges.iter().enumerate().flat_map(|(t, &(first, end))| {
+                let levels = first.max(batch.start)..end.min(batch.end);
+                levels.map(move |k| ((k as usize) - from, t as u32))
+            })
+        });
         lines.par_extend((from..to).into_par_iter().map(|k| {
             // Levels have different marks, so an array that another level used needs no clearing.
             let own = rayon::current_thread_index().unwrap_or(0) % marks.len();
@@ -87,36 +94,6 @@ fn levels_of(tin: &Tin, regions: &Regions, levels: &[f64], t: u32) -> (u32, u32)
     let first = levels.partition_point(|&l| l <= lowest || l <= region.band.lo);
     let end = levels.partition_point(|&l| l <= highest && l < region.band.hi);
     (first as u32, end.max(first) as u32)
-}
-
-/// The triangles that each of a batch of levels crosses, in compressed rows.
-struct Crossed {
-    start: Vec<usize>,
-    triangles: Vec<u32>,
-}
-
-impl Crossed {
-    fn new(ranges: &[(u32, u32)], counts: &[usize], from: u32) -> Self {
-        let to = from + counts.len() as u32;
-        let mut start = vec![0; counts.len() + 1];
-        for (k, count) in counts.iter().enumerate() {
-            start[k + 1] = start[k] + count;
-        }
-        let mut next = start.clone();
-        let mut triangles = vec![0; start[counts.len()]];
-        for (t, &(first, end)) in ranges.iter().enumerate() {
-            for level in first.max(from)..end.min(to) {
-                let slot = &mut next[(level - from) as usize];
-                triangles[*slot] = t as u32;
-                *slot += 1;
-            }
-        }
-        Self { start, triangles }
-    }
-
-    fn of(&self, k: usize) -> &[u32] {
-        &self.triangles[self.start[k]..self.start[k + 1]]
-    }
 }
 
 /// A point of a traced line.

@@ -11,6 +11,7 @@ use glam::DVec2;
 use super::{NONE, Tin};
 use crate::contour::Interval;
 use crate::error::{Finding, FindingKind, Report};
+use crate::rows::Rows;
 
 /// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
 const WIDE: f64 = 1.5;
@@ -107,7 +108,7 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
 /// Finds the sub-domains, their bands, and where neighbouring levels contradict each other.
 pub fn regions(tin: &Tin, interval: &Interval) -> Report<Regions> {
     let (of_triangle, mut regions) = flood(tin);
-    let borders = Borders::new(tin, &of_triangle, regions.len());
+    let borders = borders_of(tin, &of_triangle, regions.len());
     propagate(&mut regions, &borders, interval);
     let findings = contradictions(tin, &of_triangle, &regions, &borders, interval);
     Report { value: Regions { of_triangle, regions, interval: *interval }, findings }
@@ -166,7 +167,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
 }
 
 /// A piece of contour between two sub-domains, seen from one of them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Border {
     other: u32,
     level: f64,
@@ -174,61 +175,35 @@ struct Border {
     place: DVec2,
 }
 
-/// The borders of every sub-domain with its neighbours, in compressed rows.
-struct Borders {
-    start: Vec<u32>,
-    borders: Vec<Border>,
-}
-
-impl Borders {
-    fn new(tin: &Tin, of_triangle: &[u32], count: usize) -> Self {
-        let edges = || {
-            (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).flat_map(move |t| {
-                (0..3).filter_map(move |i| {
-                    let level = tin.contour_level(t, i)?;
-                    let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
-                    let own = of_triangle[t as usize];
-                    (own != other).then_some((own, other, level, t, i))
-                })
-            })
-        };
-        let mut start = vec![0u32; count + 1];
-        for (own, ..) in edges() {
-            start[own as usize + 1] += 1;
-        }
-        for r in 0..count {
-            start[r + 1] += start[r];
-        }
-        let mut next = start.clone();
-        let empty = Border { other: NONE, level: 0.0, length: 0.0, place: DVec2::ZERO };
-        let mut borders = vec![empty; start[count] as usize];
-        for (own, other, level, t, i) in edges() {
-            let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
-            let slot = &mut next[own as usize];
-            borders[*slot as usize] = Border { other, level, length: u.distance(v), place: u.midpoint(v) + tin.origin };
-            *slot += 1;
-        }
-        Self { start, borders }
-    }
-
-    fn of(&self, region: u32) -> &[Border] {
-        let r = region as usize;
-        &self.borders[self.start[r] as usize..self.start[r + 1] as usize]
-    }
+/// The borders of every sub-domain with its neighbours.
+fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
+    let border = |t: u32, i: usize| {
+        let level = tin.contour_level(t, i)?;
+        let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
+        let own = of_triangle[t as usize];
+        let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
+        let seen = Border { other, level, length: u.distance(v), place: u.midpoint(v) + tin.origin };
+        (own != other).then_some((own as usize, seen))
+    };
+    let border = &border;
+    Rows::new(count, || {
+        let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        inside.flat_map(move |t| (0..3).filter_map(move |i| border(t, i)))
+    })
 }
 
 /// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
 ///
 /// For the others each level asks its known neighbours: crossing a contour changes the side, and the longer common border
 /// wins where they disagree. That is the rule for peaks and pits, and also for the ground where contours are missing.
-fn propagate(regions: &mut [Region], borders: &Borders, interval: &Interval) {
+fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
     let tells = |r: &Region| r.levels.len() >= 2 && r.gap() <= WIDE * interval.step;
     let mut known: Vec<bool> = regions.iter().map(tells).collect();
     let mut frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
     while !frontier.is_empty() {
         let mut next: Vec<u32> = frontier
             .iter()
-            .flat_map(|&r| borders.of(r).iter().map(|b| b.other))
+            .flat_map(|&r| borders.of(r as usize).iter().map(|b| b.other))
             .filter(|&r| !known[r as usize])
             .collect();
         next.sort_unstable();
@@ -249,9 +224,9 @@ fn propagate(regions: &mut [Region], borders: &Borders, interval: &Interval) {
 }
 
 /// The levels of a sub-domain with the sides that its known neighbours give; as they were where none does.
-fn vote(region: u32, regions: &[Region], borders: &Borders, known: &[bool]) -> Vec<(f64, Side)> {
+fn vote(region: u32, regions: &[Region], borders: &Rows<Border>, known: &[bool]) -> Vec<(f64, Side)> {
     let mut balance = vec![0.0; regions[region as usize].levels.len()];
-    for border in borders.of(region).iter().filter(|b| known[b.other as usize]) {
+    for border in borders.of(region as usize).iter().filter(|b| known[b.other as usize]) {
         let own = regions[region as usize].levels.iter().position(|(l, _)| *l == border.level);
         if let (Some(k), Some(side)) = (own, regions[border.other as usize].side(border.level)) {
             balance[k] += if side == Side::Below { border.length } else { -border.length };
@@ -277,7 +252,7 @@ fn contradictions(
     tin: &Tin,
     of_triangle: &[u32],
     regions: &[Region],
-    borders: &Borders,
+    borders: &Rows<Border>,
     interval: &Interval,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -295,7 +270,7 @@ fn contradictions(
             continue;
         }
         let mut told = HashSet::new();
-        for border in borders.of(id as u32).iter().filter(|b| b.other > id as u32) {
+        for border in borders.of(id).iter().filter(|b| b.other > id as u32) {
             let other = &regions[border.other as usize];
             if wide(other) {
                 continue;
