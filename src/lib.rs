@@ -1,4 +1,65 @@
-//! tokosen: terrain from contour lines.
+//! Terrain from contour lines: denser contours, height maps, ridge and canyon lines.
+//!
+//! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005): the
+//! contours are triangulated, the triangles tell where spurs, gullies and tops are, and lines with heights along their
+//! axes turn the triangulation into a surface without flat steps.
+//!
+//! # The pipeline
+//!
+//! | step | takes | gives |
+//! |---|---|---|
+//! | [`io::read_contours`] | a file | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
+//! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
+//! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
+//! | [`tin::regions`] | a triangulation | [`Regions`](tin::Regions): sub-domains with the band of levels of each |
+//! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
+//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): the three steps above, heights everywhere |
+//! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
+//! | [`dem::rasterise`] | a surface, a grid | a [`Dem`](dem::Dem) |
+//! | [`preview::render`] | all of them | a picture |
+//! | [`io::write_contours`], [`io::raster::write_dem`] | the results | files |
+//!
+//! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
+//! input comes back beside the result as [findings](error::Finding).
+//!
+//! # Units and axes
+//!
+//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
+//! Coordinates must not be degrees. Higher ground lies on the right of every contour that comes out.
+//!
+//! # Example
+//!
+//! A hill of two contours, sliced at 2 m and rasterised:
+//!
+//! ```
+//! use glam::DVec2;
+//! use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
+//! use tokosen::dem::{Grid, rasterise};
+//! use tokosen::slice::{LayerParams, Target, contour_layers};
+//! use tokosen::surface::{SurfaceParams, build};
+//!
+//! # fn main() -> tokosen::error::Result<()> {
+//! let ring = |radius: f64, elevation: f64| {
+//!     let angle = |k: i32| f64::from(k % 60) * std::f64::consts::TAU / 60.0;
+//!     let points = (0..=60).map(|k| radius * DVec2::from_angle(angle(k))).collect();
+//!     Contour { elevation, points, feature: 0 }
+//! };
+//! let map = ContourMap { contours: vec![ring(200.0, 10.0), ring(80.0, 20.0)], ..ContourMap::default() };
+//!
+//! let map = clean(map, &CleanParams::default())?.value;
+//! let surface = build(map, &SurfaceParams::default(), &())?.value;
+//! let params = LayerParams { targets: vec![Target::Interval { step: 2.0, base: 0.0 }], index_every: 5 };
+//! let layers = contour_layers(&surface, &params, &())?;
+//! // 12, 14, 16 and 18 m between the two, and at least one ring on the rounded top.
+//! assert!(layers[0].lines.len() >= 2 + 4 + 1);
+//!
+//! let grid = Grid { corner: DVec2::new(-200.0, 200.0), cell: DVec2::splat(10.0), cols: 40, rows: 40 };
+//! let dem = rasterise(&surface.tin, &grid, None, &());
+//! let top = dem.values[20 * 40 + 20];
+//! assert!(20.0 < top && top < 30.0, "the top is neither flat nor above the next level");
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod contour;
 pub mod crs;
@@ -7,6 +68,7 @@ pub mod error;
 pub mod io;
 pub mod preview;
 pub mod progress;
+mod rows;
 pub mod skeleton;
 pub mod slice;
 pub mod surface;

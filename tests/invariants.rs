@@ -147,8 +147,14 @@ fn check_terrain(terrain: &Terrain, frame: &Frame) {
     }
 }
 
+/// A few cases a run; the environment variable PROPTEST_CASES asks for more.
+fn cases() -> ProptestConfig {
+    let few = if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 6 };
+    ProptestConfig { cases: few, failure_persistence: None, ..ProptestConfig::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases())]
 
     #[test]
     fn hold_on_random_terrain(seed in any::<u64>()) {

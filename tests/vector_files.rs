@@ -39,7 +39,7 @@ fn nasty_lines() -> Vec<ContourLine> {
 }
 
 fn layer(name: &str, lines: Vec<ContourLine>) -> ContourLayer {
-    ContourLayer { name: name.to_owned(), lines }
+    ContourLayer { name: name.to_owned(), lines, beads: 0 }
 }
 
 fn write(path: &Path, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {

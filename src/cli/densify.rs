@@ -156,9 +156,13 @@ fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
 fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
+    let beads = match layer.beads {
+        0 => String::new(),
+        n => format!("; {n} rings around single computed points left out"),
+    };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(
-        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices)",
+        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{beads})",
         layer.name,
         layer.lines.len() - new
     ));

@@ -42,4 +42,6 @@ pub struct ContourLayer {
     pub name: String,
     /// The lines, by elevation and then in a fixed order.
     pub lines: Vec<ContourLine>,
+    /// New rings that were left out because they are smaller than what the contours can tell.
+    pub beads: usize,
 }

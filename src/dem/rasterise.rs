@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::{Dem, Grid};
 use crate::crs::Crs;
 use crate::progress::Progress;
+use crate::rows::Rows;
 use crate::tin::Tin;
 
 /// Rows that one task fills.
@@ -17,7 +18,7 @@ const BAND_ROWS: usize = 32;
 /// to the triangle of the lowest number.
 pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progress) -> Dem {
     let mut values = vec![f32::NAN; grid.len()];
-    let bands = TrianglesByBand::new(tin, grid);
+    let bands = triangles_by_band(tin, grid);
     progress.start("rasterising", grid.rows as u64);
     if grid.cols > 0 {
         values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
@@ -41,53 +42,23 @@ fn rows_between(tin: &Tin, grid: &Grid, lo: f64, hi: f64) -> std::ops::Range<usi
     limit((row(hi) - 1e-6).ceil())..limit((row(lo) + 1e-6).floor() + 1.0)
 }
 
-/// Which triangles touch each band of rows, in compressed rows.
-struct TrianglesByBand {
-    start: Vec<usize>,
-    triangles: Vec<u32>,
-}
-
-impl TrianglesByBand {
-    fn new(tin: &Tin, grid: &Grid) -> Self {
-        let count = grid.rows.div_ceil(BAND_ROWS);
-        let ranges: Vec<(u32, u32)> = (0..tin.len() as u32)
-            .into_par_iter()
-            .map(|t| {
-                if !tin.is_inside(t) {
-                    return (0, 0);
-                }
-                let [a, b, c] = tin.corners(t);
-                let rows = rows_between(tin, grid, a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-                if rows.is_empty() {
-                    return (0, 0);
-                }
-                ((rows.start / BAND_ROWS) as u32, rows.end.div_ceil(BAND_ROWS) as u32)
-            })
-            .collect();
-        let mut start = vec![0; count + 1];
-        for &(first, end) in &ranges {
-            for band in first..end {
-                start[band as usize + 1] += 1;
+/// Which triangles touch each band of rows.
+fn triangles_by_band(tin: &Tin, grid: &Grid) -> Rows<u32> {
+    let bands: Vec<(u32, u32)> = (0..tin.len() as u32)
+        .into_par_iter()
+        .map(|t| {
+            let [a, b, c] = tin.corners(t);
+            let rows = rows_between(tin, grid, a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+            if rows.is_empty() || !tin.is_inside(t) {
+                return (0, 0);
             }
-        }
-        for band in 0..count {
-            start[band + 1] += start[band];
-        }
-        let mut next = start.clone();
-        let mut triangles = vec![0; start[count]];
-        for (t, &(first, end)) in ranges.iter().enumerate() {
-            for band in first..end {
-                let slot = &mut next[band as usize];
-                triangles[*slot] = t as u32;
-                *slot += 1;
-            }
-        }
-        Self { start, triangles }
-    }
-
-    fn of(&self, band: usize) -> &[u32] {
-        &self.triangles[self.start[band]..self.start[band + 1]]
-    }
+            ((rows.start / BAND_ROWS) as u32, rows.end.div_ceil(BAND_ROWS) as u32)
+        })
+        .collect();
+    Rows::new(grid.rows.div_ceil(BAND_ROWS), || {
+        let each = bands.iter().enumerate();
+        each.flat_map(|(t, &(first, end))| (first..end).map(move |band| (band as usize, t as u32)))
+    })
 }
 
 /// Fills the cells of one triangle that are still empty.

@@ -51,11 +51,9 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         });
         (axis.points.len() - 1) as u32
     };
-    // Outside the reach of the contours there is nothing to tell heights from.
-    let outer = |t: u32| regions.region(t).is_none_or(|r| r.outer);
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
-            if of_edge[t as usize][i] != NONE || outer(t) || !is_chord(tin, t, i) {
+            if of_edge[t as usize][i] != NONE || !tin.is_inside(t) || !is_chord(tin, t, i) {
                 continue;
             }
             let [u, v] = tin.edge(t, i);
@@ -68,7 +66,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
             }
         }
     }
-    for t in (0..tin.len() as u32).filter(|&t| !outer(t)) {
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let chords: Vec<u32> = of_edge[t as usize].iter().copied().filter(|&p| p != NONE).collect();
         let level = tin.heights[tin.triangles[t as usize][0] as usize];
         let flat = tin.corner_heights(t).iter().all(|&h| h == level);

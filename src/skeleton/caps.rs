@@ -15,6 +15,7 @@ const REACH: f64 = 0.9;
 /// inside scale the profile so that it passes through them.
 pub struct Cap {
     band: Band,
+    side: Side,
     widest: f64,
     slope: f64,
     /// Position of each spot height and the factor that it asks for.
@@ -22,15 +23,15 @@ pub struct Cap {
 }
 
 impl Cap {
-    /// The profile of one sub-domain. `spots` are position, height and distance to the contour.
-    pub fn new(band: Band, widest: f64, slope: Option<f64>, spots: Vec<(DVec2, f64, f64)>) -> Self {
-        let slope = slope.unwrap_or(0.5 * (band.hi - band.lo) / widest.max(f64::MIN_POSITIVE));
-        let mut cap = Self { band, widest, slope, factors: Vec::new() };
+    /// The profile beyond one level of a sub-domain: `band` is the level and the next one on `side`, `widest` the largest
+    /// distance to the contour, `slope` the slope outside. `spots` are position, height and distance to the contour.
+    pub fn new(band: Band, side: Side, widest: f64, slope: f64, spots: Vec<(DVec2, f64, f64)>) -> Self {
+        let mut cap = Self { band, side, widest, slope, factors: Vec::new() };
         cap.factors = spots
             .into_iter()
             .filter_map(|(at, height, distance)| {
                 let rise = cap.rise(distance);
-                let wanted = if band.side == Side::Below { band.hi - height } else { height - band.lo };
+                let wanted = if side == Side::Below { band.hi - height } else { height - band.lo };
                 (rise > 0.0 && wanted > 0.0).then(|| (at, wanted / rise))
             })
             .collect();
@@ -55,7 +56,7 @@ impl Cap {
         }
         let factor = if weights > 0.0 { sum / weights } else { 1.0 };
         let rise = factor * self.rise(distance);
-        let height = if self.band.side == Side::Below { self.band.hi - rise } else { self.band.lo + rise };
+        let height = if self.side == Side::Below { self.band.hi - rise } else { self.band.lo + rise };
         self.band.strictly_inside(height)
     }
 }

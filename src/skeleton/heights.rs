@@ -1,5 +1,7 @@
 //! Heights of axis points: equation (1) of the paper between two levels, a rounded top where there is only one.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 use rayon::prelude::*;
 use rstar::primitives::Line;
@@ -7,7 +9,8 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
-use crate::tin::{Band, NONE, Regions, Side, Tin, VertexKind};
+use crate::rows::Rows;
+use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
 
 /// How many segments are tried for one that can be seen before the nearest one is taken.
 const SIGHT_TRIALS: usize = 48;
@@ -15,78 +18,57 @@ const SIGHT_TRIALS: usize = 48;
 /// Heights of points inside sub-domains.
 ///
 /// Between two levels it is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`, with the shortest distances to
-/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has a single
-/// level the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
+/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has no level
+/// on the side that the ground lies on, the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
 /// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
+    let map_slope = slope_outside(tin, groups.borders.all(), None).unwrap_or(0.0);
     let mut heights = vec![f64::NAN; points.len()];
-    let found: Vec<Vec<(u32, f64)>> =
-        (0..regions.regions.len()).into_par_iter().map(|r| region_heights(tin, regions, points, &groups, r)).collect();
+    let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
+        .into_par_iter()
+        .map(|r| region_heights(tin, regions, points, &groups, map_slope, r))
+        .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
     }
     heights
 }
 
-/// What belongs to each sub-domain, in compressed rows.
+/// What belongs to each sub-domain.
 struct Groups {
-    point_start: Vec<u32>,
-    points: Vec<u32>,
-    border_start: Vec<u32>,
+    /// Numbers of points.
+    points: Rows<u32>,
     /// Triangle and edge of each piece of contour on the border.
-    borders: Vec<(u32, u8)>,
-    spot_start: Vec<u32>,
-    spots: Vec<u32>,
+    borders: Rows<(u32, u8)>,
+    /// Vertices that are spot heights.
+    spots: Rows<u32>,
 }
 
 impl Groups {
     fn new(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Self {
         let count = regions.regions.len();
-        let (point_start, points) = rows(count, points.iter().enumerate().map(|(i, p)| (p.region, i as u32)));
         let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
-        let (border_start, borders) = rows(
-            count,
-            inside().flat_map(|t| {
-                let region = regions.of_triangle[t as usize];
-                (0..3).filter(move |&i| tin.contour_level(t, i).is_some()).map(move |i| (region, (t, i as u8)))
-            }),
-        );
-        let mut region_of_spot = vec![NONE; tin.positions.len()];
+        let region_of = |t: u32| regions.of_triangle[t as usize] as usize;
+        let mut region_of_spot = BTreeMap::new();
         for t in inside() {
             for v in tin.triangles[t as usize] {
                 if tin.kinds[v as usize] == VertexKind::Spot {
-                    region_of_spot[v as usize] = regions.of_triangle[t as usize];
+                    region_of_spot.insert(v, region_of(t));
                 }
             }
         }
-        let spots = region_of_spot.iter().enumerate().filter(|(_, r)| **r != NONE).map(|(v, r)| (*r, v as u32));
-        let (spot_start, spots) = rows(count, spots);
-        Self { point_start, points, border_start, borders, spot_start, spots }
+        Self {
+            points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
+            borders: Rows::new(count, || {
+                inside().flat_map(|t| {
+                    let on_contour = move |&i: &usize| tin.contour_level(t, i).is_some();
+                    (0..3).filter(on_contour).map(move |i| (region_of(t), (t, i as u8)))
+                })
+            }),
+            spots: Rows::new(count, || region_of_spot.iter().map(|(&v, &region)| (region, v))),
+        }
     }
-
-    fn row<'a, T>(start: &[u32], items: &'a [T], r: usize) -> &'a [T] {
-        &items[start[r] as usize..start[r + 1] as usize]
-    }
-}
-
-/// Sorts items into rows by a counting sort that keeps their order.
-fn rows<T: Copy + Default>(count: usize, items: impl Iterator<Item = (u32, T)> + Clone) -> (Vec<u32>, Vec<T>) {
-    let mut start = vec![0u32; count + 1];
-    for (r, _) in items.clone() {
-        start[r as usize + 1] += 1;
-    }
-    for r in 0..count {
-        start[r + 1] += start[r];
-    }
-    let mut next = start.clone();
-    let mut sorted = vec![T::default(); start[count] as usize];
-    for (r, item) in items {
-        let slot = &mut next[r as usize];
-        sorted[*slot as usize] = item;
-        *slot += 1;
-    }
-    (start, sorted)
 }
 
 /// The border of one sub-domain at one level, for shortest-distance queries.
@@ -126,46 +108,119 @@ fn region_heights(
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
+    map_slope: f64,
     region: usize,
 ) -> Vec<(u32, f64)> {
-    let own = Groups::row(&groups.point_start, &groups.points, region);
+    let own = groups.points.of(region);
     if own.is_empty() {
         return Vec::new();
     }
-    let band = regions.regions[region].band;
-    if !(band.lo.is_finite() && band.hi.is_finite()) {
-        return Vec::new();
-    }
-    let borders = Groups::row(&groups.border_start, &groups.borders, region);
+    let borders = groups.borders.of(region);
     let trees = level_trees(tin, borders);
-    if band.side == Side::Between {
-        return own
-            .par_iter()
-            .with_min_len(256)
-            .map(|&p| (p, between_levels(tin, &trees, &band, &points[p as usize])))
+    let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope };
+    let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
+    let mut tops: Vec<(f64, Cap)> = Vec::new();
+    let spots = groups.spots.of(region);
+    let mut heights = Vec::with_capacity(own.len());
+    for (&p, known) in own.iter().zip(&found) {
+        let height = match *known {
+            Known::Height(height) => height,
+            Known::Distance { from, side, distance } => {
+                let k = tops.iter().position(|(level, _)| *level == from).unwrap_or_else(|| {
+                    let distances = found.iter().filter_map(|k| match k {
+                        Known::Distance { from: level, distance, .. } if *level == from => Some(*distance),
+                        _ => None,
+                    });
+                    tops.push((from, ground.cap(from, side, borders, spots, distances)));
+                    tops.len() - 1
+                });
+                tops[k].1.height(points[p as usize].position, distance)
+            }
+        };
+        heights.push((p, height));
+    }
+    heights
+}
+
+/// What the contours around a point say about its height.
+enum Known {
+    /// The height, from two levels.
+    Height(f64),
+    /// The distance to the one level on the way, and the side of it that the point lies on.
+    Distance { from: f64, side: Side, distance: f64 },
+}
+
+/// A sub-domain with its border, for questions about points in it.
+struct Ground<'a> {
+    tin: &'a Tin,
+    regions: &'a Regions,
+    region: &'a Region,
+    trees: Vec<LevelTree>,
+    /// Mean slope of the whole map at its contours.
+    map_slope: f64,
+}
+
+impl Ground<'_> {
+    /// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one on the side
+    /// that the sub-domain lies on; the distance if there is none.
+    fn known(&self, point: &AxisPoint) -> Known {
+        let at = point.position;
+        let own = match point.level {
+            Some(level) => self.trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
+            None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
+        };
+        let Some((own_distance, own_level)) = own else {
+            // Gates only: the level of the ends on both sides is all that is known.
+            let height = point.level.filter(|_| self.region.band.lo.is_finite());
+            return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
+        };
+        let side = self.region.side(own_level).unwrap_or(Side::Above);
+        let mut other = None;
+        for tree in self.trees.iter().filter(|t| match side {
+            Side::Above => t.level > own_level,
+            Side::Below => t.level < own_level,
+        }) {
+            let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
+            if tree.lower_bound(at) < best {
+                // A straight view can be blocked only by something nearer, which is the point's own contour.
+                let straight = tree.distance(at);
+                let seen = || tree.visible_distance(self.tin, point.triangle, at);
+                let distance = if straight <= own_distance { straight } else { seen() };
+                if distance < best {
+                    other = Some((distance, tree.level));
+                }
+            }
+        }
+        match other {
+            Some((distance, level)) if distance + own_distance > 0.0 => {
+                let height = (own_level * distance + level * own_distance) / (distance + own_distance);
+                Known::Height(self.region.band.strictly_inside(height))
+            }
+            _ => Known::Distance { from: own_level, side, distance: own_distance },
+        }
+    }
+
+    /// The rounded top or hollow beyond a level. `distances` are those of all points on it.
+    fn cap(
+        &self,
+        level: f64,
+        side: Side,
+        borders: &[(u32, u8)],
+        spots: &[u32],
+        distances: impl Iterator<Item = f64>,
+    ) -> Cap {
+        let tree = self.trees.iter().find(|t| t.level == level);
+        let spots: Vec<(DVec2, f64, f64)> = spots
+            .iter()
+            .map(|&v| {
+                let at = self.tin.positions[v as usize];
+                (at, self.tin.heights[v as usize], tree.map_or(0.0, |t| t.distance(at)))
+            })
             .collect();
+        let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
+        let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or(self.map_slope);
+        Cap::new(self.regions.beyond(level, side), side, widest, slope, spots)
     }
-    if trees.is_empty() {
-        // Nothing but gates and the frame around it: there is no contour to measure from.
-        let level = if band.side == Side::Above { band.lo } else { band.hi };
-        return own.iter().map(|&p| (p, band.strictly_inside(level))).collect();
-    }
-    let distances: Vec<f64> = own
-        .par_iter()
-        .with_min_len(256)
-        .map(|&p| trees.iter().map(|t| t.distance(points[p as usize].position)).fold(f64::INFINITY, f64::min))
-        .collect();
-    let spots: Vec<(DVec2, f64, f64)> = Groups::row(&groups.spot_start, &groups.spots, region)
-        .iter()
-        .map(|&v| {
-            let at = tin.positions[v as usize];
-            let distance = trees.iter().map(|t| t.distance(at)).fold(f64::INFINITY, f64::min);
-            (at, tin.heights[v as usize], distance)
-        })
-        .collect();
-    let widest = distances.iter().chain(spots.iter().map(|s| &s.2)).fold(0.0f64, |m, &d| m.max(d));
-    let cap = Cap::new(band, widest, slope_outside(tin, borders), spots);
-    own.iter().zip(&distances).map(|(&p, &d)| (p, cap.height(points[p as usize].position, d))).collect()
 }
 
 fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
@@ -188,41 +243,16 @@ fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
         .collect()
 }
 
-/// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one.
-fn between_levels(tin: &Tin, trees: &[LevelTree], band: &Band, point: &AxisPoint) -> f64 {
-    let at = point.position;
-    let own = match point.level {
-        Some(level) => trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
-        None => trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
-    };
-    let (own_distance, own_level) = own.unwrap_or((0.0, band.lo));
-    let mut other = (f64::INFINITY, own_level);
-    for tree in trees.iter().filter(|t| t.level != own_level) {
-        if tree.lower_bound(at) < other.0 {
-            // A straight view can be blocked only by something nearer, which is the point's own contour.
-            let straight = tree.distance(at);
-            let seen = || tree.visible_distance(tin, point.triangle, at);
-            let distance = if straight <= own_distance { straight } else { seen() };
-            if distance < other.0 {
-                other = (distance, tree.level);
-            }
-        }
-    }
-    let (distance, level) = other;
-    let height = if distance.is_finite() && own_distance + distance > 0.0 {
-        (own_level * distance + level * own_distance) / (distance + own_distance)
-    } else {
-        band.lo.midpoint(band.hi)
-    };
-    band.strictly_inside(height)
-}
-
-/// Mean slope just outside the border, rise over run: the interval over the mean width of the strip beyond it.
-fn slope_outside(tin: &Tin, borders: &[(u32, u8)]) -> Option<f64> {
+/// Mean slope just outside the border (at one level, or at all), rise over run: the interval over the mean width of the
+/// strip beyond. None where no triangle beyond reaches another level.
+fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f64> {
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {
         let i = i as usize;
         let (Some(level), Some(n)) = (tin.contour_level(t, i), tin.inner_neighbour(t, i)) else { continue };
+        if at.is_some_and(|at| at != level) {
+            continue;
+        }
         let Some(j) = tin.edge_towards(n, t) else { continue };
         let apex = tin.triangles[n as usize][(j + 2) % 3] as usize;
         let step = (tin.heights[apex] - level).abs();

@@ -55,14 +55,16 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             line(c.elevation, points, Source::Input, index(c.elevation))
         });
         let mut lines: Vec<ContourLine> = input.collect();
+        let mut beads = 0;
         for level in wanted {
             let Ok(k) = levels.binary_search_by(|l| l.total_cmp(level)) else { continue };
             let bridges = surface.bridges.iter().filter(|(l, _)| l == level);
             lines.extend(bridges.map(|(l, ends)| line(*l, ends.to_vec(), Source::Interpolated, index(*l))));
-            lines.extend(traced[k].iter().map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
+            beads += traced[k].beads;
+            lines.extend(traced[k].lines.iter().map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
-        ContourLayer { name: target.layer_name(), lines }
+        ContourLayer { name: target.layer_name(), lines, beads }
     });
     Ok(layers.collect())
 }

@@ -1,4 +1,4 @@
-//! New contour lines: [`slice`] traces levels on a surface, [`contour_layers`] makes map layers of them and of the
+//! New contour lines: [`slice()`] traces levels on a surface, [`contour_layers`] makes map layers of them and of the
 //! input's own contours.
 
 mod layer;
@@ -9,4 +9,4 @@ mod trace;
 pub use layer::{LayerParams, contour_layers};
 pub use orient::{ascends_right, signed_area};
 pub use target::Target;
-pub use trace::slice;
+pub use trace::{Traced, slice};

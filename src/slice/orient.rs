@@ -4,7 +4,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contour::ContourMap;
-use crate::tin::{Regions, Side, Tin, VertexKind, side_of};
+use crate::tin::{Regions, Side, Tin, VertexKind};
 
 /// Signed area of a closed line, positive when it runs counter-clockwise.
 pub fn signed_area(ring: &[DVec2]) -> f64 {
@@ -34,7 +34,7 @@ pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool
                 let apex = tin.triangles[t as usize][(i + 2) % 3] as usize;
                 let rises = match tin.heights[apex] - level {
                     d if d != 0.0 && tin.kinds[apex] != VertexKind::Frame => d > 0.0,
-                    _ => side_of(regions.region(t)?, level)? == Side::Above,
+                    _ => regions.region(t)?.side(level)? == Side::Above,
                 };
                 // The triangle lies on the left of the piece from u to v.
                 let right = rises != forward;

@@ -10,12 +10,14 @@
 //! its end and does not run along it a second time.
 
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::progress::Progress;
-use crate::tin::{NONE, Regions, Tin};
+use crate::rows::Rows;
+use crate::tin::{NONE, Regions, Side, Tin, VertexKind};
 
 /// Crossings of triangles and levels that are held at a time, to bound memory.
 const BATCH: usize = 1 << 25;
@@ -23,8 +25,9 @@ const BATCH: usize = 1 << 25;
 /// Traces `levels` (ascending) through the triangulation, in map coordinates.
 ///
 /// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry a level,
-/// lines in a fixed order.
-pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Vec<Vec<DVec2>>> {
+/// lines in a fixed order. Rings around a single computed vertex between two contours are not lines but beads of the
+/// interpolation along a ridge or a gully; they are counted only.
+pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Traced> {
     let ranges: Vec<(u32, u32)> =
         (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, regions, levels, t)).collect();
     let mut counts = vec![0usize; levels.len()];
@@ -35,6 +38,7 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
     }
     progress.start("slicing", levels.len() as u64);
     let mut lines = Vec::with_capacity(levels.len());
+    let marks: Vec<Mutex<Vec<u32>>> = (0..rayon::current_num_threads().max(1)).map(|_| Mutex::default()).collect();
     let mut from = 0;
     while from < levels.len() {
         let mut to = from + 1;
@@ -43,18 +47,39 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             size += counts[to];
             to += 1;
         }
-        let crossed = Crossed::new(&ranges, &counts[from..to], from as u32);
-        let visited = || vec![NONE; tin.len()];
-        lines.par_extend((from..to).into_par_iter().map_init(visited, |visited, k| {
-            let mut trace = Trace { tin, ranges: &ranges, k: k as u32, level: levels[k], visited };
+        let batch = from as u32..to as u32;
+        let crossed = Rows::new(to - from, || {
+            ranges.iter().enumerate().flat_map(|(t, &(first, end))| {
+                let levels = first.max(batch.start)..end.min(batch.end);
+                levels.map(move |k| ((k as usize) - from, t as u32))
+            })
+        });
+        lines.par_extend((from..to).into_par_iter().map(|k| {
+            // Levels have different marks, so an array that another level used needs no clearing.
+            let own = rayon::current_thread_index().unwrap_or(0) % marks.len();
+            let mut visited = marks[own].lock().unwrap_or_else(PoisonError::into_inner);
+            visited.resize(tin.len(), NONE);
+            let level = levels[k];
+            let mut trace =
+                Trace { tin, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
             let lines = trace.lines(crossed.of(k - from));
+            let beads = trace.beads;
             progress.advance(1);
-            lines
+            Traced { lines, beads }
         }));
         from = to;
     }
     progress.finish();
     lines
+}
+
+/// What was traced at one level.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Traced {
+    /// The lines, map coordinates.
+    pub lines: Vec<Vec<DVec2>>,
+    /// Rings around a single computed vertex, left out.
+    pub beads: usize,
 }
 
 /// The levels that cross triangle `t`: indices `first..end` of those with lowest < level <= highest corner, and strictly
@@ -71,54 +96,27 @@ fn levels_of(tin: &Tin, regions: &Regions, levels: &[f64], t: u32) -> (u32, u32)
     (first as u32, end.max(first) as u32)
 }
 
-/// The triangles that each of a batch of levels crosses, in compressed rows.
-struct Crossed {
-    start: Vec<usize>,
-    triangles: Vec<u32>,
-}
-
-impl Crossed {
-    fn new(ranges: &[(u32, u32)], counts: &[usize], from: u32) -> Self {
-        let to = from + counts.len() as u32;
-        let mut start = vec![0; counts.len() + 1];
-        for (k, count) in counts.iter().enumerate() {
-            start[k + 1] = start[k] + count;
-        }
-        let mut next = start.clone();
-        let mut triangles = vec![0; start[counts.len()]];
-        for (t, &(first, end)) in ranges.iter().enumerate() {
-            for level in first.max(from)..end.min(to) {
-                let slot = &mut next[(level - from) as usize];
-                triangles[*slot] = t as u32;
-                *slot += 1;
-            }
-        }
-        Self { start, triangles }
-    }
-
-    fn of(&self, k: usize) -> &[u32] {
-        &self.triangles[self.start[k]..self.start[k + 1]]
-    }
-}
-
 /// A point of a traced line.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     position: DVec2,
     /// The vertex that the line passes through exactly.
     vertex: Option<u32>,
-    /// The piece that leads here runs along a contour of the input at this level.
-    on_contour: bool,
+    /// The piece that leads here runs along a contour of the input at this level, or along the frame.
+    on_border: bool,
 }
 
 /// Traces one level.
 struct Trace<'a> {
     tin: &'a Tin,
+    regions: &'a Regions,
     ranges: &'a [(u32, u32)],
     k: u32,
     level: f64,
     /// The last level that each triangle was visited for.
     visited: &'a mut [u32],
+    /// Rings left out because they are smaller than what the contours can tell.
+    beads: usize,
 }
 
 impl Trace<'_> {
@@ -162,7 +160,7 @@ impl Trace<'_> {
     }
 
     /// Where the level crosses edge `i` of `t`. The same for both triangles of the edge.
-    fn crossing(&self, t: u32, i: usize, on_contour: bool) -> Step {
+    fn crossing(&self, t: u32, i: usize, on_border: bool) -> Step {
         let [u, v] = self.tin.edge(t, i);
         let (u, v) = (u.min(v), u.max(v));
         let (zu, zv) = (self.tin.heights[u as usize], self.tin.heights[v as usize]);
@@ -172,56 +170,87 @@ impl Trace<'_> {
             Some(w) => self.tin.positions[w as usize],
             None => pu + (pv - pu) * ((self.level - zu) / (zv - zu)),
         };
-        Step { position: local + self.tin.origin, vertex: exact, on_contour }
+        Step { position: local + self.tin.origin, vertex: exact, on_border }
     }
 
     fn walk(&mut self, first: u32, entry: usize, lines: &mut Vec<Vec<DVec2>>) {
         let start = self.crossing(first, entry, false);
         let mut steps = vec![start];
         let mut t = first;
+        // The vertices that are an end of every edge crossed so far: one is left at the end of a ring around it.
+        let mut hub = self.tin.edge(first, entry).map(Some);
         let closed = loop {
             self.visited[t as usize] = self.k;
             let (_, exit) = self.doors(t);
+            let mut out = (t, exit);
             let mut step = self.crossing(t, exit, false);
-            let last = steps[steps.len() - 1].vertex;
-            step.on_contour = match (last, step.vertex) {
-                (Some(a), Some(b)) => a != b && self.along_contour(t, a, b),
-                _ => false,
-            };
+            if let (Some(a), Some(b)) = (steps[steps.len() - 1].vertex, step.vertex)
+                && a != b
+            {
+                if let Some(twin) = self.crest_twin(t, a, b) {
+                    // On a crest the line turns back to its own side.
+                    out = (twin, self.doors(twin).1);
+                    step = self.crossing(twin, out.1, false);
+                } else {
+                    step.on_border = self.along_border(t, a, b);
+                }
+            }
+            let ends = self.tin.edge(out.0, out.1);
+            hub = hub.map(|v| v.filter(|v| ends.contains(v)));
             steps.push(step);
-            match self.tin.inner_neighbour(t, exit).filter(|&n| self.crosses(n)) {
+            match self.tin.inner_neighbour(out.0, out.1).filter(|&n| self.crosses(n)) {
                 Some(n) if n == first => break true,
                 Some(n) if self.visited[n as usize] == self.k => break false,
                 Some(n) => t = n,
                 None => break false,
             }
         };
-        push_pieces(steps, closed, lines);
+        match hub {
+            [Some(v), None] | [None, Some(v)] if closed && self.is_bead(first, v) => self.beads += 1,
+            _ => push_pieces(steps, closed, lines),
+        }
     }
 
-    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour.
-    fn along_contour(&self, t: u32, a: u32, b: u32) -> bool {
+    /// Whether a ring around nothing but vertex `v`, in the sub-domain of triangle `t`, is smaller than what the contours
+    /// can tell: the vertex is computed, not surveyed, and no top or hollow beyond the last contour.
+    fn is_bead(&self, t: u32, v: u32) -> bool {
+        let height = self.tin.heights[v as usize];
+        let levels = self.regions.region(t).map_or(&[][..], |r| &r.levels);
+        let between = |(low, high): (&(f64, Side), &(f64, Side))| low.0 < height && height < high.0;
+        self.tin.kinds[v as usize] == VertexKind::Axis && levels.first().zip(levels.last()).is_some_and(between)
+    }
+
+    /// The triangle on the other side of a crest: an edge with both ends exactly on the level and lower ground on both its
+    /// sides. The lines of the two sides would both run along it; instead each goes on where the other left it.
+    fn crest_twin(&self, t: u32, a: u32, b: u32) -> Option<u32> {
+        let i = (0..3).find(|&i| matches!(self.tin.edge(t, i), [u, v] if [u, v] == [a, b] || [u, v] == [b, a]))?;
+        let twin = self.tin.across(t, i).filter(|&n| self.crosses(n))?;
+        let (entry, exit) = self.doors(twin);
+        let vertex = |door: usize| self.crossing(twin, door, false).vertex;
+        (vertex(entry) == Some(b) && vertex(exit) == Some(a)).then_some(twin)
+    }
+
+    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a gate or of the frame.
+    fn along_border(&self, t: u32, a: u32, b: u32) -> bool {
         (0..3).any(|i| {
             let [u, v] = self.tin.edge(t, i);
-            [u.min(v), u.max(v)] == [a.min(b), a.max(b)] && self.tin.contour_level(t, i).is_some()
+            [u.min(v), u.max(v)] == [a.min(b), a.max(b)] && self.tin.across(t, i).is_none()
         })
     }
 }
 
-/// Turns the steps of one walk into lines: cut where they run along a contour of the input, and taken apart where they
+/// Turns the steps of one walk into lines: cut where they run along a contour of the input or the frame, and taken apart where they
 /// pass a vertex twice, so that no line touches itself.
 fn push_pieces(mut steps: Vec<Step>, closed: bool, lines: &mut Vec<Vec<DVec2>>) {
-    if closed && steps.iter().any(|s| s.on_contour) {
-        // Start the ring behind a piece of contour, so that no line is cut at the arbitrary start of the walk.
-        steps.pop();
-        let at = steps.iter().rposition(|s| s.on_contour).unwrap_or(0);
+    if closed && steps.iter().any(|s| s.on_border) {
+        // The last step closes the ring: it is the first one again, and only it knows the piece that leads there.
+        // Turned to start behind a piece of contour, the ring is a line that ends before that piece.
+        let closing = steps.pop().is_some_and(|s| s.on_border);
+        steps[0].on_border = closing;
+        let at = steps.iter().position(|s| s.on_border).unwrap_or(0);
         steps.rotate_left(at);
-        let mut again = steps[0];
-        again.on_contour = true;
-        steps[0].on_contour = false;
-        steps.push(again);
     }
-    for piece in split_before(&steps, |s| s.on_contour) {
+    for piece in split_before(&steps, |s| s.on_border) {
         untangle(piece, lines);
     }
 }
@@ -278,7 +307,7 @@ fn push_line(points: Vec<DVec2>, lines: &mut Vec<Vec<DVec2>>) {
 mod tests {
     use super::*;
     use crate::contour::Interval;
-    use crate::tin::{TinInput, VertexKind, regions, triangulate};
+    use crate::tin::{TinInput, regions, triangulate};
 
     /// A square of level 0 with inner points, sliced.
     fn lines_of(points: &[(f64, f64, f64)], level: f64) -> Vec<Vec<DVec2>> {
@@ -292,7 +321,7 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 }).value;
-        slice(&tin, &regions, &[level], &()).remove(0)
+        slice(&tin, &regions, &[level], &()).remove(0).lines
     }
 
     #[test]
@@ -316,9 +345,35 @@ mod tests {
     }
 
     #[test]
+    fn no_two_lines_run_along_a_crest_on_the_level() {
+        let lines = lines_of(&[(-5.0, 2.0, 5.0), (5.0, 2.0, 5.0), (0.0, 6.0, 1.0), (0.0, -2.0, 1.0)], 5.0);
+        let along = |w: &[DVec2]| w.iter().all(|p| p.y == 2.0 && p.x.abs() == 5.0);
+        assert_eq!(lines.iter().flat_map(|l| l.windows(2)).filter(|w| along(w)).count(), 0, "{lines:?}");
+    }
+
+    #[test]
     fn a_single_point_at_the_level_is_no_line() {
         let before = lines_of(&[], 5.0).len();
         assert_eq!(lines_of(&[(6.0, 6.0, 5.0)], 5.0).len(), before);
+    }
+
+    #[test]
+    fn a_ring_of_the_level_is_not_traced_again() {
+        // A hill of 10 whose ground has lost its order: the open line of 20 makes it a sub-domain from 0 to 20.
+        let ring =
+            |half: f64| [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);
+        let mut input = TinInput::new([DVec2::splat(-10.0), DVec2::splat(10.0)], 0.0);
+        input.push_line(&ring(10.0), 0.0, VertexKind::Contour);
+        input.push_line(&ring(2.0), 10.0, VertexKind::Contour);
+        input.push_line(&[DVec2::new(-8.0, 8.0), DVec2::new(8.0, 8.0)], 20.0, VertexKind::Contour);
+        let tin = triangulate(input).unwrap();
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 }).value;
+        let lines = slice(&tin, &regions, &[10.0], &()).remove(0).lines;
+        assert!(!lines.is_empty());
+        let on_ring = |p: &DVec2| p.abs().max_element() == 2.0;
+        for line in lines {
+            assert!(!line.windows(2).any(|w| w.iter().all(on_ring)), "{line:?} runs along the ring");
+        }
     }
 
     #[test]

@@ -11,10 +11,10 @@ use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, End, Skeleton, axis_heights, skeleton};
 use crate::tin::{
     Frame, FrameRing, Gaps, Link, Regions, Side, Tin, TinInput, VertexKind, close_gaps, frame_ring, link_open_ends,
-    regions, side_of, triangulate,
+    regions, triangulate,
 };
 
-/// Builds the surface of a clean map (see [`clean`](crate::contour::clean)).
+/// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
 /// # Errors
 /// When the map has fewer than two levels, when a contour line crosses another, when the points have no extent, or
@@ -189,13 +189,13 @@ fn with_frame(tin: Tin, params: &SurfaceParams, frame: &FrameRing) -> Tin {
 fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
     let report = regions(&tin, interval);
     let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
-    let unknown = report.value.regions.iter().filter(|r| !r.lowest.is_finite());
+    let unknown = report.value.regions.iter().filter(|r| r.levels.is_empty());
     let unknown: Vec<DVec2> = unknown.map(|r| middle(r.triangle)).collect();
     if unknown.is_empty() {
         return (tin, report);
     }
     let is_known: Vec<bool> =
-        (0..tin.len() as u32).map(|t| report.value.region(t).is_some_and(|r| r.lowest.is_finite())).collect();
+        (0..tin.len() as u32).map(|t| report.value.region(t).is_some_and(|r| !r.levels.is_empty())).collect();
     let tin = tin.only(&is_known);
     let mut report = regions(&tin, interval);
     report.findings.extend(unknown.into_iter().map(|place| {
@@ -243,7 +243,7 @@ fn bridges(tin: &Tin, regions: &Regions, gaps: &Gaps) -> Vec<(f64, [DVec2; 2])> 
                 continue;
             }
             let level = tin.heights[u as usize];
-            let rises = regions.region(t).and_then(|r| side_of(r, level)) == Some(Side::Above);
+            let rises = regions.region(t).and_then(|r| r.side(level)) == Some(Side::Above);
             // The triangle lies on the left of the edge from u to v.
             let ends = if rises { [v, u] } else { [u, v] };
             found.push((level, ends.map(|v| tin.point(v).truncate())));
@@ -252,22 +252,24 @@ fn bridges(tin: &Tin, regions: &Regions, gaps: &Gaps) -> Vec<(f64, [DVec2; 2])> 
     found
 }
 
-/// Gives the corners of the frame heights from the contours around them. Outside the reach of the contours a corner has
-/// the height of the nearest contour. Where two parts of the frame touch, the height lies in the bands of both, if it can.
+/// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
+/// corner has the height of the nearest vertex that it shares a triangle with. Where two parts of the frame touch, the
+/// height lies in the bands of both, if it can.
 fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
-    let mut triangle_of: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();
     let mut nearest: HashMap<u32, (f64, f64)> = HashMap::new();
     let mut limits: HashMap<u32, (f64, f64)> = HashMap::new();
-    let region_of = |t: u32| regions.of_triangle[t as usize];
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         for corner in tin.triangles[t as usize].into_iter().filter(|&v| is_corner(v)) {
-            triangle_of.insert(corner, t);
-            let band = regions.regions[region_of(t) as usize].band;
+            let position = tin.positions[corner as usize];
+            let region = regions.of_triangle[t as usize];
+            points.insert(corner, AxisPoint { position, level: None, triangle: t, region });
+            let band = regions.regions[region as usize].band;
             let limit = limits.entry(corner).or_insert((band.lo, band.hi));
             *limit = (limit.0.max(band.lo), limit.1.min(band.hi));
             for v in tin.triangles[t as usize].into_iter().filter(|&v| !is_corner(v)) {
-                let distance = tin.positions[corner as usize].distance(tin.positions[v as usize]);
+                let distance = position.distance(tin.positions[v as usize]);
                 let best = nearest.entry(corner).or_insert((f64::INFINITY, f64::NAN));
                 if distance < best.0 {
                     *best = (distance, tin.heights[v as usize]);
@@ -275,26 +277,12 @@ fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
             }
         }
     }
-    let (outer, inner): (Vec<_>, Vec<_>) =
-        triangle_of.into_iter().partition(|&(_, t)| regions.regions[region_of(t) as usize].outer);
-    let points: Vec<AxisPoint> = inner
-        .iter()
-        .map(|&(v, t)| AxisPoint {
-            position: tin.positions[v as usize],
-            level: None,
-            triangle: t,
-            region: region_of(t),
-        })
-        .collect();
+    let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
     let found = axis_heights(&tin, regions, &points);
     let mut heights = tin.heights.clone();
-    for (&(v, _), h) in inner.iter().zip(found) {
-        heights[v as usize] = h;
-    }
-    for (v, t) in outer {
-        let band = regions.regions[region_of(t) as usize].band;
-        let height = nearest.get(&v).map_or(f64::NAN, |n| n.1);
-        heights[v as usize] = if height.is_nan() { band.lo.midpoint(band.hi) } else { height };
+    for (&v, height) in corners.iter().zip(found) {
+        let fallback = || nearest.get(&v).map_or(f64::NAN, |n| n.1);
+        heights[v as usize] = if height.is_nan() { fallback() } else { height };
     }
     for (v, (lo, hi)) in limits.into_iter().filter(|(_, (lo, hi))| lo <= hi) {
         heights[v as usize] = heights[v as usize].clamp(lo, hi);

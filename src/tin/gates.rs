@@ -86,3 +86,68 @@ impl Gaps {
         self.gates.extend::<Vec<_>>(rest);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::contour::{Contour, ContourMap, Interval};
+    use crate::tin::{Band, Frame, TinInput, frame_ring, link_open_ends, regions, triangulate};
+
+    fn gaps_of(lines: &[(f64, &[(f64, f64)])]) -> (Tin, Gaps) {
+        let contours = lines.iter().map(|&(elevation, points)| Contour {
+            elevation,
+            points: points.iter().map(|&p| p.into()).collect(),
+            feature: 0,
+        });
+        let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
+        let ring = frame_ring(&map, &Frame::Hull);
+        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(300.0)], 1e-7);
+        for c in &map.contours {
+            input.push_line(&c.points, c.elevation, VertexKind::Contour);
+        }
+        for link in &links {
+            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let gaps = close_gaps(&tin, &ends, 10.0);
+        (tin.clone().with_gaps(&gaps), gaps)
+    }
+
+    #[test]
+    fn a_ragged_outline_is_closed_by_gates() {
+        // Lines whose right ends draw back from the hull in the middle.
+        let (tin, gaps) = gaps_of(&[
+            (0.0, &[(0.0, 0.0), (100.0, 0.0), (300.0, 0.0)]),
+            (10.0, &[(0.0, 20.0), (60.0, 20.0), (120.0, 20.0)]),
+            (20.0, &[(0.0, 40.0), (60.0, 40.0), (110.0, 40.0)]),
+            (30.0, &[(0.0, 60.0), (60.0, 60.0), (120.0, 60.0)]),
+            (40.0, &[(0.0, 80.0), (100.0, 80.0), (300.0, 80.0)]),
+        ]);
+        let levels = |pair: &[u32; 2]| pair.map(|v| tin.heights[v as usize]);
+        assert!(gaps.bridges.is_empty());
+        assert!(gaps.gates.iter().any(|g| levels(g) == [10.0, 20.0] || levels(g) == [20.0, 10.0]));
+        assert!(gaps.gates.iter().any(|g| levels(g) == [20.0, 30.0] || levels(g) == [30.0, 20.0]));
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 }).value;
+        for band in [Band { lo: 10.0, hi: 20.0 }, Band { lo: 20.0, hi: 30.0 }] {
+            assert!(found.regions.iter().any(|r| r.band == band), "{band:?}");
+        }
+    }
+
+    #[test]
+    fn a_gap_is_bridged_where_the_ends_point_at_each_other() {
+        let (tin, gaps) = gaps_of(&[
+            (0.0, &[(0.0, 0.0), (50.0, 0.0), (100.0, 0.0)]),
+            (10.0, &[(0.0, 20.0), (25.0, 20.0), (47.0, 20.0)]),
+            (10.0, &[(53.0, 20.0), (75.0, 20.0), (100.0, 20.0)]),
+            (20.0, &[(0.0, 40.0), (50.0, 40.0), (100.0, 40.0)]),
+        ]);
+        assert_eq!(gaps.bridges.len(), 1);
+        assert!(gaps.gates.is_empty());
+        let report = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        assert_eq!(report.value.regions.len(), 2, "the two strips are apart");
+        assert!(report.findings.is_empty());
+    }
+}

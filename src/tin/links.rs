@@ -74,7 +74,9 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
                 return (true, None);
             }
             let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
-            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !index.sees(map, end.position, on_frame) {
+            // A little beyond, so that a contour that runs along the frame is met in spite of rounding.
+            let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
+            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !index.sees(map, end.position, beyond) {
                 return (false, None);
             }
             (true, Some(Link { end: end.position, frame: on_frame, elevation: end.elevation }))
@@ -192,6 +194,18 @@ mod tests {
         assert_eq!(of(20.0).len(), 2);
         let open: Vec<DVec2> = ends.iter().filter(|e| !e.at_frame).map(|e| e.position).collect();
         assert_eq!(open, [DVec2::new(70.0, 50.0)]);
+    }
+
+    #[test]
+    fn no_link_ends_on_a_contour_along_the_frame() {
+        // The nearest point of the frame lies, up to rounding, on the slanting line of level 0 that is part of the hull.
+        for k in 0..20 {
+            let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
+            let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
+            let ring = frame_ring(&map, &Frame::Hull);
+            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            assert!(links.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
+        }
     }
 
     #[test]

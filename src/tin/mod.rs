@@ -15,7 +15,7 @@ pub use frame::{Frame, FrameRing, frame_ring};
 pub use gates::{Gaps, close_gaps};
 pub use kinds::{TriangleKind, triangle_kinds};
 pub use links::{Link, OpenEnd, link_open_ends};
-pub use regions::{Band, Region, Regions, Side, regions, side_of};
+pub use regions::{Band, Region, Regions, Side, regions};
 
 use std::collections::HashSet;
 

@@ -4,35 +4,34 @@
 //! contours run off the map. Two levels on its border give its band. Where there is only one, the side is known from the
 //! neighbour: crossing a contour changes the side.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use super::{NONE, Tin};
 use crate::contour::Interval;
 use crate::error::{Finding, FindingKind, Report};
+use crate::rows::Rows;
 
 /// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
 const WIDE: f64 = 1.5;
 
-/// How the band of a sub-domain is known.
+/// The side of a level that ground lies on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// Two or more levels on the border: the ground lies between the lowest and the highest.
-    Between,
-    /// One level on the border, the ground lies above it (a peak, a ridge).
+    /// Higher than the level.
     Above,
-    /// One level on the border, the ground lies below it (a pit, a valley).
+    /// Lower than the level.
     Below,
 }
 
-/// The two levels that all heights of a sub-domain lie between.
+/// Two levels that heights lie between.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower level, metres.
     pub lo: f64,
     /// Upper level, metres.
     pub hi: f64,
-    /// How it is known.
-    pub side: Side,
 }
 
 impl Band {
@@ -49,19 +48,31 @@ impl Band {
 }
 
 /// One sub-domain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// The levels around its heights.
+    /// The two levels that all its heights lie between; infinite where no contour touches it.
     pub band: Band,
-    /// Lowest level on its border.
-    pub lowest: f64,
-    /// Highest level on its border.
-    pub highest: f64,
+    /// The levels on its border, ascending, with the side of each that the sub-domain lies on.
+    pub levels: Vec<(f64, Side)>,
     /// One of its triangles.
     pub triangle: u32,
-    /// Whether it lies between the frame and a ragged outline of the contours: outside their reach, with several levels
-    /// around it and no order among them.
+    /// Whether it reaches the frame through the gates of a ragged outline.
     pub outer: bool,
+}
+
+impl Region {
+    /// The side of a level on its border that the sub-domain lies on.
+    pub fn side(&self, level: f64) -> Option<Side> {
+        self.levels.iter().find(|(l, _)| *l == level).map(|(_, side)| *side)
+    }
+
+    /// Distance between the lowest and the highest level on the border.
+    fn gap(&self) -> f64 {
+        match (self.levels.first(), self.levels.last()) {
+            (Some(lowest), Some(highest)) => highest.0 - lowest.0,
+            _ => 0.0,
+        }
+    }
 }
 
 /// The sub-domains of a triangulation.
@@ -71,6 +82,8 @@ pub struct Regions {
     pub of_triangle: Vec<u32>,
     /// The sub-domains, numbered by their first triangle.
     pub regions: Vec<Region>,
+    /// The vertical interval, which gives the next level beyond a peak's or a pit's last contour.
+    pub interval: Interval,
 }
 
 impl Regions {
@@ -78,21 +91,32 @@ impl Regions {
     pub fn region(&self, t: u32) -> Option<&Region> {
         self.regions.get(self.of_triangle[t as usize] as usize)
     }
+
+    /// From a level to the next one on that side.
+    pub fn beyond(&self, level: f64, side: Side) -> Band {
+        beyond(&self.interval, level, side)
+    }
+}
+
+fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
+    match side {
+        Side::Above => Band { lo: level, hi: interval.next_above(level) },
+        Side::Below => Band { lo: interval.next_below(level), hi: level },
+    }
 }
 
 /// Finds the sub-domains, their bands, and where neighbouring levels contradict each other.
-///
-/// `interval` gives the next level above a peak's or below a pit's last contour.
 pub fn regions(tin: &Tin, interval: &Interval) -> Report<Regions> {
-    let (of_triangle, mut regions) = flood(tin, interval);
-    let borders = Borders::new(tin, &of_triangle, regions.len());
+    let (of_triangle, mut regions) = flood(tin);
+    let borders = borders_of(tin, &of_triangle, regions.len());
     propagate(&mut regions, &borders, interval);
     let findings = contradictions(tin, &of_triangle, &regions, &borders, interval);
-    Report { value: Regions { of_triangle, regions }, findings }
+    Report { value: Regions { of_triangle, regions, interval: *interval }, findings }
 }
 
-/// Numbers the connected components and collects the levels on their borders.
-fn flood(tin: &Tin, interval: &Interval) -> (Vec<u32>, Vec<Region>) {
+/// Numbers the connected components and collects the levels on their borders, the lowest as one that the ground lies
+/// above, the others as ones that it lies below.
+fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();
@@ -101,22 +125,23 @@ fn flood(tin: &Tin, interval: &Interval) -> (Vec<u32>, Vec<Region>) {
             continue;
         }
         let id = regions.len() as u32;
-        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut levels: Vec<f64> = Vec::new();
+        let mut add = |level: f64| {
+            if let Err(at) = levels.binary_search_by(|l| l.total_cmp(&level)) {
+                levels.insert(at, level);
+            }
+        };
         let (mut at_frame, mut at_gate) = (false, false);
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
             for i in 0..3 {
                 if let Some(level) = tin.contour_level(t, i) {
-                    lowest = lowest.min(level);
-                    highest = highest.max(level);
+                    add(level);
                     continue;
                 }
                 if tin.is_gate(t, i) {
-                    for level in tin.edge(t, i).map(|v| tin.heights[v as usize]) {
-                        lowest = lowest.min(level);
-                        highest = highest.max(level);
-                    }
+                    tin.edge(t, i).iter().for_each(|&v| add(tin.heights[v as usize]));
                     at_gate = true;
                     continue;
                 }
@@ -130,15 +155,19 @@ fn flood(tin: &Tin, interval: &Interval) -> (Vec<u32>, Vec<Region>) {
                 }
             }
         }
-        let band = Band { lo: lowest, hi: highest, side: Side::Between };
-        let outer = at_frame && at_gate && highest - lowest > WIDE * interval.step;
-        regions.push(Region { band, lowest, highest, triangle: first, outer });
+        let side = |k: usize| if k == 0 { Side::Above } else { Side::Below };
+        regions.push(Region {
+            band: Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY },
+            levels: levels.into_iter().enumerate().map(|(k, level)| (level, side(k))).collect(),
+            triangle: first,
+            outer: at_frame && at_gate,
+        });
     }
     (of_triangle, regions)
 }
 
 /// A piece of contour between two sub-domains, seen from one of them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Border {
     other: u32,
     level: f64,
@@ -146,107 +175,76 @@ struct Border {
     place: DVec2,
 }
 
-/// The borders of every sub-domain with its neighbours, in compressed rows.
-struct Borders {
-    start: Vec<u32>,
-    borders: Vec<Border>,
+/// The borders of every sub-domain with its neighbours.
+fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
+    let border = |t: u32, i: usize| {
+        let level = tin.contour_level(t, i)?;
+        let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
+        let own = of_triangle[t as usize];
+        let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
+        let seen = Border { other, level, length: u.distance(v), place: u.midpoint(v) + tin.origin };
+        (own != other).then_some((own as usize, seen))
+    };
+    let border = &border;
+    Rows::new(count, || {
+        let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        inside.flat_map(move |t| (0..3).filter_map(move |i| border(t, i)))
+    })
 }
 
-impl Borders {
-    fn new(tin: &Tin, of_triangle: &[u32], count: usize) -> Self {
-        let edges = || {
-            (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).flat_map(move |t| {
-                (0..3).filter_map(move |i| {
-                    let level = tin.contour_level(t, i)?;
-                    let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
-                    let own = of_triangle[t as usize];
-                    (own != other).then_some((own, other, level, t, i))
-                })
-            })
-        };
-        let mut start = vec![0u32; count + 1];
-        for (own, ..) in edges() {
-            start[own as usize + 1] += 1;
-        }
-        for r in 0..count {
-            start[r + 1] += start[r];
-        }
-        let mut next = start.clone();
-        let empty = Border { other: NONE, level: 0.0, length: 0.0, place: DVec2::ZERO };
-        let mut borders = vec![empty; start[count] as usize];
-        for (own, other, level, t, i) in edges() {
-            let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
-            let slot = &mut next[own as usize];
-            borders[*slot as usize] = Border { other, level, length: u.distance(v), place: u.midpoint(v) + tin.origin };
-            *slot += 1;
-        }
-        Self { start, borders }
-    }
-
-    fn of(&self, region: u32) -> &[Border] {
-        let r = region as usize;
-        &self.borders[self.start[r] as usize..self.start[r + 1] as usize]
-    }
-}
-
-/// The side of a level that a sub-domain lies on, if its own border tells.
-pub fn side_of(region: &Region, level: f64) -> Option<Side> {
-    match region.band.side {
-        Side::Between if level == region.lowest => Some(Side::Above),
-        Side::Between if level == region.highest => Some(Side::Below),
-        Side::Between => None,
-        side => Some(side),
-    }
-}
-
-/// Gives every sub-domain of one level its side, outwards from those of two levels.
+/// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
 ///
-/// The longer common border wins where neighbours disagree. Sub-domains that nothing reaches lie above their level.
-fn propagate(regions: &mut [Region], borders: &Borders, interval: &Interval) {
-    let mut known: Vec<bool> = regions.iter().map(|r| r.lowest < r.highest).collect();
+/// For the others each level asks its known neighbours: crossing a contour changes the side, and the longer common border
+/// wins where they disagree. That is the rule for peaks and pits, and also for the ground where contours are missing.
+fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
+    let tells = |r: &Region| r.levels.len() >= 2 && r.gap() <= WIDE * interval.step;
+    let mut known: Vec<bool> = regions.iter().map(tells).collect();
     let mut frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
     while !frontier.is_empty() {
         let mut next: Vec<u32> = frontier
             .iter()
-            .flat_map(|&r| borders.of(r).iter().map(|b| b.other))
+            .flat_map(|&r| borders.of(r as usize).iter().map(|b| b.other))
             .filter(|&r| !known[r as usize])
             .collect();
         next.sort_unstable();
         next.dedup();
-        let sides: Vec<(u32, f64)> = next
-            .iter()
-            .map(|&r| {
-                let votes = borders.of(r).iter().filter(|b| known[b.other as usize]).map(|b| {
-                    match side_of(&regions[b.other as usize], b.level) {
-                        Some(Side::Above) => -b.length,
-                        Some(Side::Below) => b.length,
-                        _ => 0.0,
-                    }
-                });
-                (r, votes.sum())
-            })
-            .collect();
-        for (r, above) in sides {
+        let sides: Vec<Vec<(f64, Side)>> = next.iter().map(|&r| vote(r, regions, borders, &known)).collect();
+        for (&r, sides) in next.iter().zip(sides) {
             known[r as usize] = true;
-            set_side(&mut regions[r as usize], above >= 0.0, interval);
+            regions[r as usize].levels = sides;
         }
         frontier = next;
     }
-    for (region, _) in regions.iter_mut().zip(&known).filter(|(_, known)| !**known) {
-        set_side(region, true, interval);
+    for region in regions {
+        let (Some(&lowest), Some(&highest)) = (region.levels.first(), region.levels.last()) else { continue };
+        let lo = if lowest.1 == Side::Below { interval.next_below(lowest.0) } else { lowest.0 };
+        let hi = if highest.1 == Side::Above { interval.next_above(highest.0) } else { highest.0 };
+        region.band = Band { lo, hi };
     }
 }
 
-fn set_side(region: &mut Region, above: bool, interval: &Interval) {
-    let level = region.lowest;
-    region.band = if !level.is_finite() {
-        // No contour borders it: it can only be all of a part of the frame that holds no contour.
-        Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY, side: Side::Between }
-    } else if above {
-        Band { lo: level, hi: interval.next_above(level), side: Side::Above }
-    } else {
-        Band { lo: interval.next_below(level), hi: level, side: Side::Below }
+/// The levels of a sub-domain with the sides that its known neighbours give; as they were where none does.
+fn vote(region: u32, regions: &[Region], borders: &Rows<Border>, known: &[bool]) -> Vec<(f64, Side)> {
+    let mut balance = vec![0.0; regions[region as usize].levels.len()];
+    for border in borders.of(region as usize).iter().filter(|b| known[b.other as usize]) {
+        let own = regions[region as usize].levels.iter().position(|(l, _)| *l == border.level);
+        if let (Some(k), Some(side)) = (own, regions[border.other as usize].side(border.level)) {
+            balance[k] += if side == Side::Below { border.length } else { -border.length };
+        }
+    }
+    let decide = |(&(level, side), above): (&(f64, Side), f64)| {
+        (
+            level,
+            if above > 0.0 {
+                Side::Above
+            } else if above < 0.0 {
+                Side::Below
+            } else {
+                side
+            },
+        )
     };
+    regions[region as usize].levels.iter().zip(balance).map(decide).collect()
 }
 
 /// Skipped levels and contours with the same side on both sides.
@@ -254,37 +252,33 @@ fn contradictions(
     tin: &Tin,
     of_triangle: &[u32],
     regions: &[Region],
-    borders: &Borders,
+    borders: &Rows<Border>,
     interval: &Interval,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let gap = |r: &Region| r.highest - r.lowest;
+    let wide = |r: &Region| r.gap() > WIDE * interval.step;
     for (id, region) in regions.iter().enumerate() {
-        if region.outer {
-            continue;
-        }
-        if gap(region) > WIDE * interval.step {
-            findings.push(Finding::at(
-                FindingKind::SkippedLevel,
-                steepest_place(tin, of_triangle, id as u32, region.triangle),
-                format!(
+        if wide(region) {
+            if let (false, Some(lowest), Some(highest)) = (region.outer, region.levels.first(), region.levels.last()) {
+                let message = format!(
                     "contours {} and {} are neighbours: a contour between them is missing, broken or mislabelled",
-                    region.lowest, region.highest
-                ),
-            ));
+                    lowest.0, highest.0
+                );
+                let place = steepest_place(tin, of_triangle, id as u32, region.triangle);
+                findings.push(Finding::at(FindingKind::SkippedLevel, place, message));
+            }
             continue;
         }
-        let mut told = Vec::new();
-        for border in borders.of(id as u32).iter().filter(|b| b.other > id as u32) {
+        let mut told = HashSet::new();
+        for border in borders.of(id).iter().filter(|b| b.other > id as u32) {
             let other = &regions[border.other as usize];
-            let sides = (side_of(region, border.level), side_of(other, border.level));
-            if gap(other) > WIDE * interval.step || told.contains(&(border.other, border.level.to_bits())) {
+            if wide(other) {
                 continue;
             }
-            if let (Some(a), Some(b)) = sides
+            if let (Some(a), Some(b)) = (region.side(border.level), other.side(border.level))
                 && a == b
+                && told.insert((border.other, border.level.to_bits()))
             {
-                told.push((border.other, border.level.to_bits()));
                 let side = if a == Side::Above { "above" } else { "below" };
                 findings.push(Finding::at(
                     FindingKind::BandContradiction,
@@ -306,7 +300,7 @@ fn steepest_place(tin: &Tin, of_triangle: &[u32], region: u32, first: u32) -> DV
         let h = tin.corner_heights(t);
         h[0].max(h[1]).max(h[2]) - h[0].min(h[1]).min(h[2])
     };
-    let mut seen = std::collections::HashSet::from([first]);
+    let mut seen = HashSet::from([first]);
     let (mut stack, mut best) = (vec![first], first);
     while let Some(t) = stack.pop() {
         if range(t) > range(best) {
@@ -354,16 +348,16 @@ mod tests {
         let report = regions(&hill, &TEN);
         assert!(report.findings.is_empty());
         let band = |x: f64| band_at(&hill, &report.value, DVec2::new(x, 1.0));
-        assert_eq!(band(75.0), Band { lo: 100.0, hi: 110.0, side: Side::Between });
-        assert_eq!(band(10.0), Band { lo: 120.0, hi: 130.0, side: Side::Above });
+        assert_eq!(band(75.0), Band { lo: 100.0, hi: 110.0 });
+        assert_eq!(band(10.0), Band { lo: 120.0, hi: 130.0 });
 
         let crater = rings(&[(90.0, 100.0), (60.0, 110.0), (45.0, 110.0), (30.0, 100.0)]);
         let report = regions(&crater, &TEN);
         assert!(report.findings.is_empty());
         let band = |x: f64| band_at(&crater, &report.value, DVec2::new(x, 1.0));
-        assert_eq!(band(50.0), Band { lo: 110.0, hi: 120.0, side: Side::Above });
-        assert_eq!(band(40.0), Band { lo: 100.0, hi: 110.0, side: Side::Between });
-        assert_eq!(band(10.0), Band { lo: 90.0, hi: 100.0, side: Side::Below });
+        assert_eq!(band(50.0), Band { lo: 110.0, hi: 120.0 });
+        assert_eq!(band(40.0), Band { lo: 100.0, hi: 110.0 });
+        assert_eq!(band(10.0), Band { lo: 90.0, hi: 100.0 });
     }
 
     #[test]

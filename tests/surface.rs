@@ -1,0 +1,134 @@
+//! What a surface looks like where contours say little: tops, gaps, coasts, spot heights, frames.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use glam::{DVec2, DVec3};
+use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
+use tokosen::dem::{Grid, rasterise};
+use tokosen::error::{Finding, FindingKind};
+use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::{Surface, SurfaceParams, build};
+use tokosen::tin::Frame;
+
+fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
+    let corner =
+        |k: i32| DVec2::from(center) + radius * DVec2::from_angle(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
+    Contour { elevation, points: (0..=40).map(corner).collect(), feature: 0 }
+}
+
+fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {
+    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: 0 }
+}
+
+fn surface_of(contours: Vec<Contour>, spots: Vec<DVec3>, frame: Frame) -> (Surface, Vec<Finding>) {
+    let map = ContourMap { contours, spots, crs: None };
+    let map = clean(map, &CleanParams::default()).unwrap().value;
+    let report = build(map, &SurfaceParams { frame, ..SurfaceParams::default() }, &()).unwrap();
+    (report.value, report.findings)
+}
+
+/// Height at a place, NaN outside the frame.
+fn height_at(surface: &Surface, x: f64, y: f64) -> f64 {
+    let grid = Grid { corner: DVec2::new(x - 0.5, y + 0.5), cell: DVec2::ONE, cols: 1, rows: 1 };
+    f64::from(rasterise(&surface.tin, &grid, None, &()).values[0])
+}
+
+#[test]
+fn tops_and_hollows_are_rounded_and_stay_in_their_band() {
+    let hill = || vec![ring((0.0, 0.0), 200.0, 10.0), ring((0.0, 0.0), 100.0, 20.0)];
+    let (surface, _) = surface_of(hill(), vec![], Frame::Hull);
+    let heights = [90.0, 60.0, 30.0, 1.0].map(|x| height_at(&surface, x, 0.0));
+    assert!(heights.windows(2).all(|w| w[0] < w[1]), "{heights:?} rises to the middle");
+    assert!(heights[0] > 20.0 && heights[3] < 30.0, "{heights:?}");
+    // The slope outside is 0.1, so the flank begins with about that.
+    assert!((heights[0] - 20.0) > 0.3, "{heights:?}");
+
+    let mut crater = hill();
+    crater.push(ring((0.0, 0.0), 60.0, 20.0));
+    crater.push(ring((0.0, 0.0), 40.0, 10.0));
+    let (surface, _) = surface_of(crater, vec![], Frame::Hull);
+    let floor = height_at(&surface, 0.0, 0.0);
+    assert!(0.0 < floor && floor < 9.5, "{floor}");
+    let rim = height_at(&surface, 80.0, 0.0);
+    assert!(20.0 < rim && rim < 30.0, "{rim}");
+}
+
+#[test]
+fn a_tiny_ring_on_level_ground_is_no_pit() {
+    // Around the small ring there is nothing but its own level: no slope to be seen near it.
+    let contours = vec![ring((0.0, 0.0), 200.0, 10.0), ring((0.0, 0.0), 100.0, 20.0), ring((0.0, 0.0), 0.5, 20.0)];
+    let (surface, _) = surface_of(contours, vec![], Frame::Hull);
+    assert!((height_at(&surface, 0.0, 0.0) - 20.0).abs() < 0.2, "{}", height_at(&surface, 0.0, 0.0));
+}
+
+#[test]
+fn spot_heights_are_met_or_told() {
+    let hill = || vec![ring((0.0, 0.0), 200.0, 10.0), ring((0.0, 0.0), 100.0, 20.0)];
+    let spots = vec![DVec3::new(0.0, 0.0, 28.5), DVec3::new(150.0, 0.0, 13.0), DVec3::new(0.0, 150.0, 77.0)];
+    let (surface, findings) = surface_of(hill(), spots, Frame::Hull);
+    assert!((height_at(&surface, 0.0, 0.0) - 28.5).abs() < 1e-3);
+    assert!((height_at(&surface, 150.0, 0.0) - 13.0).abs() < 1e-3);
+    assert!(height_at(&surface, 0.0, 150.0) < 20.0);
+    let told: Vec<_> = findings.iter().filter(|f| f.kind == FindingKind::SpotOutsideBand).collect();
+    assert_eq!(told.len(), 1);
+    assert_eq!(told[0].place, Some(DVec2::new(0.0, 150.0)));
+}
+
+#[test]
+fn a_gap_in_a_contour_is_closed_by_a_new_line() {
+    let contours = vec![
+        line(0.0, &[(0.0, 0.0), (50.0, 0.0), (100.0, 0.0)]),
+        line(10.0, &[(0.0, 20.0), (25.0, 20.0), (47.0, 20.0)]),
+        line(10.0, &[(53.0, 20.0), (75.0, 20.0), (100.0, 20.0)]),
+        line(20.0, &[(0.0, 40.0), (50.0, 40.0), (100.0, 40.0)]),
+    ];
+    let (surface, findings) = surface_of(contours, vec![], Frame::Hull);
+    assert!(findings.is_empty(), "{findings:?}");
+    let params = LayerParams { targets: vec![Target::Interval { step: 5.0, base: 0.0 }], index_every: 5 };
+    let layer = contour_layers(&surface, &params, &()).unwrap().remove(0);
+    let new: Vec<_> = layer.lines.iter().filter(|l| l.source == Source::Interpolated && l.elevation == 10.0).collect();
+    assert_eq!(new.len(), 1);
+    // Higher ground is in the north, on the right of a line that runs west.
+    assert_eq!(new[0].points, [DVec2::new(53.0, 20.0), DVec2::new(47.0, 20.0)].map(|p| p).to_vec());
+    let middle = height_at(&surface, 50.0, 20.0);
+    assert!((middle - 10.0).abs() < 0.3, "{middle}");
+}
+
+#[test]
+fn islands_rise_out_of_a_sea_that_has_lost_its_order() {
+    // The sea reaches a place where contours are missing: 10, 30 and 40 all border it.
+    let coast = |z: f64, y: f64| {
+        let points: Vec<(f64, f64)> = (0..=60).map(|k| (10.0 * f64::from(k), y + f64::from(k % 5))).collect();
+        line(z, &points)
+    };
+    let mut contours = vec![coast(10.0, 300.0), coast(20.0, 320.0), coast(30.0, 340.0)];
+    contours.push(line(30.0, &[(590.0, 10.0), (600.0, 100.0)]));
+    contours.push(ring((150.0, 100.0), 30.0, 10.0));
+    contours.push(ring((300.0, 150.0), 25.0, 10.0));
+    contours.push(ring((0.0, 0.0), 10.0, 10.0));
+    let (surface, _) = surface_of(contours, vec![], Frame::Hull);
+    for (x, y) in [(150.0, 100.0), (300.0, 150.0)] {
+        let top = height_at(&surface, x, y);
+        assert!(10.0 < top && top < 20.0, "the island at {x} {y} has {top}");
+    }
+    let sea = height_at(&surface, 225.0, 125.0);
+    assert!(0.0 < sea && sea < 10.0, "{sea}");
+}
+
+#[test]
+fn frames_decide_where_there_is_data() {
+    let hill = || vec![ring((0.0, 0.0), 200.0, 10.0), ring((0.0, 0.0), 100.0, 20.0)];
+    let (hull, _) = surface_of(hill(), vec![], Frame::Hull);
+    assert!(height_at(&hull, 190.0, 190.0).is_nan());
+    let (boxed, _) = surface_of(hill(), vec![], Frame::Box);
+    let corner = height_at(&boxed, 190.0, 190.0);
+    assert!(0.0 < corner && corner < 10.0, "outside the lowest contour the ground falls on: {corner}");
+
+    let corners = vec![(-150.0, -150.0), (150.0, -150.0), (150.0, 0.0), (-150.0, 150.0)];
+    let area = geo::Polygon::new(corners.into(), vec![]);
+    let (cut, _) = surface_of(hill(), vec![], Frame::Polygon(area.into()));
+    assert!(height_at(&cut, 100.0, 100.0).is_nan());
+    let inside = height_at(&cut, 0.0, -90.0);
+    assert!((20.0..22.0).contains(&inside), "{inside}");
+    assert!(height_at(&cut, -147.0, -147.0) < 10.0);
+}
