@@ -17,7 +17,7 @@ Checks of each layer that has the attributes elev and source:
   same level   interpolated lines of one level do not cross (their ends may touch)
   z            the z of every vertex is the line's elev
   ends         interpolated lines end on the frame (--frame, else the convex hull of the input's vertices) or at
-               an end of an input line of the same elevation
+               a vertex of an open input line of the same elevation, where they go on from it
   closed       the attribute closed says whether the line repeats its first point
   turning      closed lines run clockwise, and counterclockwise where the attribute depression is set, which is
                set on closed lines only
@@ -361,16 +361,15 @@ def heights(lines):
 
 
 def ends(lines, inp, frame, tolerance):
-    """Ends of interpolated open lines that are neither on the frame nor at an end of an input line of their level."""
+    """Ends of interpolated open lines that are neither on the frame nor on an open input line of their level."""
     open_new = np.flatnonzero((lines.fields["source"] == "interpolated") & ~lines.closed())
     vertex = np.concatenate([lines.start[open_new], lines.start[open_new + 1] - 1])
     level = np.tile(lines.elev[open_new], 2)
     points = shapely.points(lines.xy[vertex])
     off = np.flatnonzero(shapely.distance(points, shapely.boundary(frame)) > tolerance)
     if len(off):
-        own = np.flatnonzero(~inp.closed())
-        stop = np.concatenate([inp.start[own], inp.start[own + 1] - 1])
-        stop_level = np.tile(inp.elev[own], 2)
+        stop = np.flatnonzero(np.repeat(~inp.closed(), inp.sizes()))
+        stop_level = np.repeat(inp.elev, inp.sizes())[stop]
         tree = shapely.STRtree(shapely.points(inp.xy[stop]))
         n, m = tree.query(points[off], predicate="dwithin", distance=tolerance)
         joined = n[stop_level[m] == level[off[n]]]
