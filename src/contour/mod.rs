@@ -2,12 +2,14 @@
 
 pub mod clean;
 mod clip;
+pub mod fit;
 mod interval_search;
 mod levels;
 mod line;
 
 pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
+pub use fit::{FitParams, Fitted, fit};
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
