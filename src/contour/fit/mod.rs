@@ -44,7 +44,8 @@ pub struct Fitted {
     pub vertices_after: usize,
     /// Lines fitted with half the tolerance, a quarter, an eighth, because they met others.
     pub narrowed: [usize; HALVINGS as usize],
-    /// Lines left as they are, because they met others or no curve with fewer control points than points is near enough.
+    /// Lines left as they are, because they met others have too few points, or no curve is
+    /// near enough.
     pub unchanged: usize,
 }
 

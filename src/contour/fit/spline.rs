@@ -40,10 +40,10 @@ fn basis(u: f64, spans: usize, closed: bool) -> (usize, [f64; 4]) {
     let mut weights = [1.0, 0.0, 0.0, 0.0];
     for degree in 1..=3usize {
         let mut saved = 0.0;
-        for r in 0..degree {
+        for (r, weight) in weights.iter_mut().enumerate().take(degree) {
             let (right, left) = (knot(r as isize + 1), knot(r as isize + 1 - degree as isize));
-            let share = weights[r] / (right - left);
-            weights[r] = saved + (right - u) * share;
+            let share = *weight / (right - left);
+            *weight = saved + (right - u) * share;
             saved = (u - left) * share;
         }
         weights[degree] = saved;
@@ -52,6 +52,7 @@ fn basis(u: f64, spans: usize, closed: bool) -> (usize, [f64; 4]) {
 }
 
 /// Fits a line; `None` where no curve with fewer control points than points keeps the tolerance.
+/// Points put on long segments count too.
 pub(super) fn fit(points: &[DVec2], closed: bool, tolerance: f64) -> Option<Line> {
     let origin = points[0];
     let line: Vec<DVec2> = points.iter().map(|&p| p - origin).collect();
@@ -186,10 +187,10 @@ fn least_squares(data: &[DVec2], lengths: &[f64], closed: bool, n: usize) -> (Cu
         let mut image = vec![DVec2::ZERO; n];
         for i in 0..n {
             image[i] += direction[i] * matrix[i][0];
-            for j in 1..4 {
+            for (j, &entry) in matrix[i].iter().enumerate().skip(1) {
                 let k = if i + j < n { i + j } else { i + j - n };
-                image[i] += direction[k] * matrix[i][j];
-                image[k] += direction[i] * matrix[i][j];
+                image[i] += direction[k] * entry;
+                image[k] += direction[i] * entry;
             }
         }
         free(&mut image);
