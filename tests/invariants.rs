@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use common::Terrain;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, Source, clean};
+use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, FitParams, Source, clean, fit};
 use tokosen::dem::{Grid, rasterise};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
@@ -160,6 +160,20 @@ proptest! {
     fn hold_on_random_terrain(seed in any::<u64>()) {
         for terrain in common::all_kinds(seed) {
             check_terrain(&terrain, &Frame::Hull);
+        }
+    }
+
+    #[test]
+    fn hold_on_fitted_lines(seed in any::<u64>()) {
+        for terrain in common::all_kinds(seed) {
+            let near = CleanParams::default();
+            let map = clean_map(map_of(&terrain.contours()));
+            let fitted = fit(map, &FitParams { tolerance: 5.0 }, &near).expect("the map is clean").value;
+            let lines: Vec<_> = fitted.map.contours.iter().map(|c| (c.elevation, c.points.clone())).collect();
+            prop_assert!(common::crossings(&lines).is_empty(), "{}", terrain.kind);
+            if let Ok(report) = build(fitted.map, &SurfaceParams::default(), &()) {
+                check(&report.value.map, &report.value, terrain.interval / 5.0, terrain.kind);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::contour::{CleanParams, ContourMap, clean, find_interval};
+use tokosen::contour::{CleanParams, ContourMap, FitParams, Fitted, clean, find_interval, fit};
 use tokosen::error::{Error, Finding};
 use tokosen::io::{ReadOptions, looks_like_degrees, read_contours, read_spot_heights};
 
@@ -29,6 +29,10 @@ pub struct InputArgs {
     /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [map units]
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, allow_negative_numbers = true)]
     pub snap: f64,
+    /// Smooth the contours: fit each with a curve that stays so near, and space its vertices evenly [map units]. The input
+    /// is then not kept vertex for vertex
+    #[arg(long, value_name = "TOLERANCE")]
+    pub fit: Option<f64>,
     /// Stop with exit status 1 when anything is wrong with the input, instead of going on without the smallest piece
     #[arg(long)]
     pub strict: bool,
@@ -51,6 +55,11 @@ impl InputArgs {
         if !(self.snap.is_finite() && self.snap >= 0.0) {
             return Err(Failure::Usage(format!("--snap is {}, it must be 0 or more", self.snap)));
         }
+        if let Some(tolerance) = self.fit
+            && !(tolerance.is_finite() && tolerance > 0.0)
+        {
+            return Err(Failure::Usage(format!("--fit is {tolerance}, it must be more than 0")));
+        }
         let options = ReadOptions { elevation_field: self.elevation_field.clone(), layer: self.layer.clone() };
         let mut findings = Vec::new();
         let map = console.step("reading", || -> Result<ContourMap, Error> {
@@ -69,6 +78,15 @@ impl InputArgs {
         refuse_degrees(&self.contours, &map)?;
         let params = CleanParams { snap: self.snap, ..CleanParams::default() };
         let map = console.step("cleaning", || clean(map, &params))?.collect(&mut findings);
+        let map = match self.fit {
+            Some(tolerance) => {
+                let fitted = console.step("fitting", || fit(map, &FitParams { tolerance }, &params))?;
+                let fitted = fitted.collect(&mut findings);
+                describe_fit(&fitted, console);
+                fitted.map
+            }
+            None => map,
+        };
         self.check_strict(&findings, console)?;
         Ok(Input { map, findings })
     }
@@ -106,6 +124,15 @@ impl InputArgs {
         }
         console.say(&format!("crs        {crs}"));
     }
+}
+
+fn describe_fit(fitted: &Fitted, console: &Console) {
+    let [half, quarter, eighth] = fitted.narrowed;
+    console.say(&format!(
+        "fitted     {} vertices with {} control points, {} vertices out, off by {:.3} at most; tolerance halved for {half} \
+         lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
+        fitted.vertices_before, fitted.control_points, fitted.vertices_after, fitted.deviation, fitted.unchanged
+    ));
 }
 
 /// Lengths and slopes in degrees mean nothing, so such a map is not taken.

@@ -3,6 +3,7 @@
 mod border;
 pub mod clean;
 mod clip;
+pub mod fit;
 mod interval_search;
 mod levels;
 mod line;
@@ -10,6 +11,7 @@ mod line;
 pub(crate) use border::{Border, rings, with_vertices};
 pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
+pub use fit::{FitParams, Fitted, fit};
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 

@@ -110,6 +110,37 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
     )))
 }
 
+/// Numbers of the lines that [`validate`] would complain about for meeting another line or themselves, ascending.
+pub(super) fn lines_in_conflict(lines: &[Contour], params: &CleanParams) -> Result<Vec<usize>> {
+    let segments = Segments::new(lines)?;
+    let contacts = contacts::find(&segments, params.separation)?;
+    let mut numbers: Vec<usize> =
+        contacts.iter().flat_map(|(s, t)| [segments.line_number(s), segments.line_number(t)]).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    Ok(numbers)
+}
+
+/// Whether a line by itself has finite points and visits none twice.
+pub(super) fn is_sound(line: &Contour) -> bool {
+    points::validate(line).is_ok()
+}
+
+/// The lines in standard form and order.
+pub(super) fn in_standard_order(mut lines: Vec<Contour>) -> Vec<Contour> {
+    canonical::sort(&mut lines);
+    lines
+}
+
+/// Spot heights without those that lie on a contour.
+pub(super) fn spots_off_contours(
+    spots: Vec<glam::DVec3>,
+    contours: &[Contour],
+    params: &CleanParams,
+) -> Result<Report<Vec<glam::DVec3>>> {
+    spots::clean(spots, contours, params.separation)
+}
+
 /// The lines after cleaning, and what happened to them.
 struct Cleaned {
     contours: Vec<Contour>,

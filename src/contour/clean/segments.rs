@@ -112,7 +112,8 @@ impl<'a> Segments<'a> {
         &self.lines[self.line_number(segment)]
     }
 
-    fn line_number(&self, segment: u32) -> usize {
+    /// Number of the line that a segment belongs to.
+    pub(super) fn line_number(&self, segment: u32) -> usize {
         self.starts.partition_point(|&start| start <= segment) - 1
     }
 
