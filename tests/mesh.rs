@@ -1,5 +1,7 @@
 //! Meshes: sound on all terrain, closed where a base is given, and the same again when read from each format.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod common;
 
 use std::collections::HashMap;
