@@ -16,8 +16,9 @@
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): the three steps above, heights everywhere |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
 //! | [`dem::rasterise`] | a surface, a grid | a [`Dem`](dem::Dem) |
+//! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`preview::render`] | all of them | a picture |
-//! | [`io::write_contours`], [`io::raster::write_dem`] | the results | files |
+//! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
 //! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
 //! input comes back beside the result as [findings](error::Finding).
@@ -66,6 +67,7 @@ pub mod crs;
 pub mod dem;
 pub mod error;
 pub mod io;
+pub mod mesh;
 pub mod preview;
 pub mod progress;
 mod rows;

@@ -6,6 +6,7 @@ mod console;
 mod dem;
 mod densify;
 mod input;
+mod mesh;
 mod output;
 mod preview;
 mod summary;
@@ -18,7 +19,7 @@ use tokosen::error::Error;
 
 use console::Console;
 
-/// Denser contour lines and height maps from a map's contour lines
+/// Denser contour lines, height maps and 3-D models from a map's contour lines
 #[derive(Debug, Parser)]
 #[command(name = "tokosen", version, about, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
@@ -33,6 +34,7 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
+  tokosen mesh contours.gpkg -o terrain.glb
 
 'tokosen help VERB' or 'tokosen VERB --help' tells all about a verb.";
 
@@ -40,6 +42,7 @@ Examples:
 enum Verb {
     Densify(Box<densify::DensifyArgs>),
     Dem(Box<dem::DemArgs>),
+    Mesh(Box<mesh::MeshArgs>),
 }
 
 /// Options that every verb has.
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
     let outcome = match &cli.verb {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
+        Verb::Mesh(args) => mesh::run(args, &console),
     };
     console.clear();
     match outcome {

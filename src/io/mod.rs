@@ -11,6 +11,7 @@ mod elevation;
 mod geojson;
 mod gpkg;
 mod layer;
+pub mod mesh;
 pub mod raster;
 mod shapefile;
 mod staged;

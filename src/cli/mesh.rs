@@ -1,0 +1,88 @@
+//! `tokosen mesh`: contour lines in, a 3-D model of the terrain out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::mesh::{Mesh, MeshParams, mesh};
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::surface::{SurfaceArgs, build_surface};
+use super::{Failure, output, summary};
+
+/// A 3-D model (triangle mesh) from contour lines
+///
+/// The triangles of the surface inside the frame, contours among their edges. Coordinates are relative to an offset,
+/// which is recorded in the file; heights are not changed.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct MeshArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb)
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: PathBuf,
+    /// Close the model to a solid with walls and a flat bottom at this height, as 3-D printing needs [m]
+    #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true, help_heading = "Output")]
+    base: Option<f64>,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen mesh contours.gpkg -o terrain.glb
+  tokosen mesh contours.shp -a ELEV -o print.ply --base 0
+  tokosen mesh contours.geojson -o terrain.obj --frame bbox";
+
+/// Runs the verb.
+pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
+    let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    if !MESH_EXTENSIONS.contains(&extension.as_str()) {
+        return Err(Failure::Usage(format!(
+            "{}: models are written as {}",
+            args.output.display(),
+            MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+        )));
+    }
+    let inputs: Vec<&Path> =
+        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
+    let staged = output::open(&args.output, &inputs)?;
+
+    let mut input = args.input.read(console)?;
+    let params = args.surface.params(&input.map)?;
+    let surface = build_surface(input.map, &params, &mut input.findings, console)?;
+    args.input.check_strict(&input.findings, console)?;
+    let model = mesh(&surface, &MeshParams { base: args.base })?;
+    console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
+
+    summary::findings(&input.findings, console);
+    args.input.describe(&surface.map, console);
+    summary::surface(&surface, console);
+    let path = staged.target().to_owned();
+    staged.commit()?;
+    describe(&path, &model, console);
+    summary::close(input.findings.len(), console);
+    Ok(())
+}
+
+/// The lines of the summary about a model.
+fn describe(path: &Path, mesh: &Mesh, console: &Console) {
+    let (lo, hi) = mesh.extent();
+    let size = hi - lo;
+    let kind = if mesh.base.is_some() { "solid" } else { "shell" };
+    console.say(&format!(
+        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} m, offset {} {} {})",
+        path.display(),
+        mesh.vertices.len(),
+        mesh.triangles.len(),
+        size.x,
+        size.y,
+        lo.z,
+        hi.z,
+        mesh.origin.x,
+        mesh.origin.y,
+        mesh.origin.z,
+    ));
+}

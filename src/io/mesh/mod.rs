@@ -1,0 +1,63 @@
+//! Meshes out: PLY, OBJ and binary glTF, chosen by the file's extension.
+//!
+//! | name | axes | positions |
+//! |---|---|---|
+//! | `.ply` | z up | double precision, offset and reference system as comments |
+//! | `.obj` | z up | decimal, exact; offset and reference system as comments |
+//! | `.glb` | y up, z south, as glTF has it | single precision, offset and reference system in `asset.extras` |
+//!
+//! Positions are relative to the mesh's origin, the offset, so that viewers that calculate in single precision show no
+//! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; the indices stay as they are,
+//! so no crack opens.
+
+mod glb;
+mod obj;
+mod ply;
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// The extensions [`write_mesh`] knows, for messages and help texts.
+pub const MESH_EXTENSIONS: [&str; 3] = ["ply", "obj", "glb"];
+
+/// Writes a mesh in the format that the extension of `path` names.
+///
+/// # Errors
+/// An extension that is not in [`MESH_EXTENSIONS`], a mesh larger than the format can hold, and whatever the operating
+/// system refuses.
+pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "ply" => create(path, |out| ply::write(out, mesh)),
+        "obj" => create(path, |out| obj::write(out, mesh)),
+        "glb" => {
+            let header =
+                glb::header(mesh).ok_or_else(|| Error::file(path, "the mesh is too large for glTF: use .ply"))?;
+            create(path, |out| glb::write(out, mesh, &header))
+        }
+        _ => Err(Error::file(
+            path,
+            format!(
+                "no mesh format has this extension; meshes are written as {}",
+                MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+            ),
+        )),
+    }
+}
+
+/// Creates `path` and lets `fill` write to it through a buffer.
+fn create(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
+    let file = File::create(path).map_err(|e| Error::io("create", path, e))?;
+    let mut out = BufWriter::with_capacity(1 << 20, file);
+    fill(&mut out).and_then(|()| out.flush()).map_err(|e| Error::io("write", path, e))
+}
+
+/// The name of the mesh's coordinate reference system on one line.
+fn crs_name(mesh: &Mesh) -> Option<String> {
+    let name = mesh.crs.as_ref()?.name()?;
+    Some(name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
+}

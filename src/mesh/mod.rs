@@ -1,0 +1,263 @@
+//! The surface as a triangle mesh in space: the shell of the terrain ([`mesh`]), or with a base a closed solid.
+//!
+//! Coordinates are double precision relative to [`Mesh::origin`], exactly those of the triangulation, so no triangle
+//! collapses or turns over. Where the ground touches itself at a single point, that point becomes several vertices: the
+//! triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
+
+mod validate;
+
+use glam::{DVec2, DVec3, Vec3};
+
+use crate::crs::Crs;
+use crate::error::{Error, Result};
+use crate::surface::Surface;
+use crate::tin::Tin;
+
+/// Marks a corner without a vertex yet.
+const UNSET: u32 = u32::MAX;
+
+/// Parameters of [`mesh`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MeshParams {
+    /// Height of the flat bottom that closes the mesh to a solid, metres; an open shell if `None`.
+    pub base: Option<f64>,
+}
+
+/// Triangles in space: x east, y north (map units), z up (metres).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Added to a vertex it gives map coordinates: whole numbers near the middle, or zero where the map is there anyway.
+    pub origin: DVec3,
+    /// Vertex positions relative to the origin.
+    pub vertices: Vec<DVec3>,
+    /// Unit normals, one a vertex: the mean over the triangles around it by their area.
+    pub normals: Vec<Vec3>,
+    /// Corners of the triangles, counter-clockwise seen from above, in a solid from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Height of the bottom if the mesh is a solid.
+    pub base: Option<f64>,
+    /// The coordinate reference system, if known.
+    pub crs: Option<Crs>,
+}
+
+/// The triangles of a surface inside its frame, or the solid between them and a flat bottom.
+///
+/// The bottom mirrors the top; walls go down along every border edge, those of holes included.
+///
+/// # Errors
+/// If nothing lies inside the frame, if the base is not below the lowest height, or if there are more vertices than
+/// 32-bit indices can count.
+pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
+    let tin = &surface.tin;
+    let (vertices, triangles, border) = shell(tin);
+    if triangles.is_empty() {
+        return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
+    }
+    if let Some(v) = vertices.iter().find(|v| !v.is_finite()) {
+        let place = v.truncate() + tin.origin;
+        return Err(Error::Data(format!("the surface has no height at {:.3} {:.3}", place.x, place.y)));
+    }
+    let mut mesh = Mesh {
+        origin: tin.origin.extend(0.0),
+        vertices,
+        normals: Vec::new(),
+        triangles,
+        base: params.base,
+        crs: surface.map.crs.clone(),
+    };
+    if let Some(base) = params.base {
+        let lowest = mesh.vertices.iter().fold(f64::INFINITY, |m, v| m.min(v.z));
+        if !base.is_finite() || base >= lowest {
+            return Err(Error::Parameter(format!(
+                "the base is at {base} m, it must be below the lowest height of the surface, {lowest:.3} m"
+            )));
+        }
+        if mesh.vertices.len() > (UNSET / 2) as usize {
+            return Err(Error::Data("the solid has more vertices than 32-bit indices can count".into()));
+        }
+        close(&mut mesh, base, &border);
+    }
+    mesh.normals = normals(&mesh);
+    Ok(mesh)
+}
+
+/// Vertices, triangles, and border edges with the ground on their left.
+type Shell = (Vec<DVec3>, Vec<[u32; 3]>, Vec<[u32; 2]>);
+
+/// The triangles inside the frame with a vertex for each fan of triangles around a point.
+fn shell(tin: &Tin) -> Shell {
+    let mut corners = vec![[UNSET; 3]; tin.len()];
+    let mut vertices = Vec::new();
+    let mut fan = Vec::new();
+    let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+    for t in inside() {
+        for i in 0..3 {
+            if corners[t as usize][i] != UNSET {
+                continue;
+            }
+            let point = tin.triangles[t as usize][i];
+            let vertex = vertices.len() as u32;
+            vertices.push(tin.positions[point as usize].extend(tin.heights[point as usize]));
+            corners[t as usize][i] = vertex;
+            fan.push((t, i));
+            while let Some((t, i)) = fan.pop() {
+                // The two edges of the triangle that meet in this corner lead to the next triangles of the fan.
+                for n in [i, (i + 2) % 3].into_iter().filter_map(|edge| tin.inner_neighbour(t, edge)) {
+                    let here = tin.triangles[n as usize].iter().position(|&p| p == point);
+                    if let Some(j) = here
+                        && corners[n as usize][j] == UNSET
+                    {
+                        corners[n as usize][j] = vertex;
+                        fan.push((n, j));
+                    }
+                }
+            }
+        }
+    }
+    let triangles = inside().map(|t| corners[t as usize]).collect();
+    let open = inside().flat_map(|t| (0..3).map(move |i| (t, i))).filter(|&(t, i)| tin.inner_neighbour(t, i).is_none());
+    let border = open.map(|(t, i)| [corners[t as usize][i], corners[t as usize][(i + 1) % 3]]).collect();
+    (vertices, triangles, border)
+}
+
+/// Adds the bottom and the walls. The vertex below vertex v has the number v + the number of vertices on top.
+fn close(mesh: &mut Mesh, base: f64, border: &[[u32; 2]]) {
+    let below = mesh.vertices.len() as u32;
+    mesh.vertices.extend_from_within(..);
+    mesh.vertices[below as usize..].iter_mut().for_each(|v| v.z = base);
+    let top = mesh.triangles.len();
+    mesh.triangles.reserve(top + 2 * border.len());
+    for t in 0..top {
+        let [a, b, c] = mesh.triangles[t].map(|v| v + below);
+        mesh.triangles.push([a, c, b]);
+    }
+    for &[u, v] in border {
+        mesh.triangles.push([v, u, u + below]);
+        mesh.triangles.push([v, u + below, v + below]);
+    }
+}
+
+/// Area-weighted normals; upwards where the triangles around a vertex leave no direction.
+fn normals(mesh: &Mesh) -> Vec<Vec3> {
+    let mut sums = vec![DVec3::ZERO; mesh.vertices.len()];
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+        let twice_area = (b - a).cross(c - a);
+        t.iter().for_each(|&v| sums[v as usize] += twice_area);
+    }
+    sums.into_iter().map(|sum| sum.try_normalize().unwrap_or(DVec3::Z).as_vec3()).collect()
+}
+
+impl Mesh {
+    /// The lower and the upper corner of the box around the mesh, in map coordinates.
+    pub fn extent(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (lo, hi) = self.vertices.iter().fold(start, |(lo, hi), &v| (lo.min(v), hi.max(v)));
+        (lo + self.origin, hi + self.origin)
+    }
+
+    /// Volume of a solid, map units squared times metres.
+    pub fn volume(&self) -> f64 {
+        // Seen from the first vertex the products stay small.
+        let from = self.vertices.first().copied().unwrap_or_default();
+        let six = self.triangles.iter().map(|t| {
+            let [a, b, c] = t.map(|v| self.vertices[v as usize] - from);
+            a.dot(b.cross(c))
+        });
+        six.sum::<f64>() / 6.0
+    }
+
+    /// Area of the shell on the map, map units squared; zero for a solid.
+    pub fn plan_area(&self) -> f64 {
+        let twice = self.triangles.iter().map(|t| {
+            let [a, b, c]: [DVec2; 3] = t.map(|v| self.vertices[v as usize].truncate());
+            (b - a).perp_dot(c - a)
+        });
+        twice.sum::<f64>() / 2.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::{LineString, MultiPolygon, Polygon};
+
+    use super::*;
+    use crate::contour::{Contour, ContourMap};
+    use crate::surface::{SurfaceParams, build};
+    use crate::tin::Frame;
+
+    /// Ground that rises to the east by a metre a unit, cut to the polygons.
+    fn slope(polygons: Vec<Polygon<f64>>) -> Surface {
+        let far = DVec2::new(400_000.0, 4_000_000.0);
+        let contour = |k: i32| {
+            let x = f64::from(10 * k) - 35.0;
+            let points = (-4..=4).map(|j| far + DVec2::new(x, 10.0 * f64::from(j))).collect();
+            Contour { elevation: f64::from(10 * k), points, feature: 0 }
+        };
+        let shifted = |ring: &LineString<f64>| ring.0.iter().map(|c| (c.x + far.x, c.y + far.y)).collect();
+        let area: MultiPolygon<f64> = polygons
+            .iter()
+            .map(|p| Polygon::new(shifted(p.exterior()), p.interiors().iter().map(shifted).collect()))
+            .collect();
+        let map = ContourMap { contours: (0..8).map(contour).collect(), ..ContourMap::default() };
+        let params = SurfaceParams { frame: Frame::Polygon(area), ..SurfaceParams::default() };
+        build(map, &params, &()).unwrap().value
+    }
+
+    fn ring(points: &[(f64, f64)]) -> LineString<f64> {
+        points.to_vec().into()
+    }
+
+    fn euler(mesh: &Mesh) -> i64 {
+        let edges = mesh.triangles.len() as i64 * 3 / 2;
+        mesh.vertices.len() as i64 - edges + mesh.triangles.len() as i64
+    }
+
+    #[test]
+    fn a_square_is_a_shell_and_a_box() {
+        let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
+        let surface = slope(vec![Polygon::new(square, vec![])]);
+        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        shell.validate().unwrap();
+        assert!((shell.plan_area() - 1600.0).abs() < 1e-6, "{}", shell.plan_area());
+        assert!(shell.origin.truncate().distance(DVec2::new(400_000.0, 4_000_000.0)) < 50.0, "{}", shell.origin);
+        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        solid.validate().unwrap();
+        assert_eq!(euler(&solid), 2);
+        assert!((solid.volume() - 1600.0 * 45.0).abs() < 1600.0 * 3.0, "{}", solid.volume());
+    }
+
+    #[test]
+    fn a_hole_makes_a_ring() {
+        let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
+        let hole = ring(&[(-8.0, -8.0), (8.0, -8.0), (8.0, 8.0), (-8.0, 8.0)]);
+        let surface = slope(vec![Polygon::new(square, vec![hole])]);
+        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        solid.validate().unwrap();
+        assert_eq!(euler(&solid), 0);
+    }
+
+    #[test]
+    fn parts_that_touch_at_a_point_come_apart() {
+        let west = ring(&[(-20.0, -10.0), (0.0, 0.0), (-20.0, 10.0)]);
+        let east = ring(&[(20.0, -10.0), (20.0, 10.0), (0.0, 0.0)]);
+        let surface = slope(vec![Polygon::new(west, vec![]), Polygon::new(east, vec![])]);
+        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        shell.validate().unwrap();
+        let middle = DVec2::new(400_000.0, 4_000_000.0) - shell.origin.truncate();
+        assert_eq!(shell.vertices.iter().filter(|v| v.truncate() == middle).count(), 2);
+        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        solid.validate().unwrap();
+        assert_eq!(euler(&solid), 4, "two closed bodies");
+    }
+
+    #[test]
+    fn a_base_that_is_not_below_is_refused() {
+        let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
+        let surface = slope(vec![Polygon::new(square, vec![])]);
+        for base in [30.0, f64::NAN, f64::NEG_INFINITY] {
+            let error = mesh(&surface, &MeshParams { base: Some(base) }).unwrap_err();
+            assert!(matches!(error, Error::Parameter(_)), "{error}");
+        }
+    }
+}

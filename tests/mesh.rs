@@ -1,0 +1,268 @@
+//! Meshes: sound on all terrain, closed where a base is given, and the same again when read from each format.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod common;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DVec2, DVec3, Vec3};
+use proptest::prelude::*;
+use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
+use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::io::{ReadOptions, read_contours};
+use tokosen::mesh::{Mesh, MeshParams, mesh};
+use tokosen::surface::{Surface, SurfaceParams, build};
+
+fn surface_of(map: ContourMap) -> Surface {
+    let map = clean(map, &CleanParams::default()).unwrap().value;
+    build(map, &SurfaceParams::default(), &()).unwrap().value
+}
+
+fn samples() -> Vec<(String, Surface)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let mut names: Vec<String> =
+        std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.retain(|n| n.starts_with("fig") && n.ends_with(".geojson"));
+    names.sort();
+    assert_eq!(names.len(), 8);
+    let read = |name: &String| surface_of(read_contours(&folder.join(name), &ReadOptions::default()).unwrap().value);
+    names.iter().map(|n| (n.clone(), read(n))).collect()
+}
+
+/// Area on the map and volume above the base, from the triangulation alone.
+fn prisms(surface: &Surface, base: f64) -> (f64, f64) {
+    let tin = &surface.tin;
+    (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).fold((0.0, 0.0), |(area, volume), t| {
+        let [a, b, c] = tin.corners(t);
+        let own = (b - a).perp_dot(c - a) / 2.0;
+        let mean = tin.corner_heights(t).iter().sum::<f64>() / 3.0;
+        (area + own, volume + own * (mean - base))
+    })
+}
+
+/// Every directed edge once, and its opposite too.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: HashMap<[u32; 2], i32> = HashMap::new();
+    for t in triangles {
+        (0..3).for_each(|i| *edges.entry([t[i], t[(i + 1) % 3]]).or_default() += 1);
+    }
+    edges.iter().all(|(&[u, v], &n)| n == 1 && edges.get(&[v, u]) == Some(&1))
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+#[test]
+fn solids_of_the_samples_are_watertight() {
+    for (name, surface) in samples() {
+        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        shell.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
+        let lowest = shell.extent().0.z;
+        let base = lowest - 25.0;
+        let (area, volume) = prisms(&surface, base);
+        assert!(near(shell.plan_area(), area), "{name}");
+        assert!(!is_closed(&shell.triangles), "{name}");
+
+        let solid = mesh(&surface, &MeshParams { base: Some(base) }).unwrap();
+        solid.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(is_closed(&solid.triangles), "{name}");
+        let euler = solid.vertices.len() as i64 - solid.triangles.len() as i64 / 2;
+        assert_eq!(euler, 2, "{name}: one body without holes");
+        assert!(volume > 0.0 && near(solid.volume(), volume), "{name}: {} and {volume}", solid.volume());
+        assert_eq!(solid.extent().0.z, base, "{name}");
+    }
+}
+
+#[test]
+fn a_mesh_with_a_fault_is_found_out() {
+    let (_, surface) = samples().remove(0);
+    let solid = mesh(&surface, &MeshParams { base: Some(-1000.0) }).unwrap();
+    let broken = |change: fn(&mut Mesh)| {
+        let mut copy = solid.clone();
+        change(&mut copy);
+        copy.validate().unwrap_err()
+    };
+    assert!(broken(|m| m.triangles[0].swap(0, 1)).contains("twice"));
+    assert!(broken(|m| m.triangles.truncate(m.triangles.len() - 1)).contains("open"));
+    assert!(broken(|m| m.triangles[0][0] = u32::MAX).contains("has vertex"));
+    let flattened = broken(|m| m.vertices[m.triangles[0][0] as usize] = m.vertices[m.triangles[0][1] as usize]);
+    assert!(flattened.contains("no area"), "{flattened}");
+}
+
+/// A mesh as a file has it: z up, positions relative.
+struct Read {
+    offset: DVec3,
+    vertices: Vec<DVec3>,
+    normals: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+fn f32s(bytes: &[u8]) -> Vec<f32> {
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+fn u32s(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+fn numbers(text: &str) -> DVec3 {
+    let values: Vec<f64> = text.split_whitespace().map(|v| v.parse().unwrap()).collect();
+    DVec3::from_slice(&values)
+}
+
+fn read_ply(bytes: &[u8]) -> Read {
+    let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    let after = |start: &str| header.lines().find_map(|l| l.strip_prefix(start)).unwrap();
+    let count: usize = after("element vertex ").parse().unwrap();
+    let faces: usize = after("element face ").parse().unwrap();
+    let (rows, lists) = bytes[end..].split_at(36 * count);
+    assert_eq!(lists.len(), 13 * faces);
+    let double = |b: &[u8]| f64::from_le_bytes(b.try_into().unwrap());
+    Read {
+        offset: numbers(after("comment offset ")),
+        vertices: rows
+            .chunks_exact(36)
+            .map(|r| DVec3::new(double(&r[..8]), double(&r[8..16]), double(&r[16..24])))
+            .collect(),
+        normals: rows.chunks_exact(36).map(|r| Vec3::from_slice(&f32s(&r[24..]))).collect(),
+        triangles: lists
+            .chunks_exact(13)
+            .map(|r| {
+                assert_eq!(r[0], 3);
+                u32s(&r[1..]).try_into().unwrap()
+            })
+            .collect(),
+    }
+}
+
+fn read_obj(bytes: &[u8]) -> Read {
+    let text = std::str::from_utf8(bytes).unwrap();
+    let rows = |start: &'static str| text.lines().filter_map(move |l| l.strip_prefix(start));
+    let corner = |c: &str| {
+        let (v, n) = c.split_once("//").unwrap();
+        assert_eq!(v, n);
+        v.parse::<u32>().unwrap() - 1
+    };
+    Read {
+        offset: numbers(rows("# offset ").next().unwrap()),
+        vertices: rows("v ").map(numbers).collect(),
+        normals: rows("vn ").map(|r| numbers(r).as_vec3()).collect(),
+        triangles: rows("f ").map(|r| r.split(' ').map(corner).collect::<Vec<_>>().try_into().unwrap()).collect(),
+    }
+}
+
+fn read_glb(bytes: &[u8]) -> Read {
+    assert_eq!(&bytes[..4], b"glTF");
+    let [version, total, json_length] = u32s(&bytes[4..16]).try_into().unwrap();
+    assert_eq!((version, total as usize, json_length % 4), (2, bytes.len(), 0));
+    assert_eq!(&bytes[16..20], b"JSON");
+    let binary = 20 + json_length as usize;
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..binary]).unwrap();
+    assert_eq!(u32s(&bytes[binary..binary + 4])[0] as usize, bytes.len() - binary - 8);
+    assert_eq!(&bytes[binary + 4..binary + 8], b"BIN\0");
+    let buffer = &bytes[binary + 8..];
+    assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
+    let view = |accessor: &serde_json::Value| {
+        let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+        let start = view["byteOffset"].as_u64().unwrap() as usize;
+        (accessor.clone(), &buffer[start..start + view["byteLength"].as_u64().unwrap() as usize])
+    };
+    let primitive = &json["meshes"][0]["primitives"][0];
+    let vectors = |accessor| {
+        let (accessor, bytes) = view(accessor);
+        let all: Vec<Vec3> = f32s(bytes).chunks_exact(3).map(Vec3::from_slice).collect();
+        assert_eq!(accessor["count"], all.len());
+        (accessor, all)
+    };
+    let (accessor, positions) = vectors(&primitive["attributes"]["POSITION"]);
+    for (key, wanted) in [
+        ("min", positions.iter().copied().reduce(Vec3::min).unwrap()),
+        ("max", positions.iter().copied().reduce(Vec3::max).unwrap()),
+    ] {
+        let told: Vec<f32> = accessor[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap() as f32).collect();
+        assert_eq!(told, wanted.to_array());
+    }
+    let z_up = |v: Vec3| Vec3::new(v.x, -v.z, v.y);
+    let offset: Vec<f64> =
+        json["asset"]["extras"]["offset"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    Read {
+        offset: DVec3::from_slice(&offset),
+        vertices: positions.iter().map(|&v| z_up(v).as_dvec3()).collect(),
+        normals: vectors(&primitive["attributes"]["NORMAL"]).1.into_iter().map(z_up).collect(),
+        triangles: u32s(view(&primitive["indices"]).1).chunks_exact(3).map(|t| t.try_into().unwrap()).collect(),
+    }
+}
+
+#[test]
+fn every_format_gives_the_mesh_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, surface) = samples().remove(6);
+    let wanted = mesh(&surface, &MeshParams { base: Some(-50.5) }).unwrap();
+    for extension in MESH_EXTENSIONS {
+        let path = folder.path().join(format!("model.{extension}"));
+        write_mesh(&path, &wanted).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let read = match extension {
+            "ply" => read_ply(&bytes),
+            "obj" => read_obj(&bytes),
+            _ => read_glb(&bytes),
+        };
+        assert_eq!(read.offset, wanted.origin, "{extension}");
+        assert_eq!(read.triangles, wanted.triangles, "{extension}");
+        let exact = |v: &DVec3| if extension == "glb" { v.as_vec3().as_dvec3() } else { *v };
+        assert_eq!(read.vertices, wanted.vertices.iter().map(exact).collect::<Vec<_>>(), "{extension}");
+        assert_eq!(read.normals.len(), wanted.normals.len(), "{extension}");
+        assert!(read.normals.iter().zip(&wanted.normals).all(|(a, b)| a.distance(*b) < 1e-4), "{extension}");
+    }
+    let error = write_mesh(&folder.path().join("model.stl"), &wanted).unwrap_err().to_string();
+    assert!(error.contains("model.stl") && error.contains(".ply, .obj, .glb"), "{error}");
+    let error = write_mesh(&folder.path().join("none/model.ply"), &wanted).unwrap_err().to_string();
+    assert!(error.contains("none/model.ply"), "{error}");
+}
+
+#[test]
+fn the_command_line_writes_models_and_refuses_other_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("tokosen").unwrap();
+        command.current_dir(folder.path()).arg("mesh");
+        command.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/fig1f_nested.geojson"));
+        command.args(arguments).assert()
+    };
+    let told = run(&["-o", "a.glb", "--base", "-100"]).code(0).get_output().stdout.clone();
+    assert!(String::from_utf8(told).unwrap().contains("solid"));
+    let glb = read_glb(&std::fs::read(folder.path().join("a.glb")).unwrap());
+    assert!(is_closed(&glb.triangles));
+    run(&["-o", "a.stl"]).code(2);
+    run(&["-o", "b.ply", "--base", "100000"]).code(2);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing but the one model is left");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+    #[test]
+    fn meshes_of_all_terrain_are_sound(seed in 0u64..10_000) {
+        for terrain in common::all_kinds(seed) {
+            let contours = terrain.contours().into_iter().map(|(elevation, points): (f64, Vec<DVec2>)| {
+                Contour { elevation, points, feature: 0 }
+            });
+            let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
+            let map = clean(map, &CleanParams::default()).unwrap().value;
+            // Terrain may lie within one level; then there is no surface.
+            let Ok(report) = build(map, &SurfaceParams::default(), &()) else { continue };
+            let surface = report.value;
+            let shell = mesh(&surface, &MeshParams::default()).unwrap();
+            prop_assert_eq!(shell.validate(), Ok(()));
+            let base = shell.extent().0.z - 1.0;
+            let solid = mesh(&surface, &MeshParams { base: Some(base) }).unwrap();
+            prop_assert_eq!(solid.validate(), Ok(()));
+            let volume = prisms(&surface, base).1;
+            prop_assert!((solid.volume() - volume).abs() <= 1e-6 * volume);
+        }
+    }
+}
