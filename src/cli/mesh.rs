@@ -46,9 +46,9 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
             MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    let inputs: Vec<&Path> =
-        std::iter::once(&args.input.contours).chain(&args.input.points).map(PathBuf::as_path).collect();
-    let staged = output::open(&args.output, &inputs)?;
+    let inputs: Vec<&Path> = args.input.files().chain(args.surface.file()).collect();
+    output::check_paths(&inputs, &[&args.output])?;
+    let staged = output::open(&args.output)?;
 
     let mut input = args.input.read(console)?;
     let params = args.surface.params(&input.map)?;
