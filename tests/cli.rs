@@ -188,6 +188,22 @@ fn files_that_hold_no_contours() {
 }
 
 #[test]
+fn what_was_left_out_is_told_even_when_the_work_fails() {
+    let folder = Folder::new();
+    let line = |x: u32, elev: &str| {
+        let points = format!("[[500{x},600],[510{x},700],[520{x},600]]");
+        let geometry = format!(r#"{{"type":"LineString","coordinates":{points}}}"#);
+        format!(r#"{{"type":"Feature","properties":{{"elev":{elev}}},"geometry":{geometry}}}"#)
+    };
+    let features = [line(1, "10"), line(2, "null")].join(",");
+    folder.put("half.geojson", format!(r#"{{"type":"FeatureCollection","features":[{features}]}}"#));
+    let output = folder.run("densify half.geojson -i 2 -o out.gpkg");
+    assert_eq!(output.status.code(), Some(FAILED));
+    let text = stderr(&output);
+    assert!(text.contains("features left out: 1") && text.contains("one contour line only"), "{text}");
+}
+
+#[test]
 fn elevations_that_are_none() {
     let folder = Folder::new();
     let two = |a: &str, b: &str| contours(&[(a, ring(60.0)), (b, ring(40.0))]);

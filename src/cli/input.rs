@@ -75,13 +75,14 @@ impl InputArgs {
             }
             Ok(map)
         })?;
-        refuse_degrees(&self.contours, &map)?;
+        summary::or_tell(refuse_degrees(&self.contours, &map), &findings, console)?;
         let params = CleanParams { snap: self.snap, ..CleanParams::default() };
-        let map = console.step("cleaning", || clean(map, &params))?.collect(&mut findings);
+        let cleaned = console.step("cleaning", || clean(map, &params));
+        let map = summary::or_tell(cleaned, &findings, console)?.collect(&mut findings);
         let map = match self.fit {
             Some(tolerance) => {
-                let fitted = console.step("fitting", || fit(map, &FitParams { tolerance }, &params))?;
-                let fitted = fitted.collect(&mut findings);
+                let fitted = console.step("fitting", || fit(map, &FitParams { tolerance }, &params));
+                let fitted = summary::or_tell(fitted, &findings, console)?.collect(&mut findings);
                 describe_fit(&fitted, console);
                 fitted.map
             }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tokosen::error::{Finding, FindingKind};
+use tokosen::error::{Error, Finding, FindingKind};
 use tokosen::skeleton::BreakKind;
 use tokosen::surface::Surface;
 
@@ -27,6 +27,14 @@ pub fn findings(findings: &[Finding], console: &Console) {
             console.warn(&format!("    and {} more; --verbose lists them", list.len() - shown));
         }
     }
+}
+
+/// Tells the findings when the work ends in an error: what was left out may be why.
+pub fn or_tell<T>(result: Result<T, Error>, list: &[Finding], console: &Console) -> Result<T, Error> {
+    result.inspect_err(|_| {
+        console.clear();
+        findings(list, console);
+    })
 }
 
 /// Tells what the surface is made of.

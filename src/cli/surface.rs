@@ -11,6 +11,7 @@ use tokosen::tin::Frame;
 
 use super::Failure;
 use super::console::Console;
+use super::summary;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -72,5 +73,5 @@ pub fn build_surface(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Surface, Failure> {
-    Ok(build(map, params, console)?.collect(findings))
+    Ok(summary::or_tell(build(map, params, console), findings, console)?.collect(findings))
 }
