@@ -75,7 +75,7 @@ impl InputArgs {
             }
             Ok(map)
         })?;
-        summary::or_tell(refuse_degrees(&self.contours, &map), &findings, console)?;
+        refuse_degrees(&self.contours, &map)?;
         let params = CleanParams { snap: self.snap, ..CleanParams::default() };
         let cleaned = console.step("cleaning", || clean(map, &params));
         let map = summary::or_tell(cleaned, &findings, console)?.collect(&mut findings);
