@@ -12,8 +12,9 @@
 //! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
 //! | [`tin::regions`] | a triangulation | [`Regions`](tin::Regions): sub-domains with the band of levels of each |
+//! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
-//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): the three steps above, heights everywhere |
+//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling and skeleton, heights everywhere |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
 //! | [`dem::rasterise`] | a surface, a grid | a [`Dem`](dem::Dem) |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |

@@ -5,8 +5,10 @@
 //! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
 
 mod build;
+mod tiling;
 
 pub use build::build;
+pub use tiling::{Tiling, tiling};
 
 use glam::DVec2;
 

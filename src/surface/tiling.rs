@@ -1,0 +1,261 @@
+//! Tiling (paper, section 3.3): the triangulated contours of a clean map with their sub-domains.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DVec2;
+
+use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
+use crate::error::{Error, Finding, FindingKind, Report, Result};
+use crate::progress::Progress;
+use crate::skeleton::{AxisPoint, axis_heights};
+use crate::tin::{
+    Frame, FrameRing, Gaps, Link, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring, link_open_ends, regions,
+    triangulate,
+};
+
+/// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
+#[derive(Debug, Clone)]
+pub struct Tiling {
+    /// The map, cut to the frame.
+    pub map: ContourMap,
+    /// Its constrained Delaunay triangulation; corners of the frame have heights too.
+    pub tin: Tin,
+    /// The sub-domains of its triangles.
+    pub regions: Regions,
+    /// The frame's outline.
+    pub frame: FrameRing,
+    /// The input's vertical interval.
+    pub interval: Interval,
+    /// What closes the gaps between open ends.
+    pub(super) gaps: Gaps,
+    parts: Parts,
+}
+
+/// Triangulates a clean map (see [`clean`](fn@crate::contour::clean)) and finds its sub-domains.
+///
+/// # Errors
+/// When the map has fewer than two levels, when a contour line crosses another, or when the points have no extent.
+pub fn tiling(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Result<Report<Tiling>> {
+    let frame = frame_ring(&map, wanted);
+    let mut findings = Vec::new();
+    let (map, frame) = match wanted {
+        Frame::Polygon(polygon) => {
+            if frame.area != *polygon {
+                let message = "the frame polygon reaches beyond the contours; the surface ends at their convex hull";
+                findings.push(Finding::general(FindingKind::FrameBeyondMap, message));
+            }
+            let Clipped { map, area } = clip(map, &frame.area);
+            (map, FrameRing { area })
+        }
+        Frame::Hull | Frame::Box => (map, frame),
+    };
+    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
+    let tolerance = 1e-9 * frame.diagonal();
+    let (ends, links) = link_open_ends(&map, &frame, tolerance);
+    let frame = match wanted {
+        Frame::Hull | Frame::Box => frame,
+        Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
+    };
+    let is_polygon = matches!(wanted, Frame::Polygon(_));
+    let mut parts = Parts { is_polygon, links, tolerance, spots: vec![true; map.spots.len()] };
+
+    progress.start("triangulating", 0);
+    let (tin, sub_domains, gaps) = loop {
+        let tin = parts.within_frame(triangulate(parts.input(&map, &frame))?, &frame);
+        let gaps = close_gaps(&tin, &ends, interval.step);
+        let tin = tin.with_gaps(&gaps);
+        let (tin, report) = known_regions(tin, &interval);
+        let outside = spots_outside_bands(&map, &tin, &report.value);
+        if outside.is_empty() {
+            findings.extend(report.findings);
+            break (tin, report.value, gaps);
+        }
+        for (spot, finding) in outside {
+            parts.spots[spot] = false;
+            findings.push(finding);
+        }
+    };
+    let tin = with_frame_heights(tin, &sub_domains);
+    progress.finish();
+    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, gaps, parts };
+    Ok(Report { value: tiling, findings })
+}
+
+impl Tiling {
+    /// What was triangulated, for a triangulation with more points: these come first and so keep their numbers.
+    pub(super) fn input(&self) -> TinInput {
+        let mut input = self.parts.input(&self.map, &self.frame);
+        for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
+            input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
+        }
+        input
+    }
+
+    /// The same with the triangulation of an [`input`](Self::input) that more points and edges were added to.
+    pub(super) fn retriangulated(self, input: TinInput) -> Result<Self> {
+        let Self { map, tin, regions, frame, interval, gaps, parts } = self;
+        // The first triangulation is a large part of the memory.
+        drop((tin, regions));
+        let tin = parts.within_frame(triangulate(input)?, &frame).with_gaps(&gaps);
+        let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
+        let tin = with_frame_heights(tin, &regions);
+        Ok(Self { map, tin, regions, frame, interval, gaps, parts })
+    }
+}
+
+fn too_few_levels(map: &ContourMap, frame: &Frame) -> Error {
+    let (inside, remedy) = match frame {
+        Frame::Polygon(_) => (" inside the frame polygon", "choose a larger polygon"),
+        Frame::Hull | Frame::Box => ("", "is it the right elevation field?"),
+    };
+    Error::Data(match map.contours.first() {
+        None => format!("there is no contour line{inside}"),
+        Some(c) if map.contours.len() == 1 => format!(
+            "there is one contour line only{inside} (elevation {}): a surface needs contours of two levels",
+            c.elevation
+        ),
+        Some(c) => format!(
+            "all {} contour lines{inside} have the elevation {}: a surface needs contours of two levels ({remedy})",
+            map.contours.len(),
+            c.elevation
+        ),
+    })
+}
+
+/// What is triangulated besides the contours.
+#[derive(Debug, Clone)]
+struct Parts {
+    /// The frame is a polygon: its edges go in too, because the convex hull of all points does not follow it.
+    is_polygon: bool,
+    /// From open ends to the frame.
+    links: Vec<Link>,
+    /// Points nearer than this to each other are one.
+    tolerance: f64,
+    /// Which of the map's spot heights are used.
+    spots: Vec<bool>,
+}
+
+impl Parts {
+    /// Contours come first, so that their heights win where points coincide.
+    fn input(&self, map: &ContourMap, frame: &FrameRing) -> TinInput {
+        let rings: Vec<Vec<DVec2>> = frame.rings().collect();
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for &p in map.contours.iter().flat_map(|c| &c.points).chain(rings.iter().flatten()) {
+            lo = lo.min(p);
+            hi = hi.max(p);
+        }
+        let mut input = TinInput::new([lo, hi], self.tolerance);
+        for contour in &map.contours {
+            input.push_line(&contour.points, contour.elevation, VertexKind::Contour);
+        }
+        for link in &self.links {
+            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+        }
+        for spot in map.spots.iter().zip(&self.spots).filter(|(_, used)| **used).map(|(s, _)| s) {
+            input.push(spot.truncate(), spot.z, VertexKind::Spot);
+        }
+        for ring in rings {
+            let corners: Vec<u32> = ring.iter().map(|&c| input.push(c, f64::NAN, VertexKind::Frame)).collect();
+            if self.is_polygon {
+                let next = corners.iter().cycle().skip(1);
+                corners.iter().zip(next).for_each(|(&a, &b)| input.push_edge(a, b));
+            }
+        }
+        input
+    }
+
+    /// Takes the triangles outside a boundary polygon out of the frame.
+    fn within_frame(&self, tin: Tin, frame: &FrameRing) -> Tin {
+        if !self.is_polygon {
+            return tin;
+        }
+        let border = Border::new(&frame.area);
+        tin.restricted(|p| border.contains(p))
+    }
+}
+
+/// The sub-domains, less parts of the frame that hold no contour: nothing is known of their heights, so they are taken out
+/// of the frame.
+fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
+    let report = regions(&tin, interval);
+    let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
+    let unknown = report.value.regions.iter().filter(|r| r.levels.is_empty());
+    let unknown: Vec<DVec2> = unknown.map(|r| middle(r.triangle)).collect();
+    if unknown.is_empty() {
+        return (tin, report);
+    }
+    let is_known: Vec<bool> =
+        (0..tin.len() as u32).map(|t| report.value.region(t).is_some_and(|r| !r.levels.is_empty())).collect();
+    let tin = tin.only(&is_known);
+    let mut report = regions(&tin, interval);
+    report.findings.extend(unknown.into_iter().map(|place| {
+        let message = "a part of the frame holds no contour; it is left without heights";
+        Finding::at(FindingKind::FrameBeyondMap, place, message)
+    }));
+    (tin, report)
+}
+
+/// Spot heights that contradict the levels around them, by their number in the map.
+fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
+    let number: HashMap<[u64; 2], usize> =
+        map.spots.iter().enumerate().map(|(i, s)| ([s.x.to_bits(), s.y.to_bits()], i)).collect();
+    let mut checked = vec![false; tin.positions.len()];
+    let mut outside = Vec::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let Some(region) = regions.region(t) else { continue };
+        for v in tin.triangles[t as usize].map(|v| v as usize) {
+            if tin.kinds[v] != VertexKind::Spot || std::mem::replace(&mut checked[v], true) {
+                continue;
+            }
+            let p = tin.point(v as u32);
+            if region.band.contains(p.z) {
+                continue;
+            }
+            if let Some(&spot) = number.get(&[p.x.to_bits(), p.y.to_bits()]) {
+                let (lo, hi) = (region.band.lo, region.band.hi);
+                let message = format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z);
+                outside.push((spot, Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message)));
+            }
+        }
+    }
+    outside.sort_by_key(|(spot, _)| *spot);
+    outside
+}
+
+/// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
+/// corner has the height of the nearest vertex that it shares a triangle with. Where two parts of the frame touch, the
+/// height lies in the bands of both, if it can.
+fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
+    let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
+    let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();
+    let mut nearest: HashMap<u32, (f64, f64)> = HashMap::new();
+    let mut limits: HashMap<u32, (f64, f64)> = HashMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for corner in tin.triangles[t as usize].into_iter().filter(|&v| is_corner(v)) {
+            let position = tin.positions[corner as usize];
+            let region = regions.of_triangle[t as usize];
+            points.insert(corner, AxisPoint { position, level: None, triangle: t, region });
+            let band = regions.regions[region as usize].band;
+            let limit = limits.entry(corner).or_insert((band.lo, band.hi));
+            *limit = (limit.0.max(band.lo), limit.1.min(band.hi));
+            for v in tin.triangles[t as usize].into_iter().filter(|&v| !is_corner(v)) {
+                let distance = position.distance(tin.positions[v as usize]);
+                let best = nearest.entry(corner).or_insert((f64::INFINITY, f64::NAN));
+                if distance < best.0 {
+                    *best = (distance, tin.heights[v as usize]);
+                }
+            }
+        }
+    }
+    let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
+    let found = axis_heights(&tin, regions, &points);
+    let mut heights = tin.heights.clone();
+    for (&v, height) in corners.iter().zip(found) {
+        let fallback = || nearest.get(&v).map_or(f64::NAN, |n| n.1);
+        heights[v as usize] = if height.is_nan() { fallback() } else { height };
+    }
+    for (v, (lo, hi)) in limits.into_iter().filter(|(_, (lo, hi))| lo <= hi) {
+        heights[v as usize] = heights[v as usize].clamp(lo, hi);
+    }
+    tin.with_heights(heights)
+}
