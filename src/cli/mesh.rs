@@ -46,7 +46,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
             MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    let inputs: Vec<&Path> = args.input.files().chain(args.surface.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.surface.frame.file()).collect();
     output::check_paths(&inputs, &[&args.output])?;
     let staged = output::open(&args.output)?;
 

@@ -19,12 +19,19 @@ pub struct SurfaceArgs {
     /// How heights between contours are found
     #[arg(long, value_enum, default_value_t = KindArg::Skeleton)]
     pub surface: KindArg,
-    /// Outermost border: the convex hull of the contours, the box around them, or a polygon in a vector file
-    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
-    pub frame: String,
+    #[command(flatten)]
+    pub frame: FrameArgs,
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true)]
     pub resolution: f64,
+}
+
+/// Where the ground ends.
+#[derive(Debug, Clone, Args)]
+pub struct FrameArgs {
+    /// Outermost border: the convex hull of the contours, the box around them, or a polygon in a vector file
+    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
+    pub frame: String,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -36,33 +43,35 @@ pub enum KindArg {
 }
 
 impl SurfaceArgs {
+    /// The library's parameters; reads the boundary polygon if there is one.
+    pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
+        let kind = match self.surface {
+            KindArg::Linear => SurfaceKind::Linear,
+            KindArg::Skeleton => SurfaceKind::Skeleton,
+        };
+        Ok(SurfaceParams { kind, frame: self.frame.read(map)?, resolution: self.resolution })
+    }
+}
+
+impl FrameArgs {
     /// The boundary file, if the frame is one.
     pub fn file(&self) -> Option<&Path> {
         (!matches!(self.frame.as_str(), "hull" | "bbox")).then(|| Path::new(&self.frame))
     }
 
-    /// The library's parameters; reads the boundary polygon if there is one.
-    pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
-        let frame = match self.file() {
-            None if self.frame == "bbox" => Frame::Box,
-            None => Frame::Hull,
-            Some(path) => {
-                let (area, crs) = read_area(path, &ReadOptions::default())?;
-                if let (Some(a), Some(b)) = (&map.crs, &crs)
-                    && !a.matches(b)
-                {
-                    let message =
-                        "is in another coordinate reference system than the contours; reproject one of them first";
-                    return Err(Failure::Work(Error::file(path, message)));
-                }
-                Frame::Polygon(area)
-            }
+    /// The frame; reads the boundary polygon if there is one.
+    pub fn read(&self, map: &ContourMap) -> Result<Frame, Failure> {
+        let Some(path) = self.file() else {
+            return Ok(if self.frame == "bbox" { Frame::Box } else { Frame::Hull });
         };
-        let kind = match self.surface {
-            KindArg::Linear => SurfaceKind::Linear,
-            KindArg::Skeleton => SurfaceKind::Skeleton,
-        };
-        Ok(SurfaceParams { kind, frame, resolution: self.resolution })
+        let (area, crs) = read_area(path, &ReadOptions::default())?;
+        if let (Some(a), Some(b)) = (&map.crs, &crs)
+            && !a.matches(b)
+        {
+            let message = "is in another coordinate reference system than the contours; reproject one of them first";
+            return Err(Failure::Work(Error::file(path, message)));
+        }
+        Ok(Frame::Polygon(area))
     }
 }
 
