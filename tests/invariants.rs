@@ -168,7 +168,7 @@ proptest! {
         for terrain in common::all_kinds(seed) {
             let near = CleanParams::default();
             let map = clean_map(map_of(&terrain.contours()));
-            let fitted = fit(map, &FitParams { tolerance: 5.0 }, &near).expect("the map is clean").value;
+            let fitted = fit(map, &FitParams { tolerance: 5.0, sampling: None }, &near).expect("the map is clean").value;
             let lines: Vec<_> = fitted.map.contours.iter().map(|c| (c.elevation, c.points.clone())).collect();
             prop_assert!(common::crossings(&lines).is_empty(), "{}", terrain.kind);
             if let Ok(report) = build(fitted.map, &SurfaceParams::default(), &()) {

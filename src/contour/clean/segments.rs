@@ -160,6 +160,11 @@ impl Runs {
         self.tree.locate_in_envelope_intersecting(&bounds.aabb()).map(|run| run.data)
     }
 
+    /// Numbers of lines that may be within `reach` of a point, in no particular order and more than once.
+    pub(crate) fn lines_near(&self, p: DVec2, reach: f64) -> Vec<u32> {
+        self.near(&Bounds { min: p, max: p }.grown(reach)).map(|run| self.runs[run as usize].line).collect()
+    }
+
     /// Distance from a point to the nearest of `lines` but the line number `own`; infinite where there is no other.
     pub(crate) fn distance_to_others(&self, lines: &[Contour], p: DVec2, own: u32) -> f64 {
         let mut best = f64::INFINITY;
