@@ -63,7 +63,7 @@ pub(super) fn basis(u: f64, spans: usize, closed: bool) -> (usize, [f64; 4]) {
 }
 
 /// Fits a line; `None` where no curve with fewer control points than points keeps the tolerance.
-/// Points put on long segments count too. `even`: vertices at even distances along the curve.
+/// Points put on long segments count too.
 ///
 /// The number of control points is doubled until the curve is near enough, then bisected down to one that is while one
 /// less is not.

@@ -8,7 +8,7 @@ use super::spline::Curve;
 const FINE: usize = 8;
 /// No vertices are further apart than so many of those.
 const WIDEST: usize = 64;
-/// How often the chords are made finer before the line counts as not to be fitted.
+/// How often the chords are made finer, by half, before the line counts as not to be fitted.
 const TRIALS: usize = 4;
 
 /// Where vertices are put.
@@ -29,20 +29,22 @@ pub(super) fn place(
     most: usize,
     is_near: impl Fn(&[DVec2]) -> bool,
 ) -> Option<(Vec<DVec2>, Vec<f64>)> {
-    let fine = FINE * curve.spans();
-    let parameter = |k: usize| k as f64 / FINE as f64;
-    let dense: Vec<DVec2> = (0..=fine).map(|k| curve.at(parameter(k))).collect();
+    let dense = |fine: usize| -> Vec<DVec2> {
+        (0..=fine * curve.spans()).map(|k| curve.at(k as f64 / fine as f64)).collect()
+    };
     if placing == Placing::Bends {
-        for trial in 0..TRIALS {
-            let chosen = by_bends(&dense, sagitta / f64::from(1u32 << trial));
+        for finer in (0..TRIALS).map(|trial| 1 << trial) {
+            let fine = FINE * finer;
+            let dense = dense(fine);
+            let chosen = by_bends(&dense, sagitta / finer as f64, WIDEST * finer);
             let points: Vec<DVec2> = chosen.iter().map(|&k| dense[k]).collect();
             if is_near(&points) {
-                return Some((points, chosen.into_iter().map(parameter).collect()));
+                return Some((points, chosen.into_iter().map(|k| k as f64 / fine as f64).collect()));
             }
         }
         return None;
     }
-    let lengths = lengths_of(&dense);
+    let lengths = lengths_of(&dense(FINE));
     let mut count = curve.control.len().max(6);
     while count <= most {
         let parameters = even(&lengths, count);
@@ -72,10 +74,10 @@ fn even(lengths: &[f64], count: usize) -> Vec<f64> {
 }
 
 /// Numbers of points so that the chords between them pass all others within `sagitta`: each chord goes as far as the
-/// wedge of directions, seen from its start, that do so allows.
-fn by_bends(dense: &[DVec2], sagitta: f64) -> Vec<usize> {
+/// wedge of directions, seen from its start, that do so allows, and at most over `widest` points.
+fn by_bends(dense: &[DVec2], sagitta: f64, widest: usize) -> Vec<usize> {
     let last = dense.len() - 1;
-    let widest = (last / 6).clamp(1, WIDEST);
+    let widest = (last / 6).clamp(1, widest);
     let mut chosen = vec![0];
     let mut from = 0;
     while from < last {
