@@ -87,7 +87,8 @@ impl InputArgs {
         let map = summary::or_tell(cleaned, &findings, console)?.collect(&mut findings);
         let map = match self.fit {
             Some(tolerance) => {
-                let fitted = console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
+                let fitted =
+                    console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
                 let fitted = summary::or_tell(fitted, &findings, console)?.collect(&mut findings);
                 describe_fit(&fitted, console);
                 fitted.map

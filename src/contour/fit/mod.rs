@@ -85,8 +85,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     }
     let tolerance = |halvings: u8| params.tolerance / f64::from(1u32 << halvings);
     let placing = if params.sampling.is_some() { Placing::Even } else { Placing::Bends };
-    let mut states: Vec<State> =
-        map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance, placing)).collect();
+    let mut states: Vec<State> = map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance, placing)).collect();
     let mut round = 0;
     loop {
         let lines: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
@@ -169,10 +168,10 @@ fn refine(
     let plan = sample::plan(&coarse, sampling)?;
     let mut lines: Vec<Contour> = (states.par_iter().zip(&plan.cuts).zip(map.contours.par_iter().zip(tolerances)))
         .map(|((state, cuts), (input, &tolerance))| {
-            let fine = state.curve.as_ref().map(|curve| Contour {
-                points: points_of(&state.line.points, curve, cuts),
-                ..state.line
-            });
+            let fine = state
+                .curve
+                .as_ref()
+                .map(|curve| Contour { points: points_of(&state.line.points, curve, cuts), ..state.line });
             let is_good = |fine: &Contour| {
                 clean::is_sound(fine)
                     && is_near(&input.points, &fine.points, tolerance)

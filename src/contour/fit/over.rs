@@ -134,7 +134,8 @@ mod tests {
         let at = |x: f64, y: f64| DVec2::new(x, y);
         let line = [at(0.0, 0.0), at(5.0, 5.0), at(10.0, 0.0)];
         let moved = |before: DVec2, after: DVec2| Moved { before, after, line: None };
-        let points = [moved(at(5.0, 1.0), at(5.0, -1.0)), moved(at(5.0, -1.0), at(5.0, 1.0)), moved(at(5.0, 1.0), at(5.0, 6.0))];
+        let points =
+            [moved(at(5.0, 1.0), at(5.0, -1.0)), moved(at(5.0, -1.0), at(5.0, 1.0)), moved(at(5.0, 1.0), at(5.0, 6.0))];
         let passed = passed_by(&line, &line, &points);
         assert!(passed.len() == 1 && passed[0].after == at(5.0, 6.0));
     }

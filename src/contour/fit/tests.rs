@@ -121,7 +121,10 @@ fn one_sharp_corner_does_not_set_the_density_of_a_line() {
 
 #[test]
 fn even_vertices_for_sampling() {
-    let map = ContourMap { contours: vec![ring(100.0, 6.0, 10.0, 2000), ring(80.0, 6.0, 20.0, 2000)], ..ContourMap::default() };
+    let map = ContourMap {
+        contours: vec![ring(100.0, 6.0, 10.0, 2000), ring(80.0, 6.0, 20.0, 2000)],
+        ..ContourMap::default()
+    };
     let near = CleanParams::default();
     let map = clean::clean(map, &near).expect("rings").value;
     let sampling = SampleParams { ratio: 0.1, ..SampleParams::default() };

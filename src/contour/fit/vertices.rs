@@ -7,7 +7,9 @@ use super::spline::Curve;
 /// Points a span at which the curve is looked at.
 const FINE: usize = 8;
 /// No vertices are further apart than so many of those.
-const WIDEST: usize = 64;
+const WIDEST: usize = 512;
+/// So many points in a row that cannot be the next vertex end the search for it.
+const MISSES: usize = 64;
 /// How often the chords are made finer, by half, before the line counts as not to be fitted.
 const TRIALS: usize = 4;
 
@@ -29,9 +31,8 @@ pub(super) fn place(
     most: usize,
     is_near: impl Fn(&[DVec2]) -> bool,
 ) -> Option<(Vec<DVec2>, Vec<f64>)> {
-    let dense = |fine: usize| -> Vec<DVec2> {
-        (0..=fine * curve.spans()).map(|k| curve.at(k as f64 / fine as f64)).collect()
-    };
+    let dense =
+        |fine: usize| -> Vec<DVec2> { (0..=fine * curve.spans()).map(|k| curve.at(k as f64 / fine as f64)).collect() };
     if placing == Placing::Bends {
         for finer in (0..TRIALS).map(|trial| 1 << trial) {
             let fine = FINE * finer;
@@ -90,6 +91,8 @@ fn by_bends(dense: &[DVec2], sagitta: f64, widest: usize) -> Vec<usize> {
             };
             if wedge.is_none_or(is_in) {
                 to = k;
+            } else if k - to > MISSES {
+                break;
             }
             let distance = away.length();
             if distance <= sagitta {

@@ -49,7 +49,9 @@ impl SampleParams {
     pub(super) fn check(&self) -> Result<()> {
         if !(self.ratio > 0.0 && self.ratio < 1.0) {
             let ratio = self.ratio;
-            return Err(Error::Parameter(format!("the sampling ratio must be more than 0 and less than 1, not {ratio}")));
+            return Err(Error::Parameter(format!(
+                "the sampling ratio must be more than 0 and less than 1, not {ratio}"
+            )));
         }
         match self.least {
             Some(least) if !(least.is_finite() && least > 0.0) => {

@@ -10,7 +10,9 @@ fn two_lines(apart: f64) -> ContourMap {
 }
 
 fn sampled(map: ContourMap, ratio: f64, least: Option<f64>) -> Sampled {
-    sample(map, &SampleParams { ratio, least, ..SampleParams::default() }, &CleanParams::default()).expect("clean").value
+    sample(map, &SampleParams { ratio, least, ..SampleParams::default() }, &CleanParams::default())
+        .expect("clean")
+        .value
 }
 
 #[test]
