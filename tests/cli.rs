@@ -591,7 +591,7 @@ fn help_and_version_are_there_and_a_closed_pipe_is_no_error() {
 fn sampling_adds_vertices_and_keeps_the_input() {
     let folder = with_hill();
     folder.succeeds("densify hill.geojson -i 5 -o plain.geojson");
-    let (_, said) = folder.succeeds("densify hill.geojson -i 5 --sample 0.1 -o sampled.geojson");
+    let (said, _) = folder.succeeds("densify hill.geojson -i 5 --sample 0.1 -o sampled.geojson");
     assert!(said.contains("sampled    "), "{said}");
     let input = |name: &str| folder.lines_of(name).into_iter().filter(|l| l.1 == "input").collect::<Vec<_>>();
     let (plain, sampled) = (input("plain.geojson"), input("sampled.geojson"));
@@ -601,6 +601,6 @@ fn sampling_adds_vertices_and_keeps_the_input() {
         assert!(new.2.len() > 2 * old.2.len());
         assert!(old.2.iter().all(|p| new.2.contains(p)), "a vertex is gone");
     }
-    let (_, said) = folder.succeeds("densify hill.geojson -i 5 --fit 1 --sample 0.2 -o both.geojson");
+    let (said, _) = folder.succeeds("densify hill.geojson -i 5 --fit 1 --sample 0.2 -o both.geojson");
     assert!(said.contains("fitted     ") && said.contains("sampled    "), "{said}");
 }
