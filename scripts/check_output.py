@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks an output of tokosen against its input, independently of tokosen's own code.
 
-    check_output.py INPUT OUTPUT [--dem DEM.tif] [--frame POLYGON [--clip]]
+    check_output.py INPUT OUTPUT [--dem DEM.tif] [--frame POLYGON [--clip]] [--sampled]
 
 INPUT holds contour lines with an attribute for the elevation (--elev; a usual name is found by itself) or 3-D lines.
 OUTPUT is a GeoPackage (all its layers), GeoJSON or Shapefile of tokosen. Prints a row a check, with the first few
@@ -30,6 +30,9 @@ With --clip the output was cut to the polygon: input lines are wanted as far as 
 of source input may end in a part of an input segment on its border, and lie nowhere else than inside. A polygon that
 reaches further beyond the box around the map than half the mean distance between contours counts as far as the map's
 convex hull.
+
+With --sampled vertices may have been added on the input's segments: they must lie within --tolerance of the straight way
+between the input's vertices on both sides, and without them the input must be kept as ever.
 
 Repeated points of the input count once. An input line that was repaired on purpose is no error of the output: --cut and
 --joints say how many lines and segments may differ.
@@ -314,6 +317,26 @@ def kept(inp, out, allowed_cut, allowed_joints, clip=None):
     return problems, text
 
 
+def without_added(inp, out, tolerance):
+    """The output's lines less the vertices that were added on segments: (lines, problems)."""
+    a, b = numbered(inp, out)
+    own = np.isin(b, a)
+    owner = out.line_of_vertex()
+    at = np.arange(len(b))
+    before = np.maximum.accumulate(np.where(own, at, -1))
+    after = np.minimum.accumulate(np.where(own, at, len(b))[::-1])[::-1]
+    added = np.flatnonzero(~own)
+    # A closed line may start at any vertex of the input, an open one at its end: none starts or ends with an added one.
+    stray = (before[added] < 0) | (after[added] >= len(b))
+    p, q = np.maximum(before[added], 0), np.minimum(after[added], len(b) - 1)
+    stray |= (owner[p] != owner[added]) | (owner[q] != owner[added])
+    way = shapely.linestrings(np.stack([out.xy[p], out.xy[q]], axis=1))
+    off = shapely.distance(shapely.points(out.xy[added]), way) > tolerance
+    problems = [f"line {owner[i]}, level {out.elev[owner[i]]:g}, has a vertex beside the input at {place(out.xy[i])}"
+                for i in added[stray | off]]
+    return out.without(own, np.ones(len(out), bool)), problems
+
+
 def chunks_of(lines):
     """The lines cut into pieces of CHUNK segments: (pieces, line of each, first vertex of each)."""
     count = np.maximum(-(-(lines.sizes() - 1) // CHUNK), 1)
@@ -463,7 +486,13 @@ def check_layer(rows, name, lines, not_lines, inp, frame, args):
         return None
     source_input = lines.without(np.ones(len(lines.xy), bool), lines.fields["source"] == "input")
     clip = (frame, args.tolerance) if args.clip else None
+    end_lines, astray = inp, []
+    if args.sampled:
+        # New lines may end at an added vertex too.
+        end_lines = source_input
+        source_input, astray = without_added(inp, source_input, args.tolerance)
     problems, note = kept(inp, source_input, args.cut, args.joints, clip)
+    problems = astray + problems
     rows.row(name, "input kept", problems, "all there" if not args.cut + args.joints else "within what is allowed", note)
     chunks, chunk_line, _ = chunks_of(lines)
     tree = shapely.STRtree(chunks)
@@ -477,7 +506,7 @@ def check_layer(rows, name, lines, not_lines, inp, frame, args):
         rows.row(name, "z", heights(lines), "equal to elev everywhere")
     else:
         rows.skipped(name, "z", "two-dimensional lines")
-    problems, count = ends(lines, inp, frame, args.tolerance)
+    problems, count = ends(lines, end_lines, frame, args.tolerance)
     rows.row(name, "ends", problems, f"{count} ends of interpolated lines in place")
     if "closed" in lines.fields:
         wrong = np.flatnonzero(truth_values(lines.fields["closed"]) != lines.closed())
@@ -529,6 +558,7 @@ def main():
     parser.add_argument("--dem", help="a DEM that was made from the same input")
     parser.add_argument("--frame", help="file with the polygon that the output was made in (default: convex hull of the input)")
     parser.add_argument("--clip", action="store_true", help="the output was cut to the polygon of --frame")
+    parser.add_argument("--sampled", action="store_true", help="vertices were added on the input's segments")
     parser.add_argument("--elev", help="attribute of the input that holds the elevation")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="distance of an end from the frame, map units (%(default)s)")
     parser.add_argument("--cut", type=int, default=0, metavar="N", help="input lines that may be cut or in pieces (%(default)s)")

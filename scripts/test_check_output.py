@@ -114,6 +114,25 @@ class CheckOutput(unittest.TestCase):
         ring["points"] = np.vstack([ring["points"][7:-1], ring["points"][:8]])
         self.assertEqual(self.run_check(lines), [], self.said)
 
+    def sampled(self, beside=0.0):
+        lines = self.copy()
+        for r in (r for r in lines if r["source"] == "input"):
+            p = r["points"]
+            middle = (p[:-1] + p[1:]) / 2 + [beside, 0]
+            both = np.empty((2 * len(p) - 1, 2))
+            both[::2], both[1::2] = p, middle
+            r["points"], r["z"] = both, np.full(len(both), r["elev"])
+        return lines
+
+    def test_added_vertices(self):
+        self.assertEqual(self.run_check(self.sampled(), "--sampled"), [], self.said)
+        self.assertIn("input kept", self.run_check(self.sampled()))
+        self.assertIn("input kept", self.run_check(self.sampled(beside=0.01), "--sampled"))
+        lines = self.sampled()
+        r = self.pick(lines, "input")
+        r["points"], r["z"] = np.delete(r["points"], 12, axis=0), np.delete(r["z"], 12)
+        self.assertIn("input kept", self.run_check(lines, "--sampled"))
+
     def test_layers_are_checked_one_by_one(self):
         path = self.path / "layers.gpkg"
         write(path, self.lines, "contours_5m")

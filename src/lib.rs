@@ -10,6 +10,8 @@
 //! |---|---|---|
 //! | [`io::read_contours`] | a file | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
 //! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
+//! | [`contour::fit`](fn@contour::fit) | a clean map | a [`Fitted`](contour::Fitted) one: smooth lines within a tolerance |
+//! | [`contour::sample`](fn@contour::sample) | a clean map | a [`Sampled`](contour::Sampled) one: vertices as dense as the contours around ask |
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
 //! | [`tin::regions`] | a triangulation | [`Regions`](tin::Regions): sub-domains with the band of levels of each |
 //! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |

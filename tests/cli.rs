@@ -326,6 +326,11 @@ fn numbers_out_of_range() {
         ("dem hill.geojson --cell 1e-5 -o d.tif", "choose a larger cell"),
         ("dem hill.geojson --cell 5 --like d.tif -o e.tif", "cannot be used with"),
         ("dem hill.geojson --cell 5 --snap -1 -o d.tif", "--snap is -1, it must be 0 or more"),
+        ("dem hill.geojson --cell 5 --sample 0 -o d.tif", "more than 0 and less than 1"),
+        ("dem hill.geojson --cell 5 --sample 1 -o d.tif", "more than 0 and less than 1"),
+        ("mesh hill.geojson --sample -0.5 -o d.ply", "more than 0 and less than 1"),
+        ("densify hill.geojson -i 5 --sample nan -o out.gpkg", "more than 0 and less than 1"),
+        ("densify hill.geojson -i 5 --sample 1e-9 -o out.gpkg", "take a larger ratio"),
         ("dem hill.geojson --cell 5 --resolution -1 -o d.tif", "w is -1, it must be 0 or more"),
         ("dem hill.geojson --cell 5 --threads 0 -o d.tif", "0 is not in 1..=1024"),
         ("dem hill.geojson --cell 5 --surface cubic -o d.tif", "invalid value 'cubic'"),
@@ -580,4 +585,22 @@ fn help_and_version_are_there_and_a_closed_pipe_is_no_error() {
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("tokosen"));
     command.current_dir(folder.0.path()).args(["densify", "hill.geojson", "-i", "5", "-o", "out.gpkg"]).stdout(full);
     assert_eq!(command.status().unwrap().code(), Some(DONE));
+}
+
+#[test]
+fn sampling_adds_vertices_and_keeps_the_input() {
+    let folder = with_hill();
+    folder.succeeds("densify hill.geojson -i 5 -o plain.geojson");
+    let (said, _) = folder.succeeds("densify hill.geojson -i 5 --sample 0.1 -o sampled.geojson");
+    assert!(said.contains("sampled    "), "{said}");
+    let input = |name: &str| folder.lines_of(name).into_iter().filter(|l| l.1 == "input").collect::<Vec<_>>();
+    let (plain, sampled) = (input("plain.geojson"), input("sampled.geojson"));
+    assert_eq!(plain.len(), sampled.len());
+    for (old, new) in plain.iter().zip(&sampled) {
+        assert_eq!(old.0, new.0);
+        assert!(new.2.len() > 2 * old.2.len());
+        assert!(old.2.iter().all(|p| new.2.contains(p)), "a vertex is gone");
+    }
+    let (said, _) = folder.succeeds("densify hill.geojson -i 5 --fit 1 --sample 0.2 -o both.geojson");
+    assert!(said.contains("fitted     ") && said.contains("sampled    "), "{said}");
 }

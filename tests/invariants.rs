@@ -15,7 +15,9 @@ use std::f64::consts::TAU;
 use common::Terrain;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, FitParams, Source, clean, fit};
+use tokosen::contour::{
+    CleanParams, Contour, ContourLayer, ContourMap, FitParams, SampleParams, Source, clean, fit, sample,
+};
 use tokosen::dem::{Grid, rasterise};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
@@ -164,15 +166,34 @@ proptest! {
     }
 
     #[test]
-    fn hold_on_fitted_lines(seed in any::<u64>()) {
+    fn hold_on_fitted_and_sampled_lines(
+        seed in any::<u64>(),
+        tolerance in prop::option::of(0.5f64..20.0),
+        ratio in prop::option::of(0.3f64..0.99),
+    ) {
         for terrain in common::all_kinds(seed) {
+            let what = format!("{} fitted {tolerance:?} sampled {ratio:?}", terrain.kind);
             let near = CleanParams::default();
-            let map = clean_map(map_of(&terrain.contours()));
-            let fitted = fit(map, &FitParams { tolerance: 5.0 }, &near).expect("the map is clean").value;
-            let lines: Vec<_> = fitted.map.contours.iter().map(|c| (c.elevation, c.points.clone())).collect();
-            prop_assert!(common::crossings(&lines).is_empty(), "{}", terrain.kind);
-            if let Ok(report) = build(fitted.map, &SurfaceParams::default(), &()) {
-                check(&report.value.map, &report.value, terrain.interval / 5.0, terrain.kind);
+            let sampling = ratio.map(|ratio| SampleParams { ratio, ..SampleParams::default() });
+            let mut map = clean_map(map_of(&terrain.contours()));
+            if let Some(tolerance) = tolerance {
+                let before = map.contours.len();
+                map = fit(map, &FitParams { tolerance, sampling }, &near).expect("the map is clean").value.map;
+                prop_assert_eq!(before, map.contours.len(), "{}", what);
+            }
+            if let Some(sampling) = &sampling {
+                let before = map.clone();
+                map = sample(map, sampling, &near).expect("the map is clean").value.map;
+                for (old, new) in before.contours.iter().zip(&map.contours) {
+                    let mut rest = new.points.iter();
+                    let is_there = old.points.iter().all(|p| rest.any(|q| bits(*p) == bits(*q)));
+                    prop_assert!(is_there, "{}: a vertex is gone", what);
+                }
+            }
+            let lines: Vec<_> = map.contours.iter().map(|c| (c.elevation, c.points.clone())).collect();
+            prop_assert!(common::crossings(&lines).is_empty(), "{}", what);
+            if let Ok(report) = build(map, &SurfaceParams::default(), &()) {
+                check(&report.value.map, &report.value, terrain.interval / 5.0, &what);
             }
         }
     }

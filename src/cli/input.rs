@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::contour::{CleanParams, ContourMap, FitParams, Fitted, clean, find_interval, fit};
+use tokosen::contour::{
+    CleanParams, ContourMap, FitParams, Fitted, SampleParams, Sampled, clean, find_interval, fit, sample,
+};
 use tokosen::error::{Error, Finding};
 use tokosen::io::{ReadOptions, looks_like_degrees, read_contours, read_spot_heights};
 
@@ -33,6 +35,10 @@ pub struct InputArgs {
     /// is then not kept vertex for vertex
     #[arg(long, value_name = "TOLERANCE")]
     pub fit: Option<f64>,
+    /// Add vertices until, for each of them, its neighbours on the line are at most S times as far away as the nearest other
+    /// contour; the input's own vertices stay. With --fit the points lie on the fitted curve
+    #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true)]
+    pub sample: Option<f64>,
     /// Stop with exit status 1 when anything is wrong with the input, instead of going on without the smallest piece
     #[arg(long)]
     pub strict: bool,
@@ -81,15 +87,29 @@ impl InputArgs {
         let map = summary::or_tell(cleaned, &findings, console)?.collect(&mut findings);
         let map = match self.fit {
             Some(tolerance) => {
-                let fitted = console.step("fitting", || fit(map, &FitParams { tolerance }, &params));
+                let fitted =
+                    console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
                 let fitted = summary::or_tell(fitted, &findings, console)?.collect(&mut findings);
                 describe_fit(&fitted, console);
                 fitted.map
             }
             None => map,
         };
+        let map = match self.sampling() {
+            Some(sampling) => {
+                let sampled = console.step("sampling", || sample(map, &sampling, &params));
+                let sampled = summary::or_tell(sampled, &findings, console)?.collect(&mut findings);
+                describe_sample(&sampled, console);
+                sampled.map
+            }
+            None => map,
+        };
         self.check_strict(&findings, console)?;
         Ok(Input { map, findings })
+    }
+
+    fn sampling(&self) -> Option<SampleParams> {
+        self.sample.map(|ratio| SampleParams { ratio, ..SampleParams::default() })
     }
 
     /// With `--strict`, any finding ends the work.
@@ -134,6 +154,21 @@ fn describe_fit(fitted: &Fitted, console: &Console) {
          lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
         fitted.vertices_before, fitted.control_points, fitted.vertices_after, fitted.deviation, fitted.unchanged
     ));
+}
+
+fn describe_sample(sampled: &Sampled, console: &Console) {
+    console.say(&format!(
+        "sampled    {} vertices added; {} pieces kept longer by the lower limit of {:.3}, {} segments left whole lest lines \
+         meet",
+        sampled.added, sampled.held, sampled.least, sampled.whole
+    ));
+}
+
+fn sampling_ratio(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(ratio) if ratio > 0.0 && ratio < 1.0 => Ok(ratio),
+        _ => Err("it must be more than 0 and less than 1".into()),
+    }
 }
 
 /// Lengths and slopes in degrees mean nothing, so such a map is not taken.

@@ -7,6 +7,7 @@ pub mod fit;
 mod interval_search;
 mod levels;
 mod line;
+pub mod sample;
 
 pub(crate) use border::{Border, rings, with_vertices};
 pub use clean::{CleanParams, clean};
@@ -14,6 +15,7 @@ pub use clip::{Clipped, clip};
 pub use fit::{FitParams, Fitted, fit};
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
+pub use sample::{SampleParams, Sampled, sample};
 
 use glam::{DVec2, DVec3};
 

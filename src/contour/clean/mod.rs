@@ -26,11 +26,10 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
-pub(crate) use self::segments::Segment;
+pub(crate) use self::segments::{Runs, Segment, Segments};
 
 use self::contacts::Contacts;
 use self::removed::Removed;
-use self::segments::Segments;
 use super::{Contour, ContourMap};
 use crate::error::{Error, Finding, Report, Result};
 
@@ -112,13 +111,23 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
 
 /// Numbers of the lines that [`validate`] would complain about for meeting another line or themselves, ascending.
 pub(super) fn lines_in_conflict(lines: &[Contour], params: &CleanParams) -> Result<Vec<usize>> {
-    let segments = Segments::new(lines)?;
-    let contacts = contacts::find(&segments, params.separation)?;
-    let mut numbers: Vec<usize> =
-        contacts.iter().flat_map(|(s, t)| [segments.line_number(s), segments.line_number(t)]).collect();
-    numbers.sort_unstable();
+    let mut numbers: Vec<usize> = segments_in_conflict(lines, params)?.into_iter().map(|(line, _)| line).collect();
     numbers.dedup();
     Ok(numbers)
+}
+
+/// The segments that [`validate`] would complain about: number of the line and of the segment on it, ascending.
+pub(super) fn segments_in_conflict(lines: &[Contour], params: &CleanParams) -> Result<Vec<(usize, usize)>> {
+    let segments = Segments::new(lines)?;
+    let contacts = contacts::find(&segments, params.separation)?;
+    let mut numbers: Vec<u32> = contacts.iter().flat_map(|(s, t)| [s, t]).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let place = |s: u32| {
+        let line = segments.line_number(s);
+        (line, (s - segments.start(line as u32)) as usize)
+    };
+    Ok(numbers.into_iter().map(place).collect())
 }
 
 /// Whether a line by itself has finite points and visits none twice.

@@ -7,6 +7,7 @@ use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::meet::point_distance;
 use super::removed::{self, SegmentKey};
 use crate::contour::Contour;
 use crate::error::{Error, Result};
@@ -15,7 +16,7 @@ use crate::error::{Error, Result};
 const RUN: usize = 8;
 
 /// The segments of lines, numbered line by line.
-pub(super) struct Segments<'a> {
+pub(crate) struct Segments<'a> {
     lines: &'a [Contour],
     /// Number of each line's first segment, and at the end the number of all.
     starts: Vec<u32>,
@@ -36,14 +37,14 @@ impl Segment {
 
 /// An upright rectangle.
 #[derive(Clone, Copy)]
-pub(super) struct Bounds {
-    pub(super) min: DVec2,
-    pub(super) max: DVec2,
+pub(crate) struct Bounds {
+    pub(crate) min: DVec2,
+    pub(crate) max: DVec2,
 }
 
 impl Bounds {
     /// Grown by `margin` on all sides.
-    pub(super) fn grown(self, margin: f64) -> Self {
+    pub(crate) fn grown(self, margin: f64) -> Self {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
@@ -58,24 +59,24 @@ impl Bounds {
 }
 
 /// A run of successive segments of one line.
-pub(super) struct Run {
-    pub(super) line: u32,
+pub(crate) struct Run {
+    pub(crate) line: u32,
     /// Number of its first segment among those of the line.
-    pub(super) from: u32,
+    pub(crate) from: u32,
     /// Number after its last.
-    pub(super) to: u32,
+    pub(crate) to: u32,
     pub(super) bounds: Bounds,
 }
 
 /// Runs of segments, and the tree of their boxes.
-pub(super) struct Runs {
-    pub(super) runs: Vec<Run>,
+pub(crate) struct Runs {
+    pub(crate) runs: Vec<Run>,
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, u32>>,
 }
 
 impl<'a> Segments<'a> {
     /// Numbers the segments.
-    pub(super) fn new(lines: &'a [Contour]) -> Result<Self> {
+    pub(crate) fn new(lines: &'a [Contour]) -> Result<Self> {
         let mut starts = Vec::with_capacity(lines.len() + 1);
         let mut sum = 0u32;
         for line in lines {
@@ -131,7 +132,7 @@ impl<'a> Segments<'a> {
     }
 
     /// Builds the tree.
-    pub(super) fn runs(&self) -> Runs {
+    pub(crate) fn runs(&self) -> Runs {
         let mut runs = Vec::with_capacity(self.len() / RUN + self.lines.len());
         for (line, contour) in (0u32..).zip(self.lines) {
             let count = contour.points.len().saturating_sub(1);
@@ -155,7 +156,30 @@ impl<'a> Segments<'a> {
 
 impl Runs {
     /// Numbers of the runs whose boxes share a point with `bounds`, in no particular order.
-    pub(super) fn near(&self, bounds: &Bounds) -> impl Iterator<Item = u32> {
+    pub(crate) fn near(&self, bounds: &Bounds) -> impl Iterator<Item = u32> {
         self.tree.locate_in_envelope_intersecting(&bounds.aabb()).map(|run| run.data)
+    }
+
+    /// Numbers of lines that may be within `reach` of a point, in no particular order and more than once.
+    pub(crate) fn lines_near(&self, p: DVec2, reach: f64) -> Vec<u32> {
+        self.near(&Bounds { min: p, max: p }.grown(reach)).map(|run| self.runs[run as usize].line).collect()
+    }
+
+    /// Distance from a point to the nearest of `lines` but the line number `own`; infinite where there is no other.
+    pub(crate) fn distance_to_others(&self, lines: &[Contour], p: DVec2, own: u32) -> f64 {
+        let mut best = f64::INFINITY;
+        for (run, box_distance_2) in self.tree.nearest_neighbor_iter_with_distance_2(&p.to_array()) {
+            if box_distance_2 > best * best {
+                break;
+            }
+            let run = &self.runs[run.data as usize];
+            if run.line != own {
+                let points = &lines[run.line as usize].points[run.from as usize..=run.to as usize];
+                for w in points.windows(2) {
+                    best = best.min(point_distance(p, &Segment { a: w[0], b: w[1] }));
+                }
+            }
+        }
+        best
     }
 }

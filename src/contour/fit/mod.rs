@@ -1,18 +1,23 @@
-//! Fitting: smooth, evenly spaced lines in place of ragged ones (Zhang, Konno and Tokuyama 2005, section 3.1).
+//! Fitting: smooth lines in place of ragged ones (Zhang, Konno and Tokuyama 2005, section 3.1).
 //!
 //! Each line is approximated by a cubic B-spline with uniform knots and chord-length parameters, periodic for a closed
-//! line, clamped at both ends for an open one, with few control points: their number is doubled, then bisected to about
-//! a thirtieth. Lines that would meet others are fitted again with half the tolerance, in the end left as they are.
-//!
-//! Known limitation: a line can pass over another that lies wholly within the tolerance of it without meeting it.
+//! line, clamped at both ends for an open one, with as few control points as doubling and bisecting finds. Vertices are
+//! put on the curve where it bends, or evenly for sampling. Lines that would meet others, or pass over a line or a spot
+//! height without meeting it, are fitted again with half the tolerance, in the end left as they are.
 
+mod least_squares;
+mod over;
 mod spline;
 #[cfg(test)]
 mod tests;
+mod vertices;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
+use self::vertices::{Placing, largest_distance, near as is_near};
 use super::clean::{self, CleanParams};
+use super::sample::{self, Cut, SampleParams};
 use super::{Contour, ContourMap};
 use crate::error::{Error, Report, Result};
 
@@ -26,6 +31,9 @@ const ROUNDS: usize = 6;
 pub struct FitParams {
     /// Largest distance of a line's vertices from the fitted line and back, map units.
     pub tolerance: f64,
+    /// Vertices at even distances along the curves, as dense as [`sample`](fn@sample::sample) asks wherever they can lie
+    /// on the curve. None: where the curves bend.
+    pub sampling: Option<SampleParams>,
 }
 
 /// A fitted map, with figures.
@@ -42,10 +50,9 @@ pub struct Fitted {
     pub vertices_before: usize,
     /// Vertices of the fitted map.
     pub vertices_after: usize,
-    /// Lines fitted with half the tolerance, a quarter, an eighth, because they met others.
+    /// Lines fitted with half the tolerance, a quarter, an eighth, because they met or passed others.
     pub narrowed: [usize; HALVINGS as usize],
-    /// Lines left as they are, because they met others have too few points, or no curve is
-    /// near enough.
+    /// Lines left as they are, because they met others, have too few points, or no curve is near enough.
     pub unchanged: usize,
 }
 
@@ -54,6 +61,8 @@ struct State {
     line: Contour,
     halvings: u8,
     control_points: usize,
+    /// The curve, where more points of it may be wanted.
+    curve: Option<spline::Line>,
 }
 
 /// Fits all lines of a clean map; see the module's first lines.
@@ -71,14 +80,18 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
         )));
     }
     clean::validate(&map, near)?;
+    if let Some(sampling) = &params.sampling {
+        sampling.check()?;
+    }
     let tolerance = |halvings: u8| params.tolerance / f64::from(1u32 << halvings);
-    let mut states: Vec<State> = map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance)).collect();
+    let placing = if params.sampling.is_some() { Placing::Even } else { Placing::Bends };
+    let mut states: Vec<State> = map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance, placing)).collect();
     let mut round = 0;
     loop {
         let lines: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
-        let met = clean::lines_in_conflict(&lines, near)?;
+        let trouble = in_trouble(&map, &lines, params.tolerance, near)?;
         drop(lines);
-        let again: Vec<usize> = met.into_iter().filter(|&i| states[i].control_points > 0).collect();
+        let again: Vec<usize> = trouble.into_iter().filter(|&i| states[i].control_points > 0).collect();
         if again.is_empty() {
             break;
         }
@@ -87,12 +100,16 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
             .par_iter()
             .map(|&i| {
                 let halvings = if round > ROUNDS { HALVINGS } else { states[i].halvings } + 1;
-                fit_line(&map.contours[i], halvings, tolerance(halvings))
+                fit_line(&map.contours[i], halvings, tolerance(halvings), placing)
             })
             .collect();
         for (i, state) in again.into_iter().zip(refitted) {
             states[i] = state;
         }
+    }
+    if let Some(sampling) = &params.sampling {
+        let wanted: Vec<f64> = states.iter().map(|s| tolerance(s.halvings)).collect();
+        refine(&map, &mut states, &wanted, sampling, near)?;
     }
     let deviation = states
         .par_iter()
@@ -100,8 +117,8 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
         .filter(|(s, _)| s.control_points > 0)
         .map(|(s, c)| {
             let t = tolerance(s.halvings);
-            let there = spline::largest_distance(&c.points, &s.line.points, t);
-            there.max(spline::largest_distance(&s.line.points, &c.points, t))
+            let there = largest_distance(&c.points, &s.line.points, t);
+            there.max(largest_distance(&s.line.points, &c.points, t))
         })
         .reduce(|| 0.0, f64::max);
     let fitted = |s: &&State| s.control_points > 0;
@@ -119,13 +136,75 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     Ok(Report { value, findings })
 }
 
-fn fit_line(contour: &Contour, halvings: u8, tolerance: f64) -> State {
+/// Lines that meet others; if there are none, those that have passed over others.
+fn in_trouble(map: &ContourMap, lines: &[Contour], tolerance: f64, near: &CleanParams) -> Result<Vec<usize>> {
+    let met = clean::lines_in_conflict(lines, near)?;
+    if met.is_empty() { over::passed(&map.contours, lines, &map.spots, 2.0 * tolerance) } else { Ok(met) }
+}
+
+fn fit_line(contour: &Contour, halvings: u8, tolerance: f64, placing: Placing) -> State {
     let fitted = (halvings <= HALVINGS && contour.points.len() > 5)
-        .then(|| spline::fit(&contour.points, contour.is_closed(), tolerance))
-        .flatten()
-        .filter(|f| clean::is_sound(&Contour { points: f.points.clone(), ..*contour }));
-    match fitted {
-        Some(f) => State { line: Contour { points: f.points, ..*contour }, halvings, control_points: f.control_points },
-        None => State { line: contour.clone(), halvings, control_points: 0 },
+        .then(|| spline::fit(&contour.points, contour.is_closed(), tolerance, placing))
+        .flatten();
+    if let Some(mut fitted) = fitted {
+        let line = Contour { points: std::mem::take(&mut fitted.points), ..*contour };
+        if clean::is_sound(&line) {
+            let control_points = fitted.curve.control.len();
+            return State { line, halvings, control_points, curve: (placing == Placing::Even).then_some(fitted) };
+        }
     }
+    State { line: contour.clone(), halvings, control_points: 0, curve: None }
+}
+
+/// More points of the curves where sampling asks for them. Lines that would then be in trouble stay as they were.
+fn refine(
+    map: &ContourMap,
+    states: &mut [State],
+    tolerances: &[f64],
+    sampling: &SampleParams,
+    near: &CleanParams,
+) -> Result<()> {
+    let coarse: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
+    let plan = sample::plan(&coarse, sampling)?;
+    let mut lines: Vec<Contour> = (states.par_iter().zip(&plan.cuts).zip(map.contours.par_iter().zip(tolerances)))
+        .map(|((state, cuts), (input, &tolerance))| {
+            let fine = state
+                .curve
+                .as_ref()
+                .map(|curve| Contour { points: points_of(&state.line.points, curve, cuts), ..state.line });
+            let is_good = |fine: &Contour| {
+                clean::is_sound(fine)
+                    && is_near(&input.points, &fine.points, tolerance)
+                    && is_near(&fine.points, &input.points, tolerance)
+            };
+            fine.filter(is_good).unwrap_or_else(|| state.line.clone())
+        })
+        .collect();
+    let largest = tolerances.iter().copied().fold(0.0, f64::max);
+    loop {
+        let mut trouble = in_trouble(map, &lines, largest, near)?;
+        trouble.retain(|&i| lines[i].points.len() != coarse[i].points.len());
+        if trouble.is_empty() {
+            break;
+        }
+        for i in trouble {
+            lines[i] = coarse[i].clone();
+        }
+    }
+    states.iter_mut().zip(lines).for_each(|(state, line)| state.line = line);
+    Ok(())
+}
+
+/// The points of a line with those of its curve at the cuts.
+fn points_of(points: &[DVec2], fitted: &spline::Line, cuts: &[Cut]) -> Vec<DVec2> {
+    let mut all = Vec::with_capacity(points.len() + cuts.len());
+    let mut cuts = cuts.iter().peekable();
+    for (k, (&p, u)) in (0u32..).zip(points.iter().zip(fitted.parameters.windows(2))) {
+        all.push(p);
+        while let Some(cut) = cuts.next_if(|cut| cut.segment == k) {
+            all.push(fitted.origin + fitted.curve.at(u[0] + cut.share * (u[1] - u[0])));
+        }
+    }
+    all.extend(points.last());
+    all
 }
