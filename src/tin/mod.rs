@@ -7,6 +7,7 @@ mod build;
 mod frame;
 mod gates;
 mod kinds;
+mod landforms;
 mod links;
 mod regions;
 
@@ -14,6 +15,7 @@ pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
 pub use gates::{Gaps, close_gaps};
 pub use kinds::{TriangleKind, triangle_kinds};
+pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use regions::{Band, Region, Regions, Side, regions};
 
