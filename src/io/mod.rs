@@ -7,6 +7,7 @@
 //! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
 
 mod area;
+mod depression;
 mod elevation;
 mod geojson;
 mod gpkg;

@@ -9,6 +9,7 @@ mod gates;
 mod kinds;
 mod landforms;
 mod links;
+mod orient;
 mod regions;
 
 pub use build::{TinInput, triangulate};
@@ -17,6 +18,7 @@ pub use gates::{Gaps, close_gaps};
 pub use kinds::{TriangleKind, triangle_kinds};
 pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
 pub use links::{Link, OpenEnd, link_open_ends};
+pub use orient::{ascends_right, signed_area};
 pub use regions::{Band, Region, Regions, Side, regions};
 
 use std::collections::HashSet;
