@@ -33,7 +33,8 @@ pub fn write(
     console: &Console,
 ) -> Result<(), Failure> {
     let crs = surface.map.crs.as_ref();
-    let scene = Scene { tin: &surface.tin, frame: &surface.frame, crs, lines, breaks: &surface.break_lines, patches: None };
+    let scene =
+        Scene { tin: &surface.tin, frame: &surface.frame, crs, lines, breaks: &surface.break_lines, patches: None };
     draw(staged, &scene, console)
 }
 

@@ -259,7 +259,13 @@ mod tests {
             ];
             let points = vec![DVec3::new(1000.0, y - 2.0, 5.0), DVec3::new(1000.0 + width, y - 2.0, 5.0)];
             let ridge = BreakLine { kind: BreakKind::Ridge, points };
-            let picture = Preview { dem: &dem, contours: &contours, break_lines: &[ridge], patches: None, title: Some("Hill 丘") };
+            let picture = Preview {
+                dem: &dem,
+                contours: &contours,
+                break_lines: &[ridge],
+                patches: None,
+                title: Some("Hill 丘"),
+            };
             let image = render(&picture).unwrap();
             assert!(image.width().max(image.height()) <= MAX_SIDE as u32, "{}x{}", image.width(), image.height());
             let red = |p: &image::Rgb<u8>| p.0[0] > 150 && p.0[1] < 90 && p.0[2] < 90;
@@ -271,7 +277,8 @@ mod tests {
     #[test]
     fn cells_without_data_are_paper_and_others_are_not() {
         let dem = hill(400.0, 300.0);
-        let image = render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }).unwrap();
+        let image =
+            render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }).unwrap();
         let at = |col: u32, row: u32| image.get_pixel(MARGIN as u32 + col, MARGIN as u32 + row).0;
         assert_eq!(at(10, 10), PAPER);
         assert_ne!(at(60, 60), PAPER);
@@ -282,7 +289,8 @@ mod tests {
         let dem = hill(400.0, 300.0);
         let images = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None })).unwrap()
+            pool.install(|| render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }))
+                .unwrap()
         });
         assert!(images[0] == images[1]);
     }
