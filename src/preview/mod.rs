@@ -258,12 +258,18 @@ mod tests {
                 line(60.0, &[], Source::Input),
             ];
             let points = vec![DVec3::new(1000.0, y - 2.0, 5.0), DVec3::new(1000.0 + width, y - 2.0, 5.0)];
+            let far = DVec2::new(1000.0 + width, 2000.0 + height);
+            let class = PatchClass { name: "bottom of a basin".into(), color: [40, 60, 150] };
+            let rings =
+                vec![vec![DVec2::new(1000.0, 2000.0), DVec2::new(far.x, 2000.0), far, DVec2::new(1000.0, far.y)]];
+            let areas = (0..8).map(|class| Patch { class, rings: rings.clone() }).collect();
+            let patches = Patches { classes: vec![class; 8], areas };
             let ridge = BreakLine { kind: BreakKind::Ridge, points };
             let picture = Preview {
                 dem: &dem,
                 contours: &contours,
                 break_lines: &[ridge],
-                patches: None,
+                patches: Some(&patches).filter(|_| width != height),
                 title: Some("Hill 丘"),
             };
             let image = render(&picture).unwrap();
