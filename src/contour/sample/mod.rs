@@ -88,7 +88,7 @@ pub struct Sampled {
 pub fn sample(map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
     params.check()?;
     clean::validate(&map, near)?;
-    let ContourMap { contours, spots, crs } = map;
+    let ContourMap { contours, spots, crs, depressions } = map;
     let Plan { mut cuts, least, held } = plan(&contours, params)?;
     let mut whole = 0;
     let mut round = 0;
@@ -119,7 +119,7 @@ pub fn sample(map: ContourMap, params: &SampleParams, near: &CleanParams) -> Res
             (value, findings)
         }
     };
-    let map = ContourMap { contours: lines, spots, crs };
+    let map = ContourMap { contours: lines, spots, crs, depressions };
     Ok(Report { value: Sampled { map, added, least, held, whole }, findings })
 }
 
