@@ -6,7 +6,9 @@ use tokosen::contour::ContourLine;
 use tokosen::dem::rasterise;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
-use tokosen::preview::{Preview, map_grid, render};
+use tokosen::mesh::Mesh;
+use tokosen::preview::{Model, Preview, map_grid, render, render_model};
+use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::Surface;
 
 use super::Failure;
@@ -35,6 +37,18 @@ pub fn write(
         let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), &());
         let picture = render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
         write_picture(&staged.path(), &picture).map_err(|e| staged.with_final_name(e))
+    })?;
+    Ok(())
+}
+
+/// Draws the model in space, with the input's contours, still under its temporary name.
+pub fn write_model(staged: &StagedOutput, surface: &Surface, model: &Mesh, console: &Console) -> Result<(), Failure> {
+    let params = LayerParams { targets: vec![Target::Levels(Vec::new())], index_every: 5 };
+    let layers = contour_layers(surface, &params, &())?;
+    console.step("drawing", || {
+        let lines = &layers[0].lines;
+        let model = Model { mesh: model, contours: lines, break_lines: &surface.break_lines, title: None };
+        write_picture(&staged.path(), &render_model(&model)?).map_err(|e| staged.with_final_name(e))
     })?;
     Ok(())
 }
