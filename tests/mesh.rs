@@ -26,7 +26,7 @@ fn samples() -> Vec<(String, Surface)> {
         std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.retain(|n| n.starts_with("fig") && n.ends_with(".geojson"));
     names.sort();
-    assert_eq!(names.len(), 8);
+    assert_eq!(names.len(), 12);
     let read = |name: &String| surface_of(read_contours(&folder.join(name), &ReadOptions::default()).unwrap().value);
     names.iter().map(|n| (n.clone(), read(n))).collect()
 }
