@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 
 use super::console::Console;
@@ -94,4 +94,10 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         mesh.origin.y,
         mesh.origin.z,
     ));
+    let flat = flattened(path, mesh);
+    if flat > 0 {
+        console.say(&format!(
+            "           {flat} narrow triangles are flat in the single precision of .glb; .ply and .obj are exact"
+        ));
+    }
 }

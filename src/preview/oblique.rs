@@ -273,3 +273,90 @@ impl Brightness {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preview::MAX_SIDE;
+    use crate::preview::color::{PAPER, RIDGE};
+
+    /// A field of `n` by `n` squares of ten units, each two triangles, closed by a base where one is given.
+    fn field(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
+        let at = |i: u32| {
+            let (x, y) = (f64::from(i % (n + 1)) * 10.0, f64::from(i / (n + 1)) * 10.0);
+            DVec3::new(x, y, height(x, y))
+        };
+        let vertices: Vec<DVec3> = (0..(n + 1) * (n + 1)).map(at).collect();
+        let squares = (0..n * n).map(|i| i % n + i / n * (n + 1));
+        let triangles = squares.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
+        let normals = vec![glam::Vec3::Z; vertices.len()];
+        let origin = DVec3::new(14_000.0, -16_500.0, 0.0);
+        Mesh { origin, vertices, normals, triangles, base: None, crs: None }
+    }
+
+    fn picture(mesh: &Mesh, break_lines: &[BreakLine]) -> RgbImage {
+        render_model(&Model { mesh, contours: &[], break_lines, title: Some("Model") }).unwrap()
+    }
+
+    /// A ridge line across a field of a hundred units from west to east, ten units from its northern edge.
+    fn line(mesh: &Mesh, height: f64) -> BreakLine {
+        let points = [0.0, 100.0].map(|x| DVec3::new(x, 90.0, height) + mesh.origin).to_vec();
+        BreakLine { kind: BreakKind::Ridge, points }
+    }
+
+    fn red(image: &RgbImage) -> usize {
+        // Legend and map have the same ink, mixed with what lies below.
+        let is_red = |p: &&image::Rgb<u8>| p.0.iter().zip(RIDGE).all(|(a, b)| a.abs_diff(b) < 40);
+        image.pixels().filter(is_red).count()
+    }
+
+    #[test]
+    fn a_wall_in_front_hides_a_line() {
+        let level = field(10, |_, _| 10.0);
+        let wall = field(10, |_, y| if y == 50.0 { 100.0 } else { 10.0 });
+        let [seen, hidden] = [&level, &wall].map(|mesh| red(&picture(mesh, &[line(mesh, 10.0)])));
+        assert!(seen > 1000, "{seen}");
+        assert!(hidden < seen / 3, "{hidden} of {seen}");
+    }
+
+    #[test]
+    fn few_triangles_have_edges_and_many_have_not() {
+        // On level ground of one colour every other colour is an edge.
+        let inner = |n: u32| {
+            let image = picture(&field(n, |_, _| 10.0), &[]);
+            let (x, y) = (image.width() / 2, image.height() / 3);
+            let window: Vec<_> = (0..40_000).map(|i| *image.get_pixel(x - 100 + i % 200, y - 100 + i / 200)).collect();
+            window.iter().filter(|p| **p != window[0]).count()
+        };
+        assert!(inner(20) > 500);
+        assert_eq!(inner(400), 0);
+    }
+
+    #[test]
+    fn pictures_fit_and_are_the_same_for_any_number_of_threads() {
+        for (x, y) in [(1.0, 1.0), (0.01, 1.0), (1.0, 0.01)] {
+            let mut mesh = field(30, |x, y| (x / 20.0).sin() * 5.0 + (y / 30.0).cos() * 9.0);
+            mesh.vertices.iter_mut().for_each(|v| *v *= DVec3::new(x, y, 1.0));
+            let images = [1, 3].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| picture(&mesh, &[]))
+            });
+            assert!(images[0] == images[1]);
+            let (width, height) = images[0].dimensions();
+            assert!(width.max(height) <= MAX_SIDE as u32, "{width} x {height}");
+            assert_eq!(images[0].get_pixel(2, height - 2).0, PAPER);
+        }
+    }
+
+    #[test]
+    fn models_that_cannot_be_drawn() {
+        let mut mesh = field(2, |_, _| 1.0);
+        mesh.vertices[3].z = f64::NAN;
+        let model = |mesh: &Mesh| render_model(&Model { mesh, contours: &[], break_lines: &[], title: None }).is_err();
+        assert!(model(&mesh));
+        mesh.vertices.fill(DVec3::ONE);
+        assert!(model(&mesh));
+        (mesh.vertices, mesh.normals, mesh.triangles) = Default::default();
+        assert!(model(&mesh));
+    }
+}
