@@ -96,6 +96,8 @@ pub enum FindingKind {
     SkippedLevel,
     /// The levels on the two sides of a contour contradict each other.
     BandContradiction,
+    /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
+    DepressionMark,
 }
 
 impl FindingKind {
@@ -116,6 +118,7 @@ impl FindingKind {
             Self::FrameBeyondMap => "frame larger than the map",
             Self::SkippedLevel => "neighbouring contours that skip a level",
             Self::BandContradiction => "contours with the same side on both sides",
+            Self::DepressionMark => "depression marks that the contours contradict",
         }
     }
 }

@@ -13,6 +13,7 @@
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
 //! | [`tin::regions`] | a triangulation | [`Regions`](tin::Regions): sub-domains with the band of levels of each |
 //! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |
+//! | [`tin::landforms`] | both | a [`Landform`](tin::Landform) a sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling and skeleton, heights everywhere |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |

@@ -21,7 +21,7 @@ fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {
 }
 
 fn surface_of(contours: Vec<Contour>, spots: Vec<DVec3>, frame: Frame) -> (Surface, Vec<Finding>) {
-    let map = ContourMap { contours, spots, crs: None };
+    let map = ContourMap { contours, spots, ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).unwrap().value;
     let report = build(map, &SurfaceParams { frame, ..SurfaceParams::default() }, &()).unwrap();
     (report.value, report.findings)

@@ -61,7 +61,8 @@ pub fn clip(map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
         border.contains(place) || border.edge_at(place).is_some()
     });
     let spots = spots.collect();
-    Clipped { map: ContourMap { contours: contours.into_iter().flatten().collect(), spots, crs: map.crs }, area }
+    let contours = contours.into_iter().flatten().collect();
+    Clipped { map: ContourMap { contours, spots, depressions: map.depressions, crs: map.crs }, area }
 }
 
 /// A vertex of a contour, old or new.
@@ -212,7 +213,7 @@ mod tests {
         let map = ContourMap {
             contours: vec![Contour { elevation: 10.0, points: ring, feature: 1 }],
             spots: vec![DVec3::new(1.0, 1.0, 3.0), DVec3::new(11.0, 1.0, 3.0), DVec3::new(0.0, 4.0, 3.0)],
-            crs: None,
+            ..ContourMap::default()
         };
         let clipped = clip(map, &area());
         let expected = line(&[(10.0, 8.0), (5.0, 8.0), (5.0, 2.0), (10.0, 2.0)]);

@@ -15,6 +15,8 @@ pub use fit::{FitParams, Fitted, fit};
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 
+use std::collections::BTreeMap;
+
 use glam::{DVec2, DVec3};
 
 use crate::crs::Crs;
@@ -51,6 +53,9 @@ pub struct ContourMap {
     pub contours: Vec<Contour>,
     /// Single points of known height (x, y, elevation).
     pub spots: Vec<DVec3>,
+    /// Features, by their number, that the input marks as depression contours (true) or as none (false). Only checked
+    /// against what the contours tell.
+    pub depressions: BTreeMap<u64, bool>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
 }

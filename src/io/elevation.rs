@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::SpotHeights;
+use super::{SpotHeights, depression};
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use crate::contour::{Contour, ContourMap};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
@@ -132,6 +132,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     let spots = spots_beside_lines(&table, named, &mut findings);
     let spot_findings = findings.split_off(spots_before);
 
+    let depressions = depression::marks(&table);
     let mut contours = Vec::new();
     let mut first_reason = None;
     for feature in table.features {
@@ -157,7 +158,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
     }
     findings.extend(spot_findings);
-    Ok(Report { value: ContourMap { contours, spots, crs: table.crs }, findings })
+    Ok(Report { value: ContourMap { contours, spots, depressions, crs: table.crs }, findings })
 }
 
 /// The points of a table as spot heights.

@@ -7,6 +7,7 @@
 //! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
 
 mod area;
+mod depression;
 mod elevation;
 mod geojson;
 mod gpkg;
@@ -26,6 +27,7 @@ use crate::contour::{ContourLayer, ContourMap};
 use crate::crs::Crs;
 use crate::error::{Error, Report, Result};
 use layer::Layer;
+use crate::tin::{Landform, Regions, Tin};
 use table::{Purpose, Request, Table};
 
 pub use staged::StagedOutput;
@@ -159,6 +161,23 @@ pub fn looks_like_degrees(map: &ContourMap) -> bool {
 pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
     let layers: Vec<Layer<'_>> = layers.iter().map(layer::of_contours).collect();
     write_layers(out, &layers, crs)
+}
+
+/// Writes the landforms of sub-domains as areas, in one layer `regions`, in the format that the target's extension names.
+///
+/// The attributes are `id`, `class`, `is_open`, `band_lo`, `band_hi`, `n_ib`, `mixture`, `parent`, `depth` and `area`;
+/// vertices are those of the triangulation bit for bit.
+///
+/// # Errors
+/// As [`write_contours`].
+pub fn write_landforms(
+    out: &StagedOutput,
+    forms: &[Landform],
+    tin: &Tin,
+    regions: &Regions,
+    crs: Option<&Crs>,
+) -> Result<Vec<PathBuf>> {
+    write_layers(out, &[layer::of_landforms(forms, tin, regions)], crs)
 }
 
 /// Writes layers of features, in the format that the target's extension names.

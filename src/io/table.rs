@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
+use super::depression::may_mark;
 use super::elevation::is_elevation_name;
 use crate::crs::Crs;
 use crate::error::Finding;
@@ -109,6 +110,8 @@ pub(super) struct Table {
     pub fields: Vec<Field>,
     by_name: HashMap<String, usize>,
     named: Option<String>,
+    /// Whether attributes that may mark depressions are kept.
+    wants_marks: bool,
     /// Whether polygons are kept.
     pub wants_polygons: bool,
     pub features: Vec<Feature>,
@@ -128,6 +131,7 @@ impl Table {
     pub fn new(request: &Request<'_>) -> Self {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
+            wants_marks: request.purpose == Purpose::Contours,
             wants_polygons: request.purpose == Purpose::Area,
             ..Self::default()
         }
@@ -138,7 +142,8 @@ impl Table {
         if let Some(&index) = self.by_name.get(name) {
             return index;
         }
-        let kept = is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
+        let marks = self.wants_marks && may_mark(name);
+        let kept = marks || is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
         self.fields.push(Field { name: name.to_owned(), example: None, kept });
         self.by_name.insert(name.to_owned(), self.fields.len() - 1);
         self.fields.len() - 1

@@ -2,11 +2,10 @@
 //! input's own contours.
 
 mod layer;
-mod orient;
 mod target;
 mod trace;
 
 pub use layer::{LayerParams, contour_layers};
-pub use orient::{ascends_right, signed_area};
 pub use target::Target;
+pub use crate::tin::{ascends_right, signed_area};
 pub use trace::{Traced, slice};

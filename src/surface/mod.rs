@@ -5,6 +5,7 @@
 //! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
 
 mod build;
+mod depressions;
 mod tiling;
 
 pub use build::build;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
+use super::depressions::contradicted_marks;
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
@@ -75,6 +76,7 @@ pub fn tiling(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Resul
             findings.push(finding);
         }
     };
+    findings.extend(contradicted_marks(&map, &tin, &sub_domains));
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
     let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, gaps, parts };

@@ -7,14 +7,18 @@ mod build;
 mod frame;
 mod gates;
 mod kinds;
+mod landforms;
 mod links;
+mod orient;
 mod regions;
 
 pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
 pub use gates::{Gaps, close_gaps};
 pub use kinds::{TriangleKind, triangle_kinds};
+pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
 pub use links::{Link, OpenEnd, link_open_ends};
+pub use orient::{ascends_right, signed_area};
 pub use regions::{Band, Region, Regions, Side, regions};
 
 use std::collections::HashSet;

@@ -80,12 +80,12 @@ impl CleanParams {
 /// cannot be contour lines, or if there are more than 2³² vertices.
 pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;
-    let ContourMap { contours, spots, crs } = map;
+    let ContourMap { contours, spots, depressions, crs } = map;
     let lines = clean_lines(contours, params)?;
     let mut findings = lines.findings;
     findings.par_extend(lines.removed.par_iter().map(Removed::finding));
     let spots = spots::clean(spots, &lines.contours, params.separation)?.collect(&mut findings);
-    Ok(Report { value: ContourMap { contours: lines.contours, spots, crs }, findings })
+    Ok(Report { value: ContourMap { contours: lines.contours, spots, depressions, crs }, findings })
 }
 
 /// Checks what [`clean`](fn@clean) promises of a map's lines and that its spot heights are finite.

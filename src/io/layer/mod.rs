@@ -13,8 +13,10 @@ use glam::{DVec2, DVec3};
 use crate::error::{Error, Result};
 
 mod contours;
+mod landforms;
 
 pub(super) use contours::of_contours;
+pub(super) use landforms::of_landforms;
 
 /// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -297,7 +297,7 @@ proptest! {
             })
             .collect();
         let spots: Vec<DVec3> = spots.iter().map(|s| DVec3::new(s.0, s.1, s.2)).collect();
-        let input = ContourMap { contours, spots, crs: None };
+        let input = ContourMap { contours, spots, ..ContourMap::default() };
         let params = CleanParams { snap, separation };
         let report = clean(input.clone(), &params).expect("few conflicts");
         crate::contour::clean::validate(&report.value, &params).expect("sound");

@@ -4,7 +4,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contour::ContourMap;
-use crate::tin::{Regions, Side, Tin, VertexKind};
+use super::{Regions, Side, Tin, VertexKind};
 
 /// Signed area of a closed line, positive when it runs counter-clockwise.
 pub fn signed_area(ring: &[DVec2]) -> f64 {

@@ -1,0 +1,87 @@
+//! `tokosen regions`: contour lines in, the sub-domains between them out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::io::{VectorFormat, write_landforms};
+use tokosen::surface::tiling;
+use tokosen::tin::{Landform, LandformClass, landforms};
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::surface::FrameArgs;
+use super::{Failure, output, preview, summary};
+
+/// The areas between contour lines, with their landform and what encloses them
+///
+/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope or
+/// branching), is_open (cut by the frame), band_lo and band_hi (the levels that it lies between), n_ib (number of contours
+/// inside), mixture (what a branching one consists of), parent (id of the area that encloses it), depth (how many do) and
+/// area. Depressions are found from the contours around them.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RegionsArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Areas to write: .geojson, .gpkg or .shp
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: PathBuf,
+    /// Also draw a picture of areas and lines: .png
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Surface")]
+    frame: FrameArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen regions contours.gpkg -o regions.gpkg
+  tokosen regions contours.shp -a ELEV -o regions.shp --preview regions.png
+  tokosen regions contours.geojson -o regions.geojson --frame sheet.geojson";
+
+/// Runs the verb.
+pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
+    if VectorFormat::from_path(&args.output).is_err() {
+        let message = format!("{}: areas are written as .geojson, .gpkg or .shp", args.output.display());
+        return Err(Failure::Usage(message));
+    }
+    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).collect();
+    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
+    output::check_paths(&inputs, &outputs)?;
+    let staged = output::open(&args.output)?;
+    let picture = preview::open(args.preview.as_deref())?;
+
+    let mut input = args.input.read(console)?;
+    let frame = args.frame.read(&input.map)?;
+    let tiled = tiling(input.map, &frame, console);
+    let tiled = summary::or_tell(tiled, &input.findings, console)?.collect(&mut input.findings);
+    args.input.check_strict(&input.findings, console)?;
+    let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
+    let crs = tiled.map.crs.as_ref();
+    console.step("writing", || write_landforms(&staged, &forms, &tiled.tin, &tiled.regions, crs))?;
+
+    summary::findings(&input.findings, console);
+    args.input.describe(&tiled.map, console);
+    describe(&forms, console);
+    let path = staged.target().to_owned();
+    staged.commit()?;
+    console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));
+    preview::commit(picture, console)?;
+    summary::close(input.findings.len(), console);
+    Ok(())
+}
+
+/// The lines of the summary about sub-domains.
+fn describe(forms: &[Landform], console: &Console) {
+    let count = |class| forms.iter().filter(|form| form.class == class).count();
+    let classes: Vec<String> = LandformClass::ALL
+        .into_iter()
+        .map(|class| (class, count(class)))
+        .filter(|(_, count)| *count > 0)
+        .map(|(class, count)| format!("{count} {}", class.name()))
+        .collect();
+    console.say(&format!("regions    {} sub-domains: {}", forms.len(), classes.join(", ")));
+    let open = forms.iter().filter(|form| form.is_open).count();
+    let deepest = forms.iter().map(|form| form.depth).max().unwrap_or(0);
+    console.say(&format!("nesting    {deepest} deep at most; {open} sub-domains are open at the frame or at a gap"));
+}

@@ -1,0 +1,109 @@
+//! Marks of depression contours among the attributes of lines.
+//!
+//! Agencies mark contours around lower ground by an attribute of yes and no, or by a word in the attribute that tells the
+//! kind of line. The marks are not needed to find depressions; where they contradict the map, one of the two is wrong.
+
+use std::collections::BTreeMap;
+
+use super::table::{Field, Table, Value};
+
+/// Names of attributes that say yes or no, in lower case.
+const FLAGS: &[&str] =
+    &["depression", "is_depression", "isdepression", "depress", "depressed", "isdepressed", "is_depr", "凹地"];
+
+/// Names of attributes whose text tells the kind of line, in lower case.
+const KINDS: &[&str] = &[
+    "type",
+    "kind",
+    "class",
+    "category",
+    "contourtype",
+    "contour_type",
+    "contour_ty",
+    "conttype",
+    "linetype",
+    "line_type",
+    "featuretype",
+    "feature_type",
+    "ftype",
+    "subtype",
+    "description",
+    "descriptio",
+    "desc",
+    "index",
+    "種別",
+    "種類",
+    "線種",
+    "区分",
+    "分類",
+];
+
+/// Whether an attribute of this name may mark depressions.
+pub(super) fn may_mark(name: &str) -> bool {
+    let name = name.trim().to_lowercase();
+    FLAGS.contains(&name.as_str()) || KINDS.contains(&name.as_str())
+}
+
+/// The features with lines that are marked as depressions (true) or, by an attribute of yes and no, as none (false).
+///
+/// Without any yes the attribute was never filled in, so that nothing is marked.
+pub(super) fn marks(table: &Table) -> BTreeMap<u64, bool> {
+    let mut marks = BTreeMap::new();
+    for feature in table.features.iter().filter(|feature| !feature.lines.is_empty()) {
+        let found = feature.values.iter().filter_map(|(field, value)| mark(&table.fields[*field], value));
+        if let Some(found) = found.reduce(|a, b| a || b) {
+            marks.insert(feature.number, found);
+        }
+    }
+    if !marks.values().any(|&is_depression| is_depression) {
+        marks.clear();
+    }
+    marks
+}
+
+/// What one value says, if it says anything.
+fn mark(field: &Field, value: &Value) -> Option<bool> {
+    let name = field.name.trim().to_lowercase();
+    let is_flag = FLAGS.contains(&name.as_str());
+    match value {
+        Value::Number(number) if is_flag => Some(*number != 0.0),
+        Value::Text(text) if is_flag || KINDS.contains(&name.as_str()) => {
+            let text = text.trim().to_lowercase();
+            match text.as_str() {
+                "true" | "t" | "yes" | "y" | "1" if is_flag => Some(true),
+                "false" | "f" | "no" | "n" | "0" if is_flag => Some(false),
+                _ => {
+                    ((text.contains("depression") && !text.starts_with("no")) || text.contains("凹地")).then_some(true)
+                }
+            }
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str, value: Value) -> Option<bool> {
+        mark(&Field { name: name.to_owned(), example: None, kept: true }, &value)
+    }
+
+    #[test]
+    fn words_of_agencies_are_understood() {
+        let text = |text: &str| Value::Text(text.to_owned());
+        assert_eq!(of("DEPRESSION", Value::Number(1.0)), Some(true));
+        assert_eq!(of("depression", Value::Number(0.0)), Some(false));
+        assert_eq!(of("is_depression", text("false")), Some(false));
+        assert_eq!(of("Depression", text("Y")), Some(true));
+        assert_eq!(of("depression", Value::Null), None);
+        assert_eq!(of("ContourType", text("Depression Index")), Some(true));
+        assert_eq!(of("ContourType", text("Intermediate")), None);
+        assert_eq!(of("type", text("凹地等高線")), Some(true));
+        assert_eq!(of("type", text("一般等高線")), None);
+        assert_eq!(of("type", text("non-depression")), None);
+        assert_eq!(of("type", Value::Number(1.0)), None);
+        assert_eq!(of("elev", text("depression")), None);
+        assert!(may_mark("Type") && !may_mark("elev"));
+    }
+}

@@ -1,0 +1,149 @@
+//! The outlines of sub-domains: rings of triangle edges, with what runs along them.
+//!
+//! Edges whose triangle lies in one sub-domain and whose neighbour does not are followed with the sub-domain on the left.
+//! From the end of an edge the walk turns through the triangles of the sub-domain around that vertex, so that it never
+//! passes from one side of a touching point to the other. A walk that visits a vertex twice is parted there, which leaves
+//! rings that are simple and touch each other in single points at most.
+
+use glam::DVec2;
+
+use crate::tin::{NONE, Tin};
+
+/// What a piece of outline is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BorderKind {
+    /// A contour (or a link or bridge of one) of this level, metres.
+    Contour(f64),
+    /// The opening between two ends of contours.
+    Gate,
+    /// The frame, where no contour runs along it.
+    Frame,
+}
+
+/// A piece of outline of one kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Border {
+    /// What it is.
+    pub kind: BorderKind,
+    /// Number of its first edge in the ring; edge `k` starts at the ring's vertex `k`.
+    pub first: u32,
+    /// How many edges it has.
+    pub edges: u32,
+}
+
+/// A closed line around a sub-domain or around a hole in it, which visits no vertex twice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    /// Vertices of the triangulation in order, the first one not repeated; the sub-domain lies on the left.
+    pub vertices: Vec<u32>,
+    /// What its edges are, piece by piece; two that follow each other around the ring differ.
+    pub borders: Vec<Border>,
+}
+
+impl Ring {
+    /// The vertices in map coordinates, the first one repeated at the end.
+    pub fn points(&self, tin: &Tin) -> Vec<DVec2> {
+        self.vertices.iter().chain(self.vertices.first()).map(|&v| tin.point(v).truncate()).collect()
+    }
+
+    /// Area inside, square map units; negative for a ring around a hole.
+    pub fn signed_area(&self, tin: &Tin) -> f64 {
+        let Some(&first) = self.vertices.first() else { return 0.0 };
+        let at = |v: u32| tin.positions[v as usize] - tin.positions[first as usize];
+        0.5 * self.vertices.windows(2).map(|w| at(w[0]).perp_dot(at(w[1]))).sum::<f64>()
+    }
+
+    /// The level, if a contour runs along the whole ring.
+    pub fn closed_level(&self) -> Option<f64> {
+        match self.borders[..] {
+            [Border { kind: BorderKind::Contour(level), .. }] => Some(level),
+            _ => None,
+        }
+    }
+
+    /// The level of each piece of contour along the ring, in the order of the pieces.
+    pub fn levels(&self) -> impl Iterator<Item = f64> {
+        self.borders.iter().filter_map(|border| match border.kind {
+            BorderKind::Contour(level) => Some(level),
+            BorderKind::Gate | BorderKind::Frame => None,
+        })
+    }
+}
+
+/// The rings of all sub-domains.
+pub(super) struct Outlines {
+    /// The rings with the sub-domain that each belongs to, by their first triangle.
+    pub rings: Vec<(u32, Ring)>,
+    /// Ring that each edge of each triangle lies on, [`NONE`] inside of sub-domains.
+    pub of_edge: Vec<[u32; 3]>,
+}
+
+/// Follows the outlines of all sub-domains.
+pub(super) fn outlines(tin: &Tin, of_triangle: &[u32]) -> Outlines {
+    let mut found = Outlines { rings: Vec::new(), of_edge: vec![[NONE; 3]; tin.len()] };
+    let is_border =
+        |t: u32, i: usize| tin.inner_neighbour(t, i).is_none_or(|n| of_triangle[n as usize] != of_triangle[t as usize]);
+    // The way from the walk's start without the rings parted off so far, and where on it a vertex is.
+    let mut way: Vec<(u32, usize)> = Vec::new();
+    let mut at = vec![NONE; tin.positions.len()];
+    for first in (0..tin.len() as u32).filter(|&t| of_triangle[t as usize] != NONE) {
+        for i in 0..3 {
+            if !is_border(first, i) || found.of_edge[first as usize][i] != NONE {
+                continue;
+            }
+            let (mut t, mut i) = (first, i);
+            loop {
+                let [start, end] = tin.edge(t, i);
+                at[start as usize] = way.len() as u32;
+                way.push((t, i));
+                if at[end as usize] != NONE {
+                    let ring = way.split_off(at[end as usize] as usize);
+                    ring.iter().for_each(|&(t, i)| at[tin.edge(t, i)[0] as usize] = NONE);
+                    found.push(tin, of_triangle[first as usize], ring);
+                    if way.is_empty() {
+                        break;
+                    }
+                }
+                (t, i) = next(tin, t, i, is_border);
+            }
+        }
+    }
+    found
+}
+
+/// The edge of the outline that follows edge `i` of triangle `t`.
+fn next(tin: &Tin, t: u32, i: usize, is_border: impl Fn(u32, usize) -> bool) -> (u32, usize) {
+    let (mut t, mut i) = (t, (i + 1) % 3);
+    while !is_border(t, i) {
+        let neighbour = tin.neighbours[t as usize][i];
+        let back = tin.edge_towards(neighbour, t).expect("neighbours know each other");
+        (t, i) = (neighbour, (back + 1) % 3);
+    }
+    (t, i)
+}
+
+impl Outlines {
+    fn push(&mut self, tin: &Tin, region: u32, mut edges: Vec<(u32, usize)>) {
+        let id = self.rings.len() as u32;
+        edges.iter().for_each(|&(t, i)| self.of_edge[t as usize][i] = id);
+        let kind = |&(t, i): &(u32, usize)| match tin.contour_level(t, i) {
+            Some(level) => BorderKind::Contour(level),
+            None if tin.is_gate(t, i) => BorderKind::Gate,
+            None => BorderKind::Frame,
+        };
+        let last = edges.len() - 1;
+        let starts = |k: usize| kind(&edges[k]) != kind(&edges[if k == 0 { last } else { k - 1 }]);
+        if let Some(start) = (0..edges.len()).find(|&k| starts(k)) {
+            edges.rotate_left(start);
+        }
+        let mut borders: Vec<Border> = Vec::new();
+        for (k, edge) in edges.iter().enumerate() {
+            match borders.last_mut() {
+                Some(border) if border.kind == kind(edge) => border.edges += 1,
+                _ => borders.push(Border { kind: kind(edge), first: k as u32, edges: 1 }),
+            }
+        }
+        let vertices = edges.iter().map(|&(t, i)| tin.edge(t, i)[0]).collect();
+        self.rings.push((region, Ring { vertices, borders }));
+    }
+}
