@@ -10,7 +10,7 @@ mod area;
 mod elevation;
 mod geojson;
 mod gpkg;
-mod layer;
+pub mod layer;
 pub mod mesh;
 pub mod raster;
 mod shapefile;
@@ -25,6 +25,7 @@ use glam::DVec3;
 use crate::contour::{ContourLayer, ContourMap};
 use crate::crs::Crs;
 use crate::error::{Error, Report, Result};
+use layer::Layer;
 use table::{Purpose, Request, Table};
 
 pub use staged::StagedOutput;
@@ -156,12 +157,25 @@ pub fn looks_like_degrees(map: &ContourMap) -> bool {
 /// If the extension is not known, the layers cannot be told apart by name, a line cannot be written (fewer than two
 /// points, NaN), the format cannot hold as much, or the disk is full.
 pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
-    let names: Vec<&str> = layers.iter().map(|layer| layer.name.as_str()).collect();
+    let layers: Vec<Layer<'_>> = layers.iter().map(layer::of_contours).collect();
+    write_layers(out, &layers, crs)
+}
+
+/// Writes layers of features, in the format that the target's extension names.
+///
+/// Lines are three-dimensional, areas are not. Layers of one GeoPackage may differ in geometry and attributes. The files
+/// are named as [`write_contours`] says.
+///
+/// # Errors
+/// If the extension is not known, the layers cannot be told apart by name, a feature cannot be written (see
+/// [`layer`]'s types for what they may hold), the format cannot hold as much, or the disk is full.
+pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
+    let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
     let files = contour_files(out.target(), &names)?;
-    let layers = layers.iter().map(layer::of_contours).collect::<Result<Vec<_>>>()?;
+    layers.iter().try_for_each(layer::check)?;
     let format = VectorFormat::from_path(out.target())?;
     if format == VectorFormat::GeoPackage {
-        gpkg::write(&out.path(), &layers, crs).map_err(|e| out.with_final_name(e))?;
+        gpkg::write(&out.path(), layers, crs).map_err(|e| out.with_final_name(e))?;
         return Ok(files);
     }
     for (layer, file) in layers.iter().zip(&files) {
@@ -171,7 +185,7 @@ pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&
     Ok(files)
 }
 
-/// The files that [`write_contours`] writes for layers of these names, so that they can be looked at before the work.
+/// The files that [`write_contours`] and [`write_layers`] write for layers of these names, so that they can be looked at before the work.
 ///
 /// # Errors
 /// If the extension is not known, or the layers cannot be told apart by name.

@@ -4,9 +4,11 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use glam::DVec2;
+
 use crate::crs::Crs;
 use crate::error::{Error, Result};
-use crate::io::layer::{Cell, Layer};
+use crate::io::layer::{Cell, Layer, Outer, Shape};
 
 /// Writes one file.
 ///
@@ -30,27 +32,58 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
                 out.write_all(b"\":")?;
                 match cell {
                     Cell::Real(number) => serde_json::to_writer(&mut out, number)?,
+                    Cell::Int(number) => serde_json::to_writer(&mut out, number)?,
                     Cell::Text(text) => serde_json::to_writer(&mut out, text)?,
                     Cell::Bool(yes) => serde_json::to_writer(&mut out, yes)?,
+                    Cell::Null => out.write_all(b"null")?,
                 }
             }
-            out.write_all(b"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[")?;
-            let mut z = serde_json::to_vec(&row.z)?;
-            z.push(b']');
-            for (j, point) in row.points.iter().enumerate() {
-                out.write_all(if j == 0 { b"[" } else { b",[" })?;
-                serde_json::to_writer(&mut out, &point.x)?;
-                out.write_all(b",")?;
-                serde_json::to_writer(&mut out, &point.y)?;
-                out.write_all(b",")?;
-                out.write_all(&z)?;
-            }
-            out.write_all(b"]}}")?;
+            // The member must be there, also if it is empty.
+            out.write_all(if layer.columns.is_empty() { b",\"properties\":{}" } else { b"}" })?;
+            write_shape(&mut out, &row.shape)?;
+            out.write_all(b"}")?;
         }
         out.write_all(b"\n]}\n")?;
         out.flush()
     };
     run().map_err(|e| Error::io("write", path, e))
+}
+
+fn write_shape(out: &mut impl Write, shape: &Shape<'_>) -> std::io::Result<()> {
+    if let Shape::Area(_) = shape {
+        out.write_all(b",\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[")?;
+        for (i, ring) in shape.rings(Outer::Counterclockwise).enumerate() {
+            out.write_all(if i == 0 { b"[" } else { b",[" })?;
+            for (j, point) in ring.enumerate() {
+                write_position(out, j, point)?;
+                out.write_all(b"]")?;
+            }
+            out.write_all(b"]")?;
+        }
+        return out.write_all(b"]}");
+    }
+    out.write_all(b",\"geometry\":{\"type\":\"LineString\",\"coordinates\":[")?;
+    // Most lines are level, and their height is many digits long.
+    let (mut height, mut digits) = (None, Vec::new());
+    for (j, point) in shape.vertices().enumerate() {
+        write_position(out, j, point.truncate())?;
+        if height != Some(point.z.to_bits()) {
+            height = Some(point.z.to_bits());
+            digits = serde_json::to_vec(&point.z)?;
+        }
+        out.write_all(b",")?;
+        out.write_all(&digits)?;
+        out.write_all(b"]")?;
+    }
+    out.write_all(b"]}")
+}
+
+/// Begins the `place`-th position of a list.
+fn write_position(out: &mut impl Write, place: usize, point: DVec2) -> std::io::Result<()> {
+    out.write_all(if place == 0 { b"[" } else { b",[" })?;
+    serde_json::to_writer(&mut *out, &point.x)?;
+    out.write_all(b",")?;
+    Ok(serde_json::to_writer(out, &point.y)?)
 }
 
 /// The value of the `crs` member; `None` if there shall be none.

@@ -5,6 +5,7 @@
 
 use glam::DVec2;
 
+use crate::io::layer::{Bounds, Outer, Shape};
 use crate::io::table::{Feature, NO_GEOMETRY, Spot, Table};
 
 /// How deep collections may nest.
@@ -176,8 +177,8 @@ fn split(bytes: &[u8], width: usize, has_z: bool, little: bool) -> (Vec<DVec2>, 
     (points, z)
 }
 
-/// Writes a line of constant z into `blob` as a GeoPackage geometry, with its envelope in the header.
-pub(super) fn put_line(blob: &mut Vec<u8>, points: &[DVec2], z: f64, srs_id: i32, envelope: [f64; 4]) {
+/// Writes a shape into `blob` as a GeoPackage geometry, with its envelope in the header.
+pub(super) fn put(blob: &mut Vec<u8>, shape: &Shape<'_>, srs_id: i32, envelope: Bounds) {
     blob.clear();
     blob.extend(b"GP\0");
     // Little-endian, envelope of x and y.
@@ -185,12 +186,20 @@ pub(super) fn put_line(blob: &mut Vec<u8>, points: &[DVec2], z: f64, srs_id: i32
     blob.extend(srs_id.to_le_bytes());
     blob.extend(envelope.iter().flat_map(|bound| bound.to_le_bytes()));
     blob.push(1);
-    blob.extend(1002_u32.to_le_bytes());
-    blob.extend((points.len() as u32).to_le_bytes());
-    for point in points {
-        for number in [point.x, point.y, z] {
-            blob.extend(number.to_le_bytes());
+    if let Shape::Area(_) = shape {
+        blob.extend(3_u32.to_le_bytes());
+        let rings = shape.rings(Outer::Counterclockwise);
+        blob.extend((rings.len() as u32).to_le_bytes());
+        for ring in rings {
+            blob.extend((ring.len() as u32).to_le_bytes());
+            ring.for_each(|point| blob.extend(point.to_array().map(f64::to_le_bytes).as_flattened()));
         }
+        return;
+    }
+    blob.extend(1002_u32.to_le_bytes());
+    blob.extend((shape.vertex_count() as u32).to_le_bytes());
+    for point in shape.vertices() {
+        blob.extend(point.to_array().map(f64::to_le_bytes).as_flattened());
     }
 }
 

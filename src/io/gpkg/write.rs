@@ -1,4 +1,4 @@
-//! Writes layers of lines into a new GeoPackage.
+//! Writes layers into a new GeoPackage.
 //!
 //! The same layers give the same bytes: the time of the last change, which the format asks for, is a fixed date.
 
@@ -9,7 +9,7 @@ use rusqlite::{Connection, params, params_from_iter};
 use super::{quoted, wkb};
 use crate::crs::Crs;
 use crate::error::{Error, Result};
-use crate::io::layer::{Cell, Kind, Layer};
+use crate::io::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
 
 /// "GPKG" in ASCII.
 const APPLICATION_ID: i32 = 0x4750_4B47;
@@ -116,17 +116,22 @@ fn add_system(db: &Connection, id: i32, crs: &Crs) -> rusqlite::Result<()> {
 fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Result<()> {
     let table = quoted(layer.name);
     let index = quoted(&format!("rtree_{}_geom", layer.name));
+    let (geometry, has_z) = match layer.geometry {
+        Geometry::Lines => ("LINESTRING", 1),
+        Geometry::Areas => ("POLYGON", 0),
+    };
     let columns: String = layer
         .columns
         .iter()
         .map(|column| match column.kind {
             Kind::Real => format!(", {} DOUBLE", quoted(column.name)),
+            Kind::Int => format!(", {} INTEGER", quoted(column.name)),
             Kind::Text(_) => format!(", {} TEXT", quoted(column.name)),
             Kind::Bool => format!(", {} BOOLEAN", quoted(column.name)),
         })
         .collect();
     db.execute_batch(&format!(
-        "CREATE TABLE {table} (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom LINESTRING{columns});
+        "CREATE TABLE {table} (fid INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, geom {geometry}{columns});
          CREATE VIRTUAL TABLE {index} USING rtree(id, minx, maxx, miny, maxy);"
     ))?;
     db.execute(
@@ -135,8 +140,8 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
         params![layer.name, LAST_CHANGE, srs_id],
     )?;
     db.execute(
-        "INSERT INTO gpkg_geometry_columns VALUES (?1, 'geom', 'LINESTRING', ?2, 1, 0)",
-        params![layer.name, srs_id],
+        "INSERT INTO gpkg_geometry_columns VALUES (?1, 'geom', ?2, ?3, ?4, 0)",
+        params![layer.name, geometry, srs_id, has_z],
     )?;
     db.execute(
         "INSERT INTO gpkg_extensions VALUES (?1, 'geom', 'gpkg_rtree_index',
@@ -148,19 +153,21 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
     let mut add_feature = db.prepare(&format!("INSERT INTO {table} VALUES (?, ?{slots})"))?;
     let mut add_bounds = db.prepare(&format!("INSERT INTO {index} VALUES (?1, ?2, ?3, ?4, ?5)"))?;
     let mut blob = Vec::new();
-    let mut extent = EMPTY;
+    let mut extent = NO_BOUNDS;
     for (fid, row) in (1_i64..).zip(&layer.rows) {
-        let [min_x, max_x, min_y, max_y] =
-            row.points.iter().fold(EMPTY, |bounds, p| joined(bounds, [p.x, p.x, p.y, p.y]));
-        extent = joined(extent, [min_x, max_x, min_y, max_y]);
-        wkb::put_line(&mut blob, row.points, row.z, srs_id, [min_x, max_x, min_y, max_y]);
-        let cells = row.cells.iter().map(|cell| match *cell {
-            Cell::Real(number) => SqlCell::Real(number),
+        let bounds = row.shape.bounds();
+        extent = joined(extent, bounds);
+        wkb::put(&mut blob, &row.shape, srs_id, bounds);
+        let cells = row.cells.iter().map(|cell| match cell {
+            Cell::Real(number) => SqlCell::Real(*number),
+            Cell::Int(number) => SqlCell::Integer(*number),
             Cell::Text(text) => SqlCell::Text(text),
-            Cell::Bool(yes) => SqlCell::Integer(i64::from(yes)),
+            Cell::Bool(yes) => SqlCell::Integer(i64::from(*yes)),
+            Cell::Null => SqlCell::Null,
         });
         let cells = [SqlCell::Integer(fid), SqlCell::Blob(&blob)].into_iter().chain(cells);
         add_feature.execute(params_from_iter(cells))?;
+        let [min_x, max_x, min_y, max_y] = bounds;
         add_bounds.execute(params![fid, min_x, max_x, min_y, max_y])?;
     }
     if !layer.rows.is_empty() {
@@ -173,19 +180,13 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
     db.execute_batch(&index_triggers(layer.name))
 }
 
-/// Bounds of nothing: least and greatest x, least and greatest y.
-const EMPTY: [f64; 4] = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-
-fn joined(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
-}
-
 /// A value on its way into the database.
 enum SqlCell<'a> {
     Integer(i64),
     Real(f64),
     Text(&'a str),
     Blob(&'a [u8]),
+    Null,
 }
 
 impl rusqlite::ToSql for SqlCell<'_> {
@@ -196,6 +197,7 @@ impl rusqlite::ToSql for SqlCell<'_> {
             Self::Real(number) => ValueRef::Real(number),
             Self::Text(text) => ValueRef::Text(text.as_bytes()),
             Self::Blob(bytes) => ValueRef::Blob(bytes),
+            Self::Null => ValueRef::Null,
         }))
     }
 }

@@ -111,24 +111,42 @@ impl Reader {
 /// Digits and decimals of a number field, as GIS programs make them.
 const NUMBER_WIDTH: u8 = 24;
 const NUMBER_DECIMALS: u8 = 15;
+/// Digits of a whole number that programs do not yet take for one with decimals.
+const INT_WIDTH: u8 = 18;
+
+/// Bytes of a column in every record.
+fn width(column: &Column) -> u8 {
+    match column.kind {
+        Kind::Real => NUMBER_WIDTH,
+        Kind::Int => INT_WIDTH,
+        Kind::Text(width) => width,
+        Kind::Bool => 1,
+    }
+}
+
+fn header_length(columns: &[Column]) -> usize {
+    32 * (columns.len() + 1) + 1
+}
+
+fn record_length(columns: &[Column]) -> usize {
+    1 + columns.iter().map(|column| usize::from(width(column))).sum::<usize>()
+}
+
+/// Bytes of the table of so many rows.
+pub(super) fn length(columns: &[Column], row_count: usize) -> u64 {
+    header_length(columns) as u64 + record_length(columns) as u64 * row_count as u64 + 1
+}
 
 /// Writes the attributes of all rows.
 pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::io::Result<()> {
-    let width = |column: &Column| match column.kind {
-        Kind::Real => NUMBER_WIDTH,
-        Kind::Text(width) => width,
-        Kind::Bool => 1,
-    };
     let too_long = |_| std::io::Error::from(ErrorKind::FileTooLarge);
-    let header_length = 32 * (columns.len() + 1) + 1;
-    let record_length = 1 + columns.iter().map(|column| usize::from(width(column))).sum::<usize>();
     let mut out = BufWriter::new(File::create(path)?);
 
     // Version 3 without memo, and a date in the place of today's, so that the same lines give the same bytes.
     out.write_all(&[3, 70, 1, 1])?;
     out.write_all(&u32::try_from(rows.len()).map_err(too_long)?.to_le_bytes())?;
-    out.write_all(&u16::try_from(header_length).map_err(too_long)?.to_le_bytes())?;
-    out.write_all(&u16::try_from(record_length).map_err(too_long)?.to_le_bytes())?;
+    out.write_all(&u16::try_from(header_length(columns)).map_err(too_long)?.to_le_bytes())?;
+    out.write_all(&u16::try_from(record_length(columns)).map_err(too_long)?.to_le_bytes())?;
     out.write_all(&[0; 20])?;
     for column in columns {
         let mut descriptor = [0; 32];
@@ -136,8 +154,8 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
         (descriptor[11], descriptor[17]) = match column.kind {
             Kind::Real => (b'N', NUMBER_DECIMALS),
             Kind::Text(_) => (b'C', 0),
-            // A digit, because many programs show a logical field as the letters T and F.
-            Kind::Bool => (b'N', 0),
+            // Yes and no are a digit, because many programs show a logical field as the letters T and F.
+            Kind::Int | Kind::Bool => (b'N', 0),
         };
         descriptor[16] = width(column);
         out.write_all(&descriptor)?;
@@ -149,8 +167,11 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
             let width = usize::from(width(column));
             match cell {
                 Cell::Real(number) => write!(out, "{:>width$}", number_text(*number))?,
-                Cell::Text(text) => write!(out, "{text:<width$}")?,
+                Cell::Int(number) => write!(out, "{number:>width$}")?,
+                // The room is counted in bytes, formatting counts letters.
+                Cell::Text(text) => write!(out, "{text}{:1$}", "", width.saturating_sub(text.len()))?,
                 Cell::Bool(yes) => write!(out, "{:>width$}", u8::from(*yes))?,
+                Cell::Null => write!(out, "{:width$}", "")?,
             }
         }
     }

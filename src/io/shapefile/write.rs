@@ -10,13 +10,15 @@ use std::path::Path;
 use super::dbf;
 use crate::crs::Crs;
 use crate::error::{Error, Result};
-use crate::io::layer::{Layer, Row};
+use crate::io::layer::{Bounds, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 
+/// Shape type of areas without z.
+const POLYGON: i32 = 5;
 /// Shape type of lines with z.
 const POLYLINE_Z: i32 = 13;
 const HEADER_LENGTH: u64 = 100;
-/// Bytes of a record beside its vertices: its header, type, bounds, counts, the start of its part, and the range of z.
-const RECORD_OVERHEAD: u64 = 8 + 4 + 32 + 8 + 4 + 16;
+/// Bytes of a record beside its parts, vertices and heights: its header, type, bounds and counts.
+const RECORD_OVERHEAD: u64 = 8 + 4 + 32 + 8;
 /// Readers keep offsets in 32-bit integers, so files may not reach 2 GB.
 const LENGTH_LIMIT: u64 = i32::MAX as u64;
 
@@ -25,11 +27,10 @@ const LENGTH_LIMIT: u64 = i32::MAX as u64;
 /// Measures of vertices are optional in the format and left out.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     let length = HEADER_LENGTH + layer.rows.iter().map(record_length).sum::<u64>();
-    // A record of the attribute table is shorter than the shape it belongs to, so the shapes reach the limit first.
-    if length > LENGTH_LIMIT {
+    if length.max(dbf::length(layer.columns, layer.rows.len())) > LENGTH_LIMIT {
         return Err(Error::file(
             path,
-            "the lines do not fit into a shapefile, which ends at 2 GB; write a GeoPackage (.gpkg) instead",
+            "the layer does not fit into a shapefile, whose parts end at 2 GB; write a GeoPackage (.gpkg) instead",
         ));
     }
     write_shapes(path, layer, length).map_err(|e| Error::io("write", path, e))?;
@@ -45,23 +46,32 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
 }
 
 fn record_length(row: &Row<'_>) -> u64 {
-    RECORD_OVERHEAD + 24 * row.points.len() as u64
+    let count = row.shape.vertex_count() as u64;
+    match &row.shape {
+        Shape::Contour(..) | Shape::Line(_) => RECORD_OVERHEAD + 4 + 16 + 24 * count,
+        Shape::Area(rings) => RECORD_OVERHEAD + 4 * rings.len() as u64 + 16 * count,
+    }
 }
 
 fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<()> {
     let mut shp = BufWriter::with_capacity(1 << 16, File::create(path)?);
     let mut shx = BufWriter::new(File::create(path.with_extension("shx"))?);
-    let mut bounds = Bounds::EMPTY;
-    let mut heights = [f64::INFINITY, f64::NEG_INFINITY];
+    let kind = match layer.geometry {
+        Geometry::Lines => POLYLINE_Z,
+        Geometry::Areas => POLYGON,
+    };
+    let (mut bounds, mut heights) = (NO_BOUNDS, NO_HEIGHTS);
     for row in &layer.rows {
-        bounds = bounds.joined(Bounds::of(row));
-        heights = [heights[0].min(row.z), heights[1].max(row.z)];
+        bounds = joined(bounds, row.shape.bounds());
+        let row = self::heights(&row.shape);
+        heights = [heights[0].min(row[0]), heights[1].max(row[1])];
     }
     if layer.rows.is_empty() {
-        (bounds, heights) = (Bounds([0.0; 4]), [0.0; 2]);
+        (bounds, heights) = ([0.0; 4], [0.0; 2]);
     }
-    shp.write_all(&header(length, bounds, heights))?;
-    shx.write_all(&header(HEADER_LENGTH + 8 * layer.rows.len() as u64, bounds, heights))?;
+    let header = |length| header(length, kind, bounds, heights);
+    shp.write_all(&header(length))?;
+    shx.write_all(&header(HEADER_LENGTH + 8 * layer.rows.len() as u64))?;
     let mut offset = HEADER_LENGTH;
     for (number, row) in (1_i32..).zip(&layer.rows) {
         let length = record_length(row);
@@ -73,56 +83,63 @@ fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<
 
         shp.write_all(&number.to_be_bytes())?;
         shp.write_all(&content.to_be_bytes())?;
-        shp.write_all(&POLYLINE_Z.to_le_bytes())?;
-        for bound in Bounds::of(row).0 {
-            shp.write_all(&bound.to_le_bytes())?;
-        }
-        for count in [1, row.points.len() as i32, 0] {
-            shp.write_all(&count.to_le_bytes())?;
-        }
-        for point in row.points {
-            shp.write_all(&point.x.to_le_bytes())?;
-            shp.write_all(&point.y.to_le_bytes())?;
-        }
-        for _ in 0..row.points.len() + 2 {
-            shp.write_all(&row.z.to_le_bytes())?;
-        }
+        write_record(&mut shp, &row.shape, kind)?;
     }
     shp.flush()?;
     shx.flush()
+}
+
+/// Writes a record without its header. Its counts fit because its length was checked against the limit.
+fn write_record(shp: &mut impl Write, shape: &Shape<'_>, kind: i32) -> std::io::Result<()> {
+    shp.write_all(&kind.to_le_bytes())?;
+    write_numbers(shp, in_order(shape.bounds()))?;
+    let count = shape.vertex_count() as i32;
+    if let Shape::Area(rings) = shape {
+        let starts = rings.iter().scan(0, |start, ring| Some(std::mem::replace(start, *start + ring.len() as i32)));
+        for number in [rings.len() as i32, count].into_iter().chain(starts) {
+            shp.write_all(&number.to_le_bytes())?;
+        }
+        return shape.rings(Outer::Clockwise).flatten().try_for_each(|p| write_numbers(shp, p.to_array()));
+    }
+    for number in [1, count, 0] {
+        shp.write_all(&number.to_le_bytes())?;
+    }
+    shape.vertices().try_for_each(|p| write_numbers(shp, p.truncate().to_array()))?;
+    write_numbers(shp, heights(shape))?;
+    shape.vertices().try_for_each(|p| write_numbers(shp, [p.z]))
+}
+
+fn write_numbers<const N: usize>(out: &mut impl Write, numbers: [f64; N]) -> std::io::Result<()> {
+    numbers.iter().try_for_each(|number| out.write_all(&number.to_le_bytes()))
 }
 
 fn words(bytes: u64) -> i32 {
     i32::try_from(bytes / 2).expect("the length was checked against the limit")
 }
 
-fn header(length: u64, bounds: Bounds, heights: [f64; 2]) -> Vec<u8> {
+fn header(length: u64, kind: i32, bounds: Bounds, heights: [f64; 2]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_LENGTH as usize);
     bytes.extend(9994_i32.to_be_bytes());
     bytes.extend([0; 20]);
     bytes.extend(words(length).to_be_bytes());
     bytes.extend(1000_i32.to_le_bytes());
-    bytes.extend(POLYLINE_Z.to_le_bytes());
+    bytes.extend(kind.to_le_bytes());
     // The range of measures comes last: there are none.
-    for number in bounds.0.into_iter().chain(heights).chain([0.0; 2]) {
+    for number in in_order(bounds).into_iter().chain(heights).chain([0.0; 2]) {
         bytes.extend(number.to_le_bytes());
     }
     bytes
 }
 
-/// Least x and y, greatest x and y.
-#[derive(Clone, Copy)]
-struct Bounds([f64; 4]);
+/// Bounds as the format orders them: least x and y, greatest x and y.
+fn in_order([min_x, max_x, min_y, max_y]: Bounds) -> [f64; 4] {
+    [min_x, min_y, max_x, max_y]
+}
 
-impl Bounds {
-    const EMPTY: Self = Self([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+/// The range of the heights of nothing.
+const NO_HEIGHTS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-    fn of(row: &Row<'_>) -> Self {
-        row.points.iter().fold(Self::EMPTY, |bounds, p| bounds.joined(Self([p.x, p.y, p.x, p.y])))
-    }
-
-    fn joined(self, other: Self) -> Self {
-        let (Self(a), Self(b)) = (self, other);
-        Self([a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
-    }
+/// Least and greatest height.
+fn heights(shape: &Shape<'_>) -> [f64; 2] {
+    shape.vertices().fold(NO_HEIGHTS, |range, p| [range[0].min(p.z), range[1].max(p.z)])
 }
