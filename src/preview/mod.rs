@@ -228,7 +228,7 @@ mod tests {
     use super::*;
     use crate::contour::Source;
     use crate::crs::Crs;
-    use crate::skeleton::BreakKind;
+    use crate::skeleton::{BreakKind, LineEnd};
 
     /// A round hill on the grid of its extent, with a hole in the north-west corner.
     fn hill(width: f64, height: f64) -> Dem {
@@ -275,7 +275,8 @@ mod tests {
                 line(60.0, &[], Source::Input),
             ];
             let points = vec![DVec3::new(1000.0, y - 2.0, 5.0), DVec3::new(1000.0 + width, y - 2.0, 5.0)];
-            let ridge = BreakLine { kind: BreakKind::Ridge, points };
+            let ends = [LineEnd::Peak, LineEnd::Contour];
+            let ridge = BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 };
             let picture = Preview { dem: &dem, contours: &contours, break_lines: &[ridge], title: Some("Hill 丘") };
             let image = render(&picture).unwrap();
             assert!(image.width().max(image.height()) <= MAX_SIDE as u32, "{}x{}", image.width(), image.height());
