@@ -110,7 +110,12 @@ fn lines_go_on_from_sub_domain_to_sub_domain() {
     let found = lines_of(&tiling, 1.0);
     check(&tiling, &found.lines, "caryville");
     let (places, shared) = continued(&found.lines);
-    println!("{places} places, {shared} shared, {} lines, moved {} by {}", found.lines.len(), found.flow.moved, found.flow.most_moved);
+    println!(
+        "{places} places, {shared} shared, {} lines, moved {} by {}",
+        found.lines.len(),
+        found.flow.moved,
+        found.flow.most_moved
+    );
     assert!(2 * shared > places, "{shared} of {places}");
 }
 

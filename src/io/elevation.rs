@@ -8,8 +8,8 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::{SpotHeights, depression};
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
+use super::{SpotHeights, depression};
 use crate::contour::{Contour, ContourMap};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 

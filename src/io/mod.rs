@@ -26,8 +26,8 @@ use glam::DVec3;
 use crate::contour::{ContourLayer, ContourMap};
 use crate::crs::Crs;
 use crate::error::{Error, Report, Result};
-use layer::Layer;
 use crate::tin::{Landform, Regions, Tin};
+use layer::Layer;
 use table::{Purpose, Request, Table};
 
 pub use staged::StagedOutput;

@@ -143,7 +143,8 @@ impl Table {
             return index;
         }
         let marks = self.wants_marks && may_mark(name);
-        let kept = marks || is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
+        let kept =
+            marks || is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
         self.fields.push(Field { name: name.to_owned(), example: None, kept });
         self.by_name.insert(name.to_owned(), self.fields.len() - 1);
         self.fields.len() - 1

@@ -279,6 +279,7 @@ mod tests {
     use super::*;
     use crate::preview::MAX_SIDE;
     use crate::preview::color::{PAPER, RIDGE};
+    use crate::skeleton::LineEnd;
 
     /// A field of `n` by `n` squares of ten units, each two triangles, closed by a base where one is given.
     fn field(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
@@ -301,7 +302,8 @@ mod tests {
     /// A ridge line across a field of a hundred units from west to east, ten units from its northern edge.
     fn line(mesh: &Mesh, height: f64) -> BreakLine {
         let points = [0.0, 100.0].map(|x| DVec3::new(x, 90.0, height) + mesh.origin).to_vec();
-        BreakLine { kind: BreakKind::Ridge, points }
+        let ends = [LineEnd::Frame; 2];
+        BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 }
     }
 
     fn red(image: &RgbImage) -> usize {

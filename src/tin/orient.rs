@@ -3,8 +3,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::contour::ContourMap;
 use super::{Regions, Side, Tin, VertexKind};
+use crate::contour::ContourMap;
 
 /// Signed area of a closed line, positive when it runs counter-clockwise.
 pub fn signed_area(ring: &[DVec2]) -> f64 {

@@ -1,8 +1,12 @@
 //! Figures 1 and 5: what sub-domains a map has, and which ridges and canyons run in them.
 
-use tokosen::skeleton::{BreakKind, skeleton};
+use std::collections::HashSet;
 
-use crate::sample::{Counts, ORIGIN, Sample, sample};
+use tokosen::skeleton::{BreakKind, skeleton};
+use tokosen::tin::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
+use tokosen::tin::{LandformClass, landforms};
+
+use crate::sample::{Counts, Sample, sample};
 
 /// A level around a sub-domain: the ground lies above it, or below it.
 const fn above(level: f64) -> (f64, bool) {
@@ -18,20 +22,24 @@ struct Expected {
     at: (f64, f64),
     levels: Vec<(f64, bool)>,
     holes: usize,
+    class: LandformClass,
 }
 
-fn expected(at: (f64, f64), levels: &[(f64, bool)], holes: usize) -> Expected {
-    Expected { at, levels: levels.to_vec(), holes }
+fn expected(at: (f64, f64), levels: &[(f64, bool)], holes: usize, class: LandformClass) -> Expected {
+    Expected { at, levels: levels.to_vec(), holes, class }
 }
 
-/// Checks levels, sides and the number of triangles of each kind; the sub-domains are all different, and there are
+/// Checks levels, sides, class and the number of triangles of each kind; the sub-domains are all different, and there are
 /// `outside` more of them between the outermost line and the convex hull.
 fn check(sample: &Sample, wanted: &[Expected], outside: usize) {
+    let forms = landforms(&sample.tiling.tin, &sample.tiling.regions);
     let mut regions: Vec<u32> = wanted
         .iter()
         .map(|w| {
             let region = sample.region_at(w.at.0, w.at.1);
             assert_eq!(sample.levels(region), w.levels, "at {:?}", w.at);
+            let form = &forms[region as usize];
+            assert_eq!((form.class, form.interior_count()), (w.class, w.holes), "at {:?}", w.at);
             let Counts { terminal, junction, .. } = sample.counts(region);
             assert_eq!(terminal + 2 * w.holes, junction + 2, "at {:?}", w.at);
             region
@@ -43,16 +51,29 @@ fn check(sample: &Sample, wanted: &[Expected], outside: usize) {
     assert_eq!(sample.tiling.regions.regions.len(), wanted.len() + outside);
 }
 
-/// Numbers of ridge and of canyon lines in the sub-domain at a place, with w = 1.
+/// Of the lines inside the sub-domain at a place, how many are higher than, level with and lower than the one around it.
+fn mixture_at(sample: &Sample, x: f64, y: f64) -> [u32; 3] {
+    let forms = landforms(&sample.tiling.tin, &sample.tiling.regions);
+    let mixture = forms[sample.region_at(x, y) as usize].mixture;
+    assert_eq!(mixture.valleys, 0);
+    [mixture.tablelands, mixture.ridge_peaks, mixture.basins]
+}
+
+/// Numbers of ridges and of canyons in the sub-domain at a place, with w = 1. A line falls from its first point to its last,
+/// so that one canyon may be two lines from a saddle on: lines that share a point count once.
 fn lines_at(sample: &Sample, x: f64, y: f64) -> (usize, usize) {
     let region = sample.region_at(x, y);
     let lines = skeleton(&sample.tiling.tin, &sample.tiling.regions, 1.0).lines;
     let own = |kind: BreakKind| {
-        let first = |line: &&tokosen::skeleton::BreakLine| {
-            let middle = line.points[0].truncate().midpoint(line.points[1].truncate()) - ORIGIN;
-            line.kind == kind && sample.region_at(middle.x, middle.y) == region
-        };
-        lines.iter().filter(first).count()
+        let mut groups: Vec<HashSet<[u64; 2]>> = Vec::new();
+        for line in lines.iter().filter(|line| line.kind == kind && line.region == region) {
+            let mut group: HashSet<[u64; 2]> = line.points.iter().map(|p| [p.x.to_bits(), p.y.to_bits()]).collect();
+            let (joined, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(|g| !g.is_disjoint(&group));
+            group.extend(joined.into_iter().flatten());
+            groups = apart;
+            groups.push(group);
+        }
+        groups.len()
     };
     (own(BreakKind::Ridge), own(BreakKind::Canyon))
 }
@@ -63,7 +84,10 @@ fn figure_1a_one_to_one() {
     let sample = sample("fig1a_one_to_one");
     check(
         &sample,
-        &[expected((-300.0, 0.0), &[above(100.0), below(110.0)], 1), expected((10.0, 5.0), &[above(110.0)], 0)],
+        &[
+            expected((-300.0, 0.0), &[above(100.0), below(110.0)], 1, Tableland),
+            expected((10.0, 5.0), &[above(110.0)], 0, Peak),
+        ],
         0,
     );
     let pieces = sample.tiling.map.contours.iter().map(|c| c.points.len() - 1).sum();
@@ -78,7 +102,10 @@ fn figure_1b_one_convolution() {
     let sample = sample("fig1b_one_convolution");
     check(
         &sample,
-        &[expected((0.0, -260.0), &[above(100.0), below(110.0)], 1), expected((35.0, 150.0), &[above(110.0)], 0)],
+        &[
+            expected((0.0, -260.0), &[above(100.0), below(110.0)], 1, Tableland),
+            expected((35.0, 150.0), &[above(110.0)], 0, Peak),
+        ],
         0,
     );
     let between = sample.region_at(0.0, -260.0);
@@ -97,7 +124,10 @@ fn figure_1c_many_convolutions() {
     let sample = sample("fig1c_many_convolutions");
     check(
         &sample,
-        &[expected((0.0, 300.0), &[above(100.0), below(110.0)], 1), expected((0.0, 0.0), &[above(110.0)], 0)],
+        &[
+            expected((0.0, 300.0), &[above(100.0), below(110.0)], 1, Tableland),
+            expected((0.0, 0.0), &[above(110.0)], 0, Peak),
+        ],
         0,
     );
     let between = sample.region_at(0.0, 300.0);
@@ -121,14 +151,15 @@ fn figure_1d_two_branches_one_convolution() {
     check(
         &sample,
         &[
-            expected((300.0, 0.0), &[above(100.0), below(110.0)], 2),
-            expected((0.0, 190.0), &[above(110.0)], 0),
-            expected((70.0, -5.0), &[above(110.0)], 0),
+            expected((300.0, 0.0), &[above(100.0), below(110.0)], 2, Branching),
+            expected((0.0, 190.0), &[above(110.0)], 0, Peak),
+            expected((70.0, -5.0), &[above(110.0)], 0, Peak),
         ],
         0,
     );
     let between = sample.region_at(300.0, 0.0);
     assert_eq!(sample.region_at(50.0, 90.0), between);
+    assert_eq!(mixture_at(&sample, 300.0, 0.0), [2, 0, 0]);
     assert!(sample.kept_tips(between).is_empty());
     assert_eq!(lines_at(&sample, 300.0, 0.0), (0, 1));
 }
@@ -140,15 +171,16 @@ fn figure_1e_three_branches() {
     let sample = sample("fig1e_three_branches");
     let bays = [(0.0, -260.0), (260.0, 160.0), (-260.0, 160.0)];
     let mut wanted = vec![
-        expected((0.0, 0.0), &[above(100.0), below(110.0)], 3),
-        expected((0.0, 270.0), &[above(110.0)], 0),
-        expected((290.0, -135.0), &[above(110.0)], 0),
-        expected((-290.0, -135.0), &[above(110.0)], 0),
+        expected((0.0, 0.0), &[above(100.0), below(110.0)], 3, Branching),
+        expected((0.0, 270.0), &[above(110.0)], 0, Peak),
+        expected((290.0, -135.0), &[above(110.0)], 0, Peak),
+        expected((-290.0, -135.0), &[above(110.0)], 0, Peak),
     ];
-    wanted.extend(bays.map(|bay| expected(bay, &[below(100.0)], 0)));
+    wanted.extend(bays.map(|bay| expected(bay, &[below(100.0)], 0, Bottom)));
     check(&sample, &wanted, 0);
     let between = sample.region_at(0.0, 0.0);
     assert_eq!(sample.counts(between).junction, 4);
+    assert_eq!(mixture_at(&sample, 0.0, 0.0), [3, 0, 0]);
     assert!(sample.kept_tips(between).is_empty());
     for (x, y) in bays {
         assert_eq!(lines_at(&sample, x, y), (0, 1));
@@ -162,20 +194,21 @@ fn figure_1f_nested() {
     check(
         &sample,
         &[
-            expected((-700.0, 0.0), &[above(100.0), below(110.0)], 3),
+            expected((-700.0, 0.0), &[above(100.0), below(110.0)], 3, Branching),
             // The stepped hill: tableland and peak.
-            expected((-580.0, 60.0), &[above(110.0), below(120.0)], 1),
-            expected((-400.0, 70.0), &[above(120.0)], 0),
+            expected((-580.0, 60.0), &[above(110.0), below(120.0)], 1, Tableland),
+            expected((-400.0, 70.0), &[above(120.0)], 0, Peak),
             // The crater: ridge-peak, basin, bottom.
-            expected((545.0, 90.0), &[above(110.0)], 1),
-            expected((460.0, 95.0), &[above(100.0), below(110.0)], 1),
-            expected((350.0, 95.0), &[below(100.0)], 0),
+            expected((545.0, 90.0), &[above(110.0)], 1, RidgePeak),
+            expected((460.0, 95.0), &[above(100.0), below(110.0)], 1, Basin),
+            expected((350.0, 95.0), &[below(100.0)], 0, Bottom),
             // The hollow: basin and bottom.
-            expected((90.0, -240.0), &[above(90.0), below(100.0)], 1),
-            expected((-15.0, -245.0), &[below(90.0)], 0),
+            expected((90.0, -240.0), &[above(90.0), below(100.0)], 1, Basin),
+            expected((-15.0, -245.0), &[below(90.0)], 0, Bottom),
         ],
         0,
     );
+    assert_eq!(mixture_at(&sample, -700.0, 0.0), [2, 1, 0]);
     // One ridge runs around the rim of the crater; it is closed, and without any tip.
     assert_eq!(lines_at(&sample, 545.0, 90.0), (1, 0));
     assert_eq!(sample.counts(sample.region_at(545.0, 90.0)).terminal, 0);
@@ -191,10 +224,10 @@ fn figure_5ab_two_branches_with_ridges_and_a_canyon() {
     check(
         &sample,
         &[
-            expected((0.0, 0.0), &[above(100.0), below(110.0)], 2),
-            expected((-140.0, 10.0), &[above(110.0), below(120.0)], 1),
-            expected((-250.0, 15.0), &[above(120.0)], 0),
-            expected((245.0, 15.0), &[above(110.0)], 0),
+            expected((0.0, 0.0), &[above(100.0), below(110.0)], 2, Branching),
+            expected((-140.0, 10.0), &[above(110.0), below(120.0)], 1, Tableland),
+            expected((-250.0, 15.0), &[above(120.0)], 0, Peak),
+            expected((245.0, 15.0), &[above(110.0)], 0, Peak),
         ],
         6,
     );
@@ -205,6 +238,7 @@ fn figure_5ab_two_branches_with_ridges_and_a_canyon() {
         let spur = glam::DVec2::from(spur);
         assert!(tips.iter().any(|tip| tip.distance(spur) < 45.0), "{spur} in {tips:?}");
     }
+    assert_eq!(mixture_at(&sample, 0.0, 0.0), [2, 0, 0]);
     assert_eq!(lines_at(&sample, 0.0, 0.0), (3, 1));
 }
 
@@ -218,15 +252,16 @@ fn figure_5cd_three_branches_with_a_basin() {
         (p.x, p.y)
     };
     let mut wanted = vec![
-        expected(at(30.0, 220.0), &[above(100.0), below(110.0)], 4),
-        expected((120.0, 0.0), &[above(90.0), below(100.0)], 1),
-        expected((0.0, 0.0), &[below(90.0)], 0),
+        expected(at(30.0, 220.0), &[above(100.0), below(110.0)], 4, Branching),
+        expected((120.0, 0.0), &[above(90.0), below(100.0)], 1, Basin),
+        expected((0.0, 0.0), &[below(90.0)], 0, Bottom),
     ];
-    wanted.extend([90.0, 210.0, 330.0].map(|top| expected(at(top, 400.0), &[above(110.0)], 0)));
-    wanted.extend([30.0, 150.0, 270.0].map(|canyon| expected(at(canyon, 400.0), &[below(100.0)], 0)));
+    wanted.extend([90.0, 210.0, 330.0].map(|top| expected(at(top, 400.0), &[above(110.0)], 0, Peak)));
+    wanted.extend([30.0, 150.0, 270.0].map(|canyon| expected(at(canyon, 400.0), &[below(100.0)], 0, Bottom)));
     check(&sample, &wanted, 0);
     let (x, y) = at(30.0, 220.0);
     let between = sample.region_at(x, y);
+    assert_eq!(mixture_at(&sample, x, y), [3, 1, 0]);
     assert_eq!((sample.counts(between).junction, sample.counts(between).terminal), (6, 0));
     // One ridge on the rim below the head of each canyon.
     assert_eq!(lines_at(&sample, x, y), (3, 0));
