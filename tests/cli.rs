@@ -581,3 +581,70 @@ fn help_and_version_are_there_and_a_closed_pipe_is_no_error() {
     command.current_dir(folder.0.path()).args(["densify", "hill.geojson", "-i", "5", "-o", "out.gpkg"]).stdout(full);
     assert_eq!(command.status().unwrap().code(), Some(DONE));
 }
+
+/// Properties of the areas in a GeoJSON file.
+fn areas_of(folder: &Folder, name: &str) -> Vec<serde_json::Value> {
+    let file: serde_json::Value = serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap();
+    let features = file["features"].as_array().unwrap();
+    assert!(features.iter().all(|f| f["geometry"]["type"] == "Polygon"));
+    features.iter().map(|f| f["properties"].clone()).collect()
+}
+
+#[test]
+fn regions_are_written_in_every_format_with_a_picture() {
+    let folder = Folder::new();
+    let input = sample("fig1f_nested.geojson").display().to_string();
+    let (said, told) = folder.succeeds(&format!("regions {input} -o areas.geojson --preview look.png"));
+    assert!(told.is_empty(), "{told}");
+    for words in
+        ["8 sub-domains: 1 peak, 2 bottom of a basin, 1 tableland, 2 basin, 1 ridge-peak, 1 branching", "nesting    3"]
+    {
+        assert!(said.contains(words), "no {words:?} in {said}");
+    }
+    let areas = areas_of(&folder, "areas.geojson");
+    assert_eq!(areas.len(), 8);
+    let branching = areas.iter().find(|a| a["class"] == "branching").unwrap();
+    assert_eq!(branching["mixture"], "tableland 2, ridge-peak 1");
+    assert_eq!((&branching["parent"], &branching["n_ib"], &branching["depth"]), (&().into(), &3.into(), &0.into()));
+    let peak = areas.iter().find(|a| a["class"] == "peak").unwrap();
+    assert_eq!((peak["band_lo"].as_f64(), peak["band_hi"].as_f64()), (Some(120.0), Some(130.0)));
+    let around = &areas[peak["parent"].as_u64().unwrap() as usize];
+    assert_eq!((&around["class"], &around["parent"]), (&"tableland".into(), &branching["id"]));
+    assert!(areas.iter().all(|a| a["is_open"] == false && a["area"].as_f64().unwrap() > 0.0));
+    assert!(fs::read(folder.path("look.png")).unwrap().starts_with(b"\x89PNG"));
+
+    folder.succeeds(&format!("regions {input} -o areas.shp"));
+    folder.succeeds(&format!("regions {input} -o areas.gpkg"));
+    let db = Connection::open(folder.path("areas.gpkg")).unwrap();
+    let count = "SELECT count(*) FROM regions WHERE class = 'bottom of a basin' AND parent IS NOT NULL";
+    assert_eq!(db.query_row(count, [], |row| row.get::<_, i64>(0)).unwrap(), 2);
+    folder.fails(&format!("regions {input} -o areas.tif"), USAGE, &["areas are written as"]);
+    folder.fails("regions areas.shp -o areas.shp", USAGE, &["is an input"]);
+}
+
+#[test]
+fn depression_marks_of_other_programs_are_checked_and_our_own_agree() {
+    let folder = Folder::new();
+    let input = sample("caryville_20m.gpkg").display().to_string();
+    folder.succeeds(&format!("densify {input} -i 10 -o dense.geojson"));
+    let (said, told) = folder.succeeds("regions dense.geojson -o areas.geojson");
+    assert!(said.contains("findings   none") && told.is_empty(), "{told}");
+
+    let square = |z: f64, h: f64, kind: &str| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"alti":{z},"type":"{kind}"}},"geometry":{{"type":"LineString","coordinates":[[{0},{0}],[{h},{0}],[{h},{h}],[{0},{h}],[{0},{0}]]}}}}"#,
+            -h
+        )
+    };
+    let (plain, hollow) = ("一般等高線", "凹地等高線");
+    let crs = r#""crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::6677"}}"#;
+    let file = |third: &str, second: &str| {
+        let lines = [square(100.0, 900.0, plain), square(110.0, 800.0, second), square(110.0, 500.0, third)];
+        format!(r#"{{"type":"FeatureCollection",{crs},"features":[{}]}}"#, lines.join(","))
+    };
+    folder.put("right.geojson", file(hollow, plain)).put("wrong.geojson", file(hollow, hollow));
+    let (_, told) = folder.succeeds("regions right.geojson -o areas.geojson");
+    assert!(told.is_empty(), "{told}");
+    let (_, told) = folder.succeeds("regions wrong.geojson -o areas.geojson");
+    assert!(told.contains("depression marks") && told.contains("feature 1) is marked"), "{told}");
+}

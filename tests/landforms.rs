@@ -266,3 +266,33 @@ fn outlines_tile_the_frame_on_any_terrain() {
         }
     }
 }
+
+/// Findings about marks when the features are marked so, and as they stand.
+fn contradictions(rings: Vec<(f64, Vec<DVec2>)>, marks: &[(u64, bool)]) -> Vec<String> {
+    let mut map = map_of(rings);
+    for (contour, feature) in map.contours.iter_mut().zip(0..) {
+        contour.feature = feature;
+    }
+    map.depressions = marks.iter().copied().collect();
+    let map = clean(map, &CleanParams::default()).unwrap().value;
+    let findings = tiling(map, &Frame::Hull, &()).unwrap().findings;
+    findings.into_iter().filter(|f| f.kind == FindingKind::DepressionMark).map(|f| f.message).collect()
+}
+
+#[test]
+fn marks_that_contradict_the_contours_are_told() {
+    let crater = || {
+        let sizes = [(100.0, 100.0), (110.0, 80.0), (110.0, 60.0), (100.0, 40.0)];
+        sizes.map(|(level, radius)| ring(level, 0.0, 0.0, radius)).to_vec()
+    };
+    let reversed = || crater().into_iter().map(|(level, points)| (level, points.into_iter().rev().collect())).collect();
+    let right = [(0, false), (1, false), (2, true), (3, true)];
+    assert_eq!(contradictions(crater(), &right), [""; 0]);
+    assert_eq!(contradictions(reversed(), &right), [""; 0], "the direction of a line says nothing");
+    assert_eq!(contradictions(crater(), &[]), [""; 0]);
+    assert_eq!(contradictions(crater(), &[(3, true)]), [""; 0], "features without a mark say nothing");
+    let told = contradictions(crater(), &[(1, true), (2, false), (3, true)]);
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert!(told[0].contains("110 (feature 1) is marked") && told[0].ends_with("higher"), "{told:?}");
+    assert!(told[1].contains("110 (feature 2) is not marked") && told[1].ends_with("lower"), "{told:?}");
+}

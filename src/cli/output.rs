@@ -10,6 +10,7 @@ use tokosen::error::Error;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
 use tokosen::surface::Surface;
+use tokosen::tin::FrameRing;
 
 use super::Failure;
 use super::console::Console;
@@ -72,7 +73,7 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
     match choice {
         GridChoice::Like(grid) => Ok(*grid),
         GridChoice::Cell(cell) => {
-            let (lo, hi) = extent(surface);
+            let (lo, hi) = extent(&surface.frame);
             let (west, south) = ((lo.x / cell).floor() * cell, (lo.y / cell).floor() * cell);
             let (east, north) = ((hi.x / cell).ceil() * cell, (hi.y / cell).ceil() * cell);
             let (cols, rows) = (((east - west) / cell).round(), ((north - south) / cell).round());
@@ -93,8 +94,8 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
 }
 
 /// The lower left and the upper right corner of the frame.
-pub fn extent(surface: &Surface) -> (DVec2, DVec2) {
-    surface.frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+pub fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
+    frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
 
 /// A height map on its way: the file was opened before the work, the grid chosen.

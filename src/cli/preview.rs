@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use tokosen::contour::ContourLine;
+use tokosen::crs::Crs;
 use tokosen::dem::rasterise;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
 use tokosen::mesh::Mesh;
-use tokosen::preview::{Model, Preview, map_grid, render, render_model};
+use tokosen::preview::{Model, Patches, Preview, map_grid, render, render_model};
+use tokosen::skeleton::BreakLine;
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::Surface;
+use tokosen::tin::{FrameRing, Tin};
 
 use super::Failure;
 use super::console::Console;
@@ -31,11 +34,30 @@ pub fn write(
     lines: &[ContourLine],
     console: &Console,
 ) -> Result<(), Failure> {
-    let (lo, hi) = output::extent(surface);
+    let crs = surface.map.crs.as_ref();
+    let scene =
+        Scene { tin: &surface.tin, frame: &surface.frame, crs, lines, breaks: &surface.break_lines, patches: None };
+    draw(staged, &scene, console)
+}
+
+/// What a picture shows.
+pub struct Scene<'a> {
+    pub tin: &'a Tin,
+    pub frame: &'a FrameRing,
+    pub crs: Option<&'a Crs>,
+    pub lines: &'a [ContourLine],
+    pub breaks: &'a [BreakLine],
+    pub patches: Option<&'a Patches>,
+}
+
+/// Draws a picture of anything that has a triangulation with heights, still under its temporary name.
+pub fn draw(staged: &StagedOutput, scene: &Scene<'_>, console: &Console) -> Result<(), Failure> {
+    let (lo, hi) = output::extent(scene.frame);
     let grid = map_grid(lo, hi)?;
     console.step("drawing", || {
-        let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), &());
-        let picture = render(&Preview { dem: &dem, contours: lines, break_lines: &surface.break_lines, title: None })?;
+        let dem = rasterise(scene.tin, &grid, scene.crs.cloned(), &());
+        let Scene { lines: contours, breaks: break_lines, patches, .. } = *scene;
+        let picture = render(&Preview { dem: &dem, contours, break_lines, patches, title: None })?;
         write_picture(&staged.path(), &picture).map_err(|e| staged.with_final_name(e))
     })?;
     Ok(())

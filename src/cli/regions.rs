@@ -3,12 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::io::{VectorFormat, write_landforms};
-use tokosen::surface::tiling;
+use tokosen::contour::{Contour, ContourLine, Source};
+use tokosen::io::{StagedOutput, VectorFormat, write_landforms};
+use tokosen::preview::{Patch, PatchClass, Patches};
+use tokosen::surface::{Tiling, tiling};
 use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::preview::Scene;
 use super::surface::FrameArgs;
 use super::{Failure, output, preview, summary};
 
@@ -39,6 +42,9 @@ Examples:
   tokosen regions contours.shp -a ELEV -o regions.shp --preview regions.png
   tokosen regions contours.geojson -o regions.geojson --frame sheet.geojson";
 
+/// Every so many levels one is drawn bold.
+const INDEX_EVERY: i64 = 5;
+
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     if VectorFormat::from_path(&args.output).is_err() {
@@ -59,6 +65,9 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
     let crs = tiled.map.crs.as_ref();
     console.step("writing", || write_landforms(&staged, &forms, &tiled.tin, &tiled.regions, crs))?;
+    if let Some(picture) = &picture {
+        draw(picture, &tiled, &forms, console)?;
+    }
 
     summary::findings(&input.findings, console);
     args.input.describe(&tiled.map, console);
@@ -69,6 +78,46 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     preview::commit(picture, console)?;
     summary::close(input.findings.len(), console);
     Ok(())
+}
+
+/// Draws the picture: areas by class, the contours above them.
+fn draw(staged: &StagedOutput, tiled: &Tiling, forms: &[Landform], console: &Console) -> Result<(), Failure> {
+    let class = |class: LandformClass| PatchClass { name: class.name().to_owned(), color: color(class) };
+    let rings = |form: &Landform| form.rings.iter().map(|ring| ring.points(&tiled.tin)).collect();
+    let number = |form: &Landform| LandformClass::ALL.iter().position(|class| *class == form.class);
+    let areas = forms.iter().filter_map(|form| Some(Patch { class: number(form)?, rings: rings(form) }));
+    let patches = Patches { classes: LandformClass::ALL.map(class).to_vec(), areas: areas.collect() };
+    let line = |contour: &Contour| ContourLine {
+        elevation: contour.elevation,
+        points: contour.points.clone(),
+        source: Source::Input,
+        index: tiled.interval.index_of(contour.elevation) % INDEX_EVERY == 0,
+        depression: false,
+    };
+    let lines: Vec<ContourLine> = tiled.map.contours.iter().map(line).collect();
+    let scene = Scene {
+        tin: &tiled.tin,
+        frame: &tiled.frame,
+        crs: tiled.map.crs.as_ref(),
+        lines: &lines,
+        breaks: &[],
+        patches: Some(&patches),
+    };
+    preview::draw(staged, &scene, console)
+}
+
+/// Warm for high ground, cool for low.
+fn color(class: LandformClass) -> [u8; 3] {
+    match class {
+        LandformClass::Peak => [196, 52, 40],
+        LandformClass::Bottom => [36, 58, 150],
+        LandformClass::Tableland => [232, 148, 66],
+        LandformClass::Basin => [72, 148, 206],
+        LandformClass::RidgePeak => [156, 52, 128],
+        LandformClass::Valley => [38, 150, 132],
+        LandformClass::Slope => [176, 190, 110],
+        LandformClass::Branching => [238, 212, 84],
+    }
 }
 
 /// The lines of the summary about sub-domains.

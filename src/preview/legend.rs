@@ -5,7 +5,7 @@ use tiny_skia::{Pixmap, Rect, Transform};
 use super::color::{INK, PAPER, Rgb, Tint};
 use super::lines::{self, CANYON_STYLE, Class, Plan, RIDGE_STYLE, Style};
 use super::text::{Align, Typesetter};
-use super::{paint, scale};
+use super::{Preview, paint, scale};
 use crate::dem::Dem;
 use crate::skeleton::{BreakKind, BreakLine};
 
@@ -19,6 +19,10 @@ const GAP: (f32, f32) = (40.0, 22.0);
 const SAMPLE: (f32, f32) = (34.0, 44.0);
 /// Rows of a column of line samples.
 const KEY_ROWS: usize = 3;
+/// Rows of a column of area samples.
+const SWATCH_ROWS: usize = 4;
+/// Height of an area's sample.
+const SWATCH: f32 = 12.0;
 /// Width and height of the tint's bar.
 const RAMP: (f32, f32) = (240.0, 14.0);
 /// Names are cut so that this many letters remain.
@@ -36,17 +40,19 @@ pub(super) enum Block {
 
 /// The blocks that this map needs, given the range of its heights and the room for them.
 pub(super) fn blocks(
-    dem: &Dem,
+    input: &Preview<'_>,
     plan: &Plan,
-    break_lines: &[BreakLine],
     range: Option<(f64, f64)>,
     room: f32,
     setter: &Typesetter,
 ) -> Vec<Block> {
-    let mut blocks = vec![Block::Scale { bar: scale::bar(dem), name: crs_label(dem) }];
-    let keys = keys(plan, break_lines);
-    if !keys.is_empty() {
-        let wide = Block::Keys { keys, rows: KEY_ROWS };
+    let mut blocks = vec![Block::Scale { bar: scale::bar(input.dem), name: crs_label(input.dem) }];
+    let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0 }), name);
+    let swatches = input.patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
+    let tint = if swatches.is_some() { None } else { range };
+    let keys = [(keys(plan, input.break_lines), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
+    for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
+        let wide = Block::Keys { keys, rows };
         let (width, _) = wide.size(setter);
         // Where two columns are too wide for the picture, one has to do.
         blocks.push(match wide {
@@ -54,7 +60,7 @@ pub(super) fn blocks(
             fits => fits,
         });
     }
-    blocks.extend(range.map(|(low, high)| Block::Ramp { low, high }));
+    blocks.extend(tint.map(|(low, high)| Block::Ramp { low, high }));
     blocks
 }
 

@@ -243,7 +243,7 @@ fn path<P: Iterator<Item = DVec2>>(grid: &Grid, lines: impl Iterator<Item = P>) 
 }
 
 /// Map units to pixels of the map, the y axis downwards.
-fn to_pixels(grid: &Grid, point: DVec2) -> DVec2 {
+pub(super) fn to_pixels(grid: &Grid, point: DVec2) -> DVec2 {
     DVec2::new(point.x - grid.corner.x, grid.corner.y - point.y) / grid.cell
 }
 

@@ -3,14 +3,15 @@
 //! [`map_grid`] says on which cells to rasterise the surface, so that a cell becomes a pixel; [`render`] draws the map.
 //! [`render_model`] draws a mesh in space.
 //!
-//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; the interpolated contours, thin;
-//! the input's contours, bold; canyon and ridge lines. Cells without data stay white. Where contours would lie closer
+//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for; the
+//! interpolated contours, thin; the input's contours, bold; canyon and ridge lines. Cells without data stay white. Where contours would lie closer
 //! than a few pixels, only some levels are drawn, and the legend says which.
 
 mod color;
 mod legend;
 mod lines;
 mod oblique;
+mod patches;
 mod scale;
 mod text;
 mod zbuffer;
@@ -28,6 +29,7 @@ use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
 use crate::skeleton::BreakLine;
 use color::{INK, PAPER, Rgb, Tint};
+pub use patches::{Patch, PatchClass, Patches};
 use text::{Align, Typesetter};
 
 /// The longest side of the whole picture, pixels.
@@ -61,6 +63,8 @@ pub struct Preview<'a> {
     pub contours: &'a [ContourLine],
     /// Ridge and canyon lines.
     pub break_lines: &'a [BreakLine],
+    /// Areas by class, below the lines. The legend then names the classes in the place of the elevations.
+    pub patches: Option<&'a Patches>,
     /// A title above the map.
     pub title: Option<&'a str>,
 }
@@ -109,13 +113,16 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     }
     let range = range(&input.dem.values);
     let mut map = relief(input.dem, range)?;
+    if let Some(patches) = input.patches {
+        patches::draw(&mut map, &grid, patches);
+    }
     let covered = input.dem.values.iter().filter(|v| v.is_finite()).count();
     let plan = lines::plan(input.contours, &grid, covered.max(1) as f64);
     lines::draw(&mut map, &grid, input.contours, &plan, input.break_lines);
 
     let setter = Typesetter::new();
     let room = grid.cols.max(MIN_LEGEND);
-    let blocks = legend::blocks(input.dem, &plan, input.break_lines, range, room as f32, &setter);
+    let blocks = legend::blocks(input, &plan, range, room as f32, &setter);
     let left = MARGIN + (room - grid.cols) / 2;
     let (mut sheet, top) = sheet(&map, &blocks, room, input.title, &setter)?;
     frame(&mut sheet, (left, top), &grid);
@@ -277,7 +284,13 @@ mod tests {
             let points = vec![DVec3::new(1000.0, y - 2.0, 5.0), DVec3::new(1000.0 + width, y - 2.0, 5.0)];
             let ends = [LineEnd::Peak, LineEnd::Contour];
             let ridge = BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 };
-            let picture = Preview { dem: &dem, contours: &contours, break_lines: &[ridge], title: Some("Hill 丘") };
+            let picture = Preview {
+                dem: &dem,
+                contours: &contours,
+                break_lines: &[ridge],
+                patches: None,
+                title: Some("Hill 丘"),
+            };
             let image = render(&picture).unwrap();
             assert!(image.width().max(image.height()) <= MAX_SIDE as u32, "{}x{}", image.width(), image.height());
             let red = |p: &image::Rgb<u8>| p.0[0] > 150 && p.0[1] < 90 && p.0[2] < 90;
@@ -289,7 +302,8 @@ mod tests {
     #[test]
     fn cells_without_data_are_paper_and_others_are_not() {
         let dem = hill(400.0, 300.0);
-        let image = render(&Preview { dem: &dem, contours: &[], break_lines: &[], title: None }).unwrap();
+        let image =
+            render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }).unwrap();
         let at = |col: u32, row: u32| image.get_pixel(MARGIN as u32 + col, MARGIN as u32 + row).0;
         assert_eq!(at(10, 10), PAPER);
         assert_ne!(at(60, 60), PAPER);
@@ -300,7 +314,8 @@ mod tests {
         let dem = hill(400.0, 300.0);
         let images = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| render(&Preview { dem: &dem, contours: &[], break_lines: &[], title: None })).unwrap()
+            pool.install(|| render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }))
+                .unwrap()
         });
         assert!(images[0] == images[1]);
     }
@@ -309,7 +324,7 @@ mod tests {
     fn surfaces_without_heights_or_of_a_wrong_size() {
         let mut dem = hill(400.0, 300.0);
         dem.values.fill(f32::NAN);
-        let render = |dem: &Dem| render(&Preview { dem, contours: &[], break_lines: &[], title: None });
+        let render = |dem: &Dem| render(&Preview { dem, contours: &[], break_lines: &[], patches: None, title: None });
         assert!(render(&dem).is_ok());
         dem.values.pop();
         assert!(matches!(render(&dem), Err(Error::Parameter(_))));

@@ -14,7 +14,7 @@ use super::color::{self, INK, Rgb, Tint};
 use super::lines::{self, CANYON_STYLE, RIDGE_STYLE, Style};
 use super::text::Typesetter;
 use super::zbuffer::{self, Corner, Piece, Scene};
-use super::{MAX_COLS, MAX_ROWS, MIN_LEGEND, image_of, legend, sheet};
+use super::{MAX_COLS, MAX_ROWS, MIN_LEGEND, Preview, image_of, legend, sheet};
 use crate::contour::{ContourLine, Source};
 use crate::dem::shade::{Lights, ShadeParams};
 use crate::dem::{Dem, Grid};
@@ -115,7 +115,9 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let setter = Typesetter::new();
     let room = view.size.0.max(MIN_LEGEND);
     let map = Dem { grid, values: Vec::new(), crs: mesh.crs.clone() };
-    let mut blocks = legend::blocks(&map, &plan, model.break_lines, Some(ground.range), room as f32, &setter);
+    let legend_of =
+        Preview { dem: &map, contours: model.contours, break_lines: model.break_lines, patches: None, title: None };
+    let mut blocks = legend::blocks(&legend_of, &plan, Some(ground.range), room as f32, &setter);
     let note = format!("Seen from south-south-west, heights x {exaggeration}");
     blocks.insert(1, legend::Block::Scale { bar: None, name: Some(note) });
     Ok(image_of(&sheet(&picture, &blocks, room, model.title, &setter)?.0))
