@@ -9,6 +9,7 @@ mod input;
 mod mesh;
 mod output;
 mod preview;
+mod skeleton;
 mod summary;
 mod surface;
 
@@ -35,6 +36,7 @@ Examples:
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
   tokosen mesh contours.gpkg -o terrain.glb
+  tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
 'tokosen help VERB' or 'tokosen VERB --help' tells all about a verb.";
 
@@ -43,6 +45,7 @@ enum Verb {
     Densify(Box<densify::DensifyArgs>),
     Dem(Box<dem::DemArgs>),
     Mesh(Box<mesh::MeshArgs>),
+    Skeleton(Box<skeleton::SkeletonArgs>),
 }
 
 /// Options that every verb has.
@@ -91,6 +94,7 @@ pub fn main() -> ExitCode {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
+        Verb::Skeleton(args) => skeleton::run(args, &console),
     };
     console.clear();
     match outcome {

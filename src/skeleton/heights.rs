@@ -169,12 +169,20 @@ impl Ground<'_> {
             Some(level) => self.trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
             None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
         };
-        let Some((own_distance, own_level)) = own else {
+        let Some((own_straight, own_level)) = own else {
             // Gates only: the level of the ends on both sides is all that is known.
             let height = point.level.filter(|_| self.region.band.lo.is_finite());
             return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
         };
         let side = self.region.side(own_level).unwrap_or(Side::Above);
+        // A straight view can be blocked only by something nearer.
+        let mut strangers = self.trees.iter().filter(|t| t.level != own_level);
+        let own_distance = match self.trees.iter().find(|t| t.level == own_level) {
+            Some(tree) if strangers.any(|t| t.lower_bound(at) < own_straight && t.distance(at) < own_straight) => {
+                tree.visible_distance(self.tin, point.triangle, at)
+            }
+            _ => own_straight,
+        };
         let mut other = None;
         for tree in self.trees.iter().filter(|t| match side {
             Side::Above => t.level > own_level,
@@ -182,10 +190,10 @@ impl Ground<'_> {
         }) {
             let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
             if tree.lower_bound(at) < best {
-                // A straight view can be blocked only by something nearer, which is the point's own contour.
+                // What is nearer than the point's own contour is not hidden behind it.
                 let straight = tree.distance(at);
                 let seen = || tree.visible_distance(self.tin, point.triangle, at);
-                let distance = if straight <= own_distance { straight } else { seen() };
+                let distance = if straight <= own_straight { straight } else { seen() };
                 if distance < best {
                     other = Some((distance, tree.level));
                 }

@@ -13,8 +13,10 @@ use glam::{DVec2, DVec3};
 use crate::error::{Error, Result};
 
 mod contours;
+mod skeleton;
 
 pub(super) use contours::of_contours;
+pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 
 /// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
