@@ -254,7 +254,7 @@ fn the_command_writes_all_layers() {
     let mut kinds: Vec<_> = rows(&file, "SELECT DISTINCT kind FROM triangles").concat();
     kinds.sort_by_key(|k| format!("{k:?}"));
     let text = |t: &str| rusqlite::types::Value::Text(t.into());
-    assert_eq!(kinds, ["eliminated", "junction", "sleeve", "terminal"].map(text));
+    assert_eq!(kinds, ["eliminated", "isolated", "junction", "sleeve", "terminal"].map(text));
     let count = |query: &str| match rows(&file, query)[0][0] {
         rusqlite::types::Value::Integer(n) => n,
         _ => 0,

@@ -9,11 +9,12 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
+use super::sight::nearest_in_sight;
 use crate::rows::Rows;
 use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
 
-/// How many segments are tried for one that can be seen before the nearest one is taken.
-const SIGHT_TRIALS: usize = 48;
+/// How many segments are tried for one that can be seen before the view is searched instead.
+const SIGHT_TRIALS: usize = 16;
 
 /// Heights of points inside sub-domains.
 ///
@@ -84,17 +85,20 @@ impl LevelTree {
         self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
     }
 
-    /// Distance to the nearest segment whose nearest point can be seen from `from`, which lies in triangle `t`.
-    fn visible_distance(&self, tin: &Tin, t: u32, from: DVec2) -> f64 {
+    /// Distance to the nearest segment whose nearest point can be seen from the point; to the nearest of all if none can.
+    fn visible_distance(&self, tin: &Tin, point: &AxisPoint) -> f64 {
+        let from = point.position;
         let p = from.to_array();
         let mut nearest = f64::INFINITY;
         for (s, d2) in self.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS) {
             nearest = nearest.min(d2.sqrt());
-            if sees(tin, t, from, DVec2::from(s.nearest_point(&p))) {
+            if sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p))) {
                 return d2.sqrt();
             }
         }
-        nearest
+        // A point with a level lies inside its triangle or an edge of it, so that a view can spread from there.
+        let spread = point.level.and_then(|_| nearest_in_sight(tin, point.triangle, from, self.level));
+        spread.unwrap_or(nearest)
     }
 
     /// No segment is nearer than this.
@@ -179,7 +183,7 @@ impl Ground<'_> {
         let mut strangers = self.trees.iter().filter(|t| t.level != own_level);
         let own_distance = match self.trees.iter().find(|t| t.level == own_level) {
             Some(tree) if strangers.any(|t| t.lower_bound(at) < own_straight && t.distance(at) < own_straight) => {
-                tree.visible_distance(self.tin, point.triangle, at)
+                tree.visible_distance(self.tin, point)
             }
             _ => own_straight,
         };
@@ -192,7 +196,7 @@ impl Ground<'_> {
             if tree.lower_bound(at) < best {
                 // What is nearer than the point's own contour is not hidden behind it.
                 let straight = tree.distance(at);
-                let seen = || tree.visible_distance(self.tin, point.triangle, at);
+                let seen = || tree.visible_distance(self.tin, point);
                 let distance = if straight <= own_straight { straight } else { seen() };
                 if distance < best {
                     other = Some((distance, tree.level));

@@ -13,6 +13,7 @@ mod flow;
 mod heights;
 mod joins;
 mod lines;
+mod sight;
 
 pub use axis::{Axis, AxisPoint, End, axis};
 pub use caps::Cap;
