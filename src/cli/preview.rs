@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tokosen::contour::ContourLine;
+use tokosen::contour::{Contour, ContourLine, Interval, Source};
 use tokosen::crs::Crs;
 use tokosen::dem::rasterise;
 use tokosen::io::StagedOutput;
@@ -11,7 +11,7 @@ use tokosen::mesh::Mesh;
 use tokosen::preview::{Model, Patches, Preview, map_grid, render, render_model};
 use tokosen::skeleton::BreakLine;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::Surface;
+use tokosen::surface::{Surface, Tiling};
 use tokosen::tin::{FrameRing, Tin};
 
 use super::Failure;
@@ -73,6 +73,30 @@ pub fn write_model(staged: &StagedOutput, surface: &Surface, model: &Mesh, conso
         write_picture(&staged.path(), &render_model(&model)?).map_err(|e| staged.with_final_name(e))
     })?;
     Ok(())
+}
+
+/// Draws the triangulated map with its contours and with lines on it, still under the picture's temporary name.
+pub fn write_lines(
+    staged: &StagedOutput,
+    tiling: &Tiling,
+    breaks: &[BreakLine],
+    console: &Console,
+) -> Result<(), Failure> {
+    let lines: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
+    let crs = tiling.map.crs.as_ref();
+    draw(staged, &Scene { tin: &tiling.tin, frame: &tiling.frame, crs, lines: &lines, breaks, patches: None }, console)
+}
+
+/// Every fifth level is drawn as an index contour.
+fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
+    let number = ((contour.elevation - interval.base) / interval.step).round();
+    ContourLine {
+        elevation: contour.elevation,
+        points: contour.points.clone(),
+        source: Source::Input,
+        index: number % 5.0 == 0.0,
+        depression: false,
+    }
 }
 
 /// Puts the picture in its place.

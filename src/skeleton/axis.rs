@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::attach::attach;
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
 use crate::tin::{NONE, Regions, Side, Tin, TriangleKind, VertexKind};
@@ -44,8 +45,19 @@ pub(super) struct Draft {
     pub of_edge: Vec<[u32; 3]>,
     /// The piece through each triangle that has just one, else [`NONE`].
     pub piece_of: Vec<u32>,
-    /// Lines that reach the next contour: its vertex and the sub-domain that they come from.
-    pub arrivals: Vec<(u32, u32)>,
+    /// Lines that reach the next contour.
+    pub arrivals: Vec<Arrival>,
+}
+
+/// Where a line reaches the next contour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrival {
+    /// The contour's vertex.
+    pub vertex: u32,
+    /// The sub-domain that the line comes from.
+    pub region: u32,
+    /// Its last triangle.
+    pub triangle: u32,
 }
 
 impl Draft {
@@ -98,7 +110,10 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
             add_arrival(tin, regions, elimination, &mut draft, t);
         }
     }
-    join(tin, regions, elimination, &mut draft);
+    let removed = join(tin, regions, elimination, &mut draft);
+    attach(tin, kinds, regions, elimination, &mut draft, &removed);
+    let mut removed = removed.into_iter().chain(std::iter::repeat(false));
+    draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
     draft.axis
 }
 
@@ -154,7 +169,7 @@ fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &
         None => false,
     };
     if onwards && tin.kinds[apex as usize] == VertexKind::Contour {
-        draft.arrivals.push((apex, regions.of_triangle[t as usize]));
+        draft.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
         draft.add_piece(t, draft.of_edge[t as usize][i], End::Vertex(apex));
     }
 }

@@ -8,6 +8,7 @@
 
 use std::collections::HashMap;
 
+use super::attach::beyond;
 use super::axis::{Draft, End};
 use super::eliminate::Elimination;
 use crate::tin::{NONE, Regions, Side, Tin};
@@ -17,17 +18,14 @@ const REACH: f64 = 2.0;
 
 /// Moves the ends of lines at the tips of bends to where lines from the other side of the contour arrive.
 ///
+/// Returns for each piece whether it is to go.
+///
 /// The arrival nearest to the tip replaces the end at the tip, if no line arrives there; further ones join as side lines.
-pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft) {
+pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft) -> Vec<bool> {
     let mut arrivals: HashMap<u32, Vec<(u32, Option<Side>)>> = HashMap::new();
-    for &(v, region) in &draft.arrivals {
-        // Ground that falls to this contour from above goes on below it.
-        let level = tin.heights[v as usize];
-        let side = regions.regions[region as usize].side(level).map(|side| match side {
-            Side::Above => Side::Below,
-            Side::Below => Side::Above,
-        });
-        arrivals.entry(v).or_default().push((region, side));
+    for arrival in &draft.arrivals {
+        let side = beyond(tin, regions, arrival);
+        arrivals.entry(arrival.vertex).or_default().push((arrival.region, side));
     }
     let mut removed = vec![false; draft.axis.pieces.len()];
     let mut added = Vec::new();
@@ -69,12 +67,13 @@ pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draf
             }
         }
     }
-    let mut id = 0;
-    draft.axis.pieces.retain(|_| {
-        id += 1;
-        !removed[id - 1]
-    });
+    for t in 0..tin.len() {
+        if draft.piece_of[t] != NONE && removed[draft.piece_of[t] as usize] {
+            draft.piece_of[t] = NONE;
+        }
+    }
     draft.axis.pieces.extend(added);
+    removed
 }
 
 /// A step of the walk from a tip inwards.

@@ -4,16 +4,20 @@
 //! contour to contour ([`axis`]), gives them heights ([`axis_heights`]) that fall steadily ([`flow`](fn@flow)), and traces
 //! the lines ([`break_lines`]).
 
+mod attach;
 mod axis;
 mod caps;
+mod edges;
 mod eliminate;
 mod flow;
 mod heights;
 mod joins;
 mod lines;
+mod sight;
 
 pub use axis::{Axis, AxisPoint, End, axis};
 pub use caps::Cap;
+pub use edges::{JunctionEdge, junction_edges};
 pub use eliminate::{Elimination, eliminate, is_chord};
 pub use flow::{Flow, flow};
 pub use heights::axis_heights;
