@@ -5,9 +5,11 @@
     .venv/bin/python scripts/make_analytic_samples.py            # writes samples/fig*.geojson
     .venv/bin/python scripts/make_analytic_samples.py --plot     # and samples/shapes.png
 
-The shapes are those that figures 1 and 5 of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours"
-(CAD/CG 2005) name; the lines are drawn anew. A line is a closed cubic spline through a few points, sampled
-every STEP metres, so that a bay is exactly as deep and as narrow as it was meant to be. Coordinates are those of
+The shapes are those that the figures of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours"
+(CAD/CG 2005) name; the lines are drawn anew. Those of figures 1 and 5 are closed cubic splines through a few points,
+sampled every STEP metres, so that a bay is exactly as deep and as narrow as it was meant to be. Those of figures 2, 3 and
+6 are polygons of a few corners at whole coordinates, so that every triangle, length and height can be worked out on
+paper; tests/figures.rs does so. Coordinates are those of
 JGD2011 plane rectangular zone X (EPSG:6678, x east, y north), rounded to a centimetre, near Mt. Iwate.
 Higher ground lies on the right of every line. Each ring repeats its first point.
 """
@@ -39,6 +41,14 @@ def ring(points, falls_inward=False):
     q = np.round(np.column_stack([np.interp(t, along, fine[:, k]) for k in (0, 1)]) + ORIGIN, 2)
     clockwise = not shapely.is_ccw(shapely.linearrings(q))
     if clockwise == falls_inward:
+        q = q[::-1]
+    return np.vstack([q, q[:1]])
+
+
+def polygon(corners):
+    """A closed line of straight segments through `corners` (metres from ORIGIN); clockwise around higher ground."""
+    q = np.round(np.asarray(corners, float) + ORIGIN, 2)
+    if shapely.is_ccw(shapely.linearrings(q)):
         q = q[::-1]
     return np.vstack([q, q[:1]])
 
@@ -125,12 +135,46 @@ def fig1f():
     ]
 
 
+def fig2():
+    """A spur of the lower line is a terminal triangle, the step from it to the ground above a junction, the rest sleeves."""
+    return "terminal, sleeve and junction triangles", [
+        (100, polygon([(0, 0), (90, -10), (100, 40), (160, 50), (100, 60), (95, 110), (-10, 100)])),
+        (110, polygon([(38, 41), (57, 35), (70, 51), (45, 66)])),
+    ]
+
+
+def fig3a():
+    """A junction with two corners on the lower line: legs 9-40-41 around the spur, 9-12-15 in the junction."""
+    return "case 2: a spur of the lower line, r = 82 / 30", [
+        (100, polygon([(-100, -60), (0, -60), (0, -9), (40, 0), (0, 9), (0, 60), (-100, 60)])),
+        (110, polygon([(-12, 0), (-50, -25), (-80, 0), (-50, 25)])),
+    ]
+
+
+def fig3b():
+    """A top with three arms around a triangle of sides 18, 15 and 15; the arms' legs are 41, 12.5 and 19.5 long."""
+    return "case 3: three arms of one line, r1 = 25 / 33 and r2 = 39 / 33", [
+        (100, polygon([(-60, -80), (0, -95), (60, -80), (80, 0), (60, 60), (0, 75), (-60, 60), (-80, 0)])),
+        (110, polygon([(0, -40), (-9, 0), (-12.5, 12), (0, 12), (18.9, 16.8), (9, 0)])),
+    ]
+
+
+def fig6():
+    """A spur with parallel sides 20 m apart, whose corners alternate, below a straight piece of the upper line."""
+    return "a ridge line along a straight spur", [
+        (100, polygon([(-100, -60), (0, -60), (0, -10), (10, -10), (30, -10), (50, -10), (75, 0), (60, 10), (40, 10),
+                       (20, 10), (0, 10), (0, 60), (-105, 64)])),
+        (110, polygon([(-30, -20), (-30, 0), (-30, 20), (-72, 24), (-66, -22)])),
+    ]
+
+
 def fig5ab():
-    """Two tops; spurs of the lower line that the tops do not follow are ridges, its bays towards the saddle canyons."""
-    lower = [(-620, 150), (-500, 165), (-390, 200), (-290, 300), (-210, 430), (-150, 430), (-120, 300), (-75, 170),
-             (-20, 70), (0, 45), (25, 75), (75, 180), (150, 260), (260, 290), (370, 250), (450, 160),
+    """Two tops, nearer to each other than the lower line on both sides of the saddle is to itself: a canyon lies between
+    them. Three spurs of the lower line that the tops do not follow are ridges."""
+    lower = [(-620, 150), (-500, 165), (-390, 200), (-290, 300), (-210, 430), (-150, 430), (-120, 300), (-75, 215),
+             (-20, 165), (0, 155), (25, 165), (75, 205), (150, 260), (260, 290), (370, 250), (450, 160),
              (560, 120), (680, 140), (700, 95), (600, 20), (490, -50), (440, -160), (330, -240), (200, -250),
-             (90, -190), (30, -110), (0, -80), (-30, -115), (-100, -210), (-220, -270), (-340, -250),
+             (90, -215), (30, -180), (0, -170), (-30, -180), (-100, -215), (-220, -270), (-340, -250),
              (-430, -150), (-450, -20), (-520, 60), (-630, 100)]
     return "double branching with ridges and a canyon", [
         (100, ring(lower)),
@@ -167,7 +211,8 @@ def fig5cd():
 FIGURES = {
     "fig1a_one_to_one": fig1a, "fig1b_one_convolution": fig1b, "fig1c_many_convolutions": fig1c,
     "fig1d_two_branches_one_convolution": fig1d, "fig1e_three_branches": fig1e, "fig1f_nested": fig1f,
-    "fig5ab_two_branches_ridges_canyon": fig5ab, "fig5cd_three_branches_basin": fig5cd,
+    "fig2_triangles": fig2, "fig3a_spur": fig3a, "fig3b_three_arms": fig3b,
+    "fig5ab_two_branches_ridges_canyon": fig5ab, "fig5cd_three_branches_basin": fig5cd, "fig6_ridge": fig6,
 }
 
 
@@ -200,7 +245,7 @@ def plot(drawn):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    fig, axes = plt.subplots(2, 4, figsize=(16, 8))
+    fig, axes = plt.subplots(3, 4, figsize=(16, 12))
     colours = {90: "tab:blue", 100: "tab:green", 110: "tab:orange", 120: "tab:red"}
     for ax, (name, (title, lines)) in zip(axes.flat, drawn.items()):
         for e, p in lines:
@@ -210,7 +255,7 @@ def plot(drawn):
         ax.tick_params(labelsize=6)
     keys = [plt.Line2D([], [], color=c, label=f"{e} m") for e, c in colours.items()]
     fig.legend(handles=keys, loc="lower center", ncols=len(keys), fontsize=9)
-    fig.tight_layout(rect=(0, 0.04, 1, 1))
+    fig.tight_layout(rect=(0, 0.03, 1, 1))
     fig.savefig(SAMPLES / "shapes.png", dpi=75, metadata={"Software": None})
 
 

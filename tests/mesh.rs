@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
-use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 use tokosen::surface::{Surface, SurfaceParams, build};
@@ -26,7 +26,7 @@ fn samples() -> Vec<(String, Surface)> {
         std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.retain(|n| n.starts_with("fig") && n.ends_with(".geojson"));
     names.sort();
-    assert_eq!(names.len(), 8);
+    assert_eq!(names.len(), 12);
     let read = |name: &String| surface_of(read_contours(&folder.join(name), &ReadOptions::default()).unwrap().value);
     names.iter().map(|n| (n.clone(), read(n))).collect()
 }
@@ -226,6 +226,20 @@ fn every_format_gives_the_mesh_back() {
 }
 
 #[test]
+fn triangles_that_single_precision_flattens_are_counted() {
+    let mut narrow = mesh(&samples()[0].1, &MeshParams::default()).unwrap();
+    assert_eq!(flattened(Path::new("model.glb"), &narrow), 0);
+    // So far from zero a hundredth of a millimetre is less than single precision can tell.
+    let corners = [DVec3::new(0.0, 5000.0, 0.0), DVec3::new(4096.0, 5000.0, 0.0), DVec3::new(2048.0, 5000.00001, 0.0)];
+    for (v, corner) in narrow.triangles[0].into_iter().zip(corners) {
+        narrow.vertices[v as usize] = corner;
+    }
+    narrow.triangles.truncate(1);
+    assert_eq!(flattened(Path::new("model.GLB"), &narrow), 1);
+    assert_eq!(flattened(Path::new("model.ply"), &narrow), 0);
+}
+
+#[test]
 fn the_command_line_writes_models_and_refuses_other_names() {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {
@@ -238,9 +252,14 @@ fn the_command_line_writes_models_and_refuses_other_names() {
     assert!(String::from_utf8(told).unwrap().contains("solid"));
     let glb = read_glb(&std::fs::read(folder.path().join("a.glb")).unwrap());
     assert!(is_closed(&glb.triangles));
+    run(&["-o", "c.glb", "--preview", "c.png", "-q"]).code(0);
+    let picture = std::fs::read(folder.path().join("c.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+    run(&["-o", "d.png", "--preview", "d.png"]).code(2);
+    run(&["-o", "d.ply", "--preview", "d.jpg"]).code(2);
     run(&["-o", "a.stl"]).code(2);
     run(&["-o", "b.ply", "--base", "100000"]).code(2);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing but the one model is left");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing but what was asked for is left");
 }
 
 proptest! {

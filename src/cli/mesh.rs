@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::io::mesh::{MESH_EXTENSIONS, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 
 use super::console::Console;
 use super::input::InputArgs;
 use super::surface::{SurfaceArgs, build_surface};
-use super::{Failure, output, summary};
+use super::{Failure, output, preview, summary};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -26,6 +26,9 @@ pub struct MeshArgs {
     /// Close the model to a solid with walls and a flat bottom at this height, as 3-D printing needs [m]
     #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true, help_heading = "Output")]
     base: Option<f64>,
+    /// Also draw the model in space with its contours, ridge and canyon lines (.png)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -34,7 +37,7 @@ const EXAMPLES: &str = "\
 Examples:
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen mesh contours.shp -a ELEV -o print.ply --base 0
-  tokosen mesh contours.geojson -o terrain.obj --frame bbox";
+  tokosen mesh contours.geojson -o terrain.obj --frame bbox --preview look.png";
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
@@ -47,8 +50,10 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
         )));
     }
     let inputs: Vec<&Path> = args.input.files().chain(args.surface.frame.file()).collect();
-    output::check_paths(&inputs, &[&args.output])?;
+    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
+    output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
+    let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
     let params = args.surface.params(&input.map)?;
@@ -56,6 +61,9 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     args.input.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
+    if let Some(picture) = &picture {
+        preview::write_model(picture, &surface, &model, console)?;
+    }
 
     summary::findings(&input.findings, console);
     args.input.describe(&surface.map, console);
@@ -63,6 +71,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let path = staged.target().to_owned();
     staged.commit()?;
     describe(&path, &model, console);
+    preview::commit(picture, console)?;
     summary::close(input.findings.len(), console);
     Ok(())
 }
@@ -85,4 +94,10 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         mesh.origin.y,
         mesh.origin.z,
     ));
+    let flat = flattened(path, mesh);
+    if flat > 0 {
+        console.say(&format!(
+            "           {flat} narrow triangles are flat in the single precision of .glb; .ply and .obj are exact"
+        ));
+    }
 }

@@ -10,6 +10,7 @@ mod mesh;
 mod output;
 mod preview;
 mod regions;
+mod skeleton;
 mod summary;
 mod surface;
 
@@ -37,6 +38,7 @@ Examples:
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen regions contours.gpkg -o regions.gpkg
+  tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
 'tokosen help VERB' or 'tokosen VERB --help' tells all about a verb.";
 
@@ -46,6 +48,7 @@ enum Verb {
     Dem(Box<dem::DemArgs>),
     Mesh(Box<mesh::MeshArgs>),
     Regions(Box<regions::RegionsArgs>),
+    Skeleton(Box<skeleton::SkeletonArgs>),
 }
 
 /// Options that every verb has.
@@ -95,6 +98,7 @@ pub fn main() -> ExitCode {
         Verb::Dem(args) => dem::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
         Verb::Regions(args) => regions::run(args, &console),
+        Verb::Skeleton(args) => skeleton::run(args, &console),
     };
     console.clear();
     match outcome {

@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use tokosen::contour::ContourLine;
+use tokosen::contour::{Contour, ContourLine, Interval, Source};
 use tokosen::crs::Crs;
 use tokosen::dem::rasterise;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
-use tokosen::preview::{Patches, Preview, map_grid, render};
+use tokosen::mesh::Mesh;
+use tokosen::preview::{Model, Patches, Preview, map_grid, render, render_model};
 use tokosen::skeleton::BreakLine;
-use tokosen::surface::Surface;
+use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::{Surface, Tiling};
 use tokosen::tin::{FrameRing, Tin};
 
 use super::Failure;
@@ -59,6 +61,42 @@ pub fn draw(staged: &StagedOutput, scene: &Scene<'_>, console: &Console) -> Resu
         write_picture(&staged.path(), &picture).map_err(|e| staged.with_final_name(e))
     })?;
     Ok(())
+}
+
+/// Draws the model in space, with the input's contours, still under its temporary name.
+pub fn write_model(staged: &StagedOutput, surface: &Surface, model: &Mesh, console: &Console) -> Result<(), Failure> {
+    let params = LayerParams { targets: vec![Target::Levels(Vec::new())], index_every: 5 };
+    let layers = contour_layers(surface, &params, &())?;
+    console.step("drawing", || {
+        let lines = &layers[0].lines;
+        let model = Model { mesh: model, contours: lines, break_lines: &surface.break_lines, title: None };
+        write_picture(&staged.path(), &render_model(&model)?).map_err(|e| staged.with_final_name(e))
+    })?;
+    Ok(())
+}
+
+/// Draws the triangulated map with its contours and with lines on it, still under the picture's temporary name.
+pub fn write_lines(
+    staged: &StagedOutput,
+    tiling: &Tiling,
+    breaks: &[BreakLine],
+    console: &Console,
+) -> Result<(), Failure> {
+    let lines: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
+    let crs = tiling.map.crs.as_ref();
+    draw(staged, &Scene { tin: &tiling.tin, frame: &tiling.frame, crs, lines: &lines, breaks, patches: None }, console)
+}
+
+/// Every fifth level is drawn as an index contour.
+fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
+    let number = ((contour.elevation - interval.base) / interval.step).round();
+    ContourLine {
+        elevation: contour.elevation,
+        points: contour.points.clone(),
+        source: Source::Input,
+        index: number % 5.0 == 0.0,
+        depression: false,
+    }
 }
 
 /// Puts the picture in its place.

@@ -74,13 +74,26 @@ impl ShadeParams {
 ///
 /// GDAL's 8-bit hillshade is 1 + 254 times this value for a single light.
 pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
-    let total: f64 = params.lights.iter().map(|l| l.weight).sum();
-    let lights: Vec<(DVec3, f64)> = params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect();
+    let lights = Lights::new(params);
     map_gradients(dem, params.metres_per_unit, |gradient| {
         let slope = gradient * params.exaggeration;
-        let normal = DVec3::new(-slope.x, -slope.y, 1.0).normalize();
-        lights.iter().map(|(light, weight)| weight * normal.dot(*light).max(0.0)).sum::<f64>() as f32
+        lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
     })
+}
+
+/// The directions towards the lights and their shares of the brightness.
+pub(crate) struct Lights(Vec<(DVec3, f64)>);
+
+impl Lights {
+    pub fn new(params: &ShadeParams) -> Self {
+        let total: f64 = params.lights.iter().map(|l| l.weight).sum();
+        Self(params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect())
+    }
+
+    /// Brightness of ground with this unit normal.
+    pub fn on(&self, normal: DVec3) -> f64 {
+        self.0.iter().map(|(light, weight)| weight * normal.dot(*light).max(0.0)).sum()
+    }
 }
 
 /// The steepness of every cell as rise over run, row by row; NaN without a height.

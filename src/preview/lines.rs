@@ -115,7 +115,7 @@ impl Class {
     }
 
     /// Whether lines of this elevation are drawn.
-    fn draws(&self, elevation: f64) -> bool {
+    pub fn draws(&self, elevation: f64) -> bool {
         self.every.is_some_and(|every| keeps(elevation, self.spacing, every))
     }
 }

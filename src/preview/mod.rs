@@ -1,17 +1,22 @@
 //! A picture of the result to look at: the shaded surface with its contours and break lines, and a legend.
 //!
-//! [`map_grid`] says on which cells to rasterise the surface, so that a cell becomes a pixel; [`render`] draws.
+//! [`map_grid`] says on which cells to rasterise the surface, so that a cell becomes a pixel; [`render`] draws the map.
+//! [`render_model`] draws a mesh in space.
 //!
-//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for; the interpolated contours, thin;
-//! the input's contours, bold; canyon and ridge lines. Cells without data stay white. Where contours would lie closer
+//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for; the
+//! interpolated contours, thin; the input's contours, bold; canyon and ridge lines. Cells without data stay white. Where contours would lie closer
 //! than a few pixels, only some levels are drawn, and the legend says which.
 
 mod color;
 mod legend;
 mod lines;
+mod oblique;
 mod patches;
 mod scale;
 mod text;
+mod zbuffer;
+
+pub use oblique::{Model, render_model};
 
 use glam::DVec2;
 use image::RgbImage;
@@ -118,25 +123,44 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
     let setter = Typesetter::new();
     let room = grid.cols.max(MIN_LEGEND);
     let blocks = legend::blocks(input, &plan, range, room as f32, &setter);
-    let (places, legend_height) = legend::arrange(&blocks, room as f32, &setter);
-    let top = MARGIN + if input.title.is_some() { TITLE - MARGIN / 2 } else { 0 };
-    let legend_top = top + grid.rows + 20;
+    let left = MARGIN + (room - grid.cols) / 2;
+    let (mut sheet, top) = sheet(&map, &blocks, room, input.title, &setter)?;
+    frame(&mut sheet, (left, top), &grid);
+    Ok(image_of(&sheet))
+}
+
+/// A sheet of paper with a picture, centred in the room, the title above and the legend below it; and where the picture
+/// starts from above.
+fn sheet(
+    picture: &Pixmap,
+    blocks: &[legend::Block],
+    room: usize,
+    title: Option<&str>,
+    setter: &Typesetter,
+) -> Result<(Pixmap, usize)> {
+    // Sizes are below MAX_SIDE, far inside the range of all whole numbers.
+    let (cols, rows) = (picture.width() as usize, picture.height() as usize);
+    let (places, legend_height) = legend::arrange(blocks, room as f32, setter);
+    let top = MARGIN + if title.is_some() { TITLE - MARGIN / 2 } else { 0 };
+    let legend_top = top + rows + 20;
     let mut sheet = pixmap(room + 2 * MARGIN, legend_top + legend_height.ceil() as usize + MARGIN / 2)?;
     sheet.fill(color_of(PAPER, 1.0));
-    if let Some(title) = input.title {
+    if let Some(title) = title {
         let base = top as f32 - 14.0;
         setter.draw(&mut sheet, title, (MARGIN as f32, base), TITLE_TEXT, INK, Align::Left);
     }
-    let left = MARGIN + (room - grid.cols) / 2;
-    // Sizes are below MAX_SIDE, far inside the range of i32.
-    sheet.draw_pixmap(left as i32, top as i32, map.as_ref(), &PixmapPaint::default(), Transform::identity(), None);
-    frame(&mut sheet, (left, top), &grid);
+    let left = MARGIN + (room - cols) / 2;
+    let paint = PixmapPaint::default();
+    sheet.draw_pixmap(left as i32, top as i32, picture.as_ref(), &paint, Transform::identity(), None);
     for (block, (x, y)) in blocks.iter().zip(places) {
-        block.draw(&mut sheet, &setter, (MARGIN as f32 + x, legend_top as f32 + y));
+        block.draw(&mut sheet, setter, (MARGIN as f32 + x, legend_top as f32 + y));
     }
-    let (width, height) = (sheet.width(), sheet.height());
+    Ok((sheet, top))
+}
+
+fn image_of(sheet: &Pixmap) -> RgbImage {
     let pixels = sheet.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    Ok(RgbImage::from_raw(width, height, pixels).expect("three bytes a pixel were collected"))
+    RgbImage::from_raw(sheet.width(), sheet.height(), pixels).expect("three bytes a pixel were collected")
 }
 
 /// The lowest and the highest height.
@@ -211,7 +235,7 @@ mod tests {
     use super::*;
     use crate::contour::Source;
     use crate::crs::Crs;
-    use crate::skeleton::BreakKind;
+    use crate::skeleton::{BreakKind, LineEnd};
 
     /// A round hill on the grid of its extent, with a hole in the north-west corner.
     fn hill(width: f64, height: f64) -> Dem {
@@ -264,7 +288,8 @@ mod tests {
                 vec![vec![DVec2::new(1000.0, 2000.0), DVec2::new(far.x, 2000.0), far, DVec2::new(1000.0, far.y)]];
             let areas = (0..8).map(|class| Patch { class, rings: rings.clone() }).collect();
             let patches = Patches { classes: vec![class; 8], areas };
-            let ridge = BreakLine { kind: BreakKind::Ridge, points };
+            let ends = [LineEnd::Peak, LineEnd::Contour];
+            let ridge = BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 };
             let picture = Preview {
                 dem: &dem,
                 contours: &contours,

@@ -2,8 +2,10 @@
 
 use glam::DVec2;
 
+use super::attach::attach;
 use super::eliminate::{Elimination, is_chord};
-use crate::tin::{NONE, Regions, Tin, TriangleKind};
+use super::joins::join;
+use crate::tin::{NONE, Regions, Side, Tin, TriangleKind, VertexKind};
 
 /// A point between two places of one contour level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,11 +21,11 @@ pub struct AxisPoint {
 }
 
 /// Where a piece of a line leads to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum End {
     /// To an axis point.
     Axis(u32),
-    /// To a vertex of the triangulation: the tip of a contour's bend.
+    /// To a vertex of the triangulation: the tip of a contour's bend, or a vertex of the next contour.
     Vertex(u32),
 }
 
@@ -32,74 +34,142 @@ pub enum End {
 pub struct Axis {
     /// The points, those in dropped branches included: they carry height, not lines.
     pub points: Vec<AxisPoint>,
-    /// Pieces of ridge and canyon lines.
+    /// Pieces of ridge and canyon lines. The first end is an axis point.
     pub pieces: Vec<[End; 2]>,
+}
+
+/// An axis in the making, with what tells where its pieces run.
+pub(super) struct Draft {
+    pub axis: Axis,
+    /// The axis point on each edge of each triangle, [`NONE`] where the edge is no chord.
+    pub of_edge: Vec<[u32; 3]>,
+    /// The piece through each triangle that has just one, else [`NONE`].
+    pub piece_of: Vec<u32>,
+    /// Lines that reach the next contour.
+    pub arrivals: Vec<Arrival>,
+}
+
+/// Where a line reaches the next contour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrival {
+    /// The contour's vertex.
+    pub vertex: u32,
+    /// The sub-domain that the line comes from.
+    pub region: u32,
+    /// Its last triangle.
+    pub triangle: u32,
+}
+
+impl Draft {
+    fn add_point(&mut self, regions: &Regions, t: u32, position: DVec2, level: f64) -> u32 {
+        let region = regions.of_triangle[t as usize];
+        self.axis.points.push(AxisPoint { position, level: Some(level), triangle: t, region });
+        (self.axis.points.len() - 1) as u32
+    }
+
+    /// Adds the one piece of a triangle.
+    fn add_piece(&mut self, t: u32, from: u32, to: End) {
+        self.piece_of[t as usize] = self.axis.pieces.len() as u32;
+        self.axis.pieces.push([End::Axis(from), to]);
+    }
 }
 
 /// Collects the axis points of all sub-domains and joins them through sleeves, tips and junctions.
 ///
-/// In a junction with all corners on one level the three lines meet in its centroid.
+/// In a junction with all corners on one level the lines meet in its centroid. In a triangle that reaches from one level
+/// to the next the line goes on to the corner on the next contour; where the line beyond ends at another vertex of the
+/// same bend, that end moves there, so that lines go on from sub-domain to sub-domain. Every piece lies inside one triangle,
+/// so none crosses a contour or another piece.
 pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination) -> Axis {
-    let mut axis = Axis::default();
-    let mut of_edge: Vec<[u32; 3]> = vec![[NONE; 3]; tin.len()];
-    let add = |axis: &mut Axis, t: u32, position: DVec2, level: f64| {
-        axis.points.push(AxisPoint {
-            position,
-            level: Some(level),
-            triangle: t,
-            region: regions.of_triangle[t as usize],
-        });
-        (axis.points.len() - 1) as u32
+    let mut draft = Draft {
+        axis: Axis::default(),
+        of_edge: vec![[NONE; 3]; tin.len()],
+        piece_of: vec![NONE; tin.len()],
+        arrivals: Vec::new(),
     };
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
-            if of_edge[t as usize][i] != NONE || !tin.is_inside(t) || !is_chord(tin, t, i) {
+            if draft.of_edge[t as usize][i] != NONE || !tin.is_inside(t) || !is_chord(tin, t, i) {
                 continue;
             }
             let [u, v] = tin.edge(t, i);
             let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
-            let id = add(&mut axis, t, middle, tin.heights[u as usize]);
-            of_edge[t as usize][i] = id;
+            let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
+            draft.of_edge[t as usize][i] = id;
             let n = tin.neighbours[t as usize][i];
             if let Some(j) = tin.edge_towards(n, t) {
-                of_edge[n as usize][j] = id;
+                draft.of_edge[n as usize][j] = id;
             }
         }
     }
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-        let chords: Vec<u32> = of_edge[t as usize].iter().copied().filter(|&p| p != NONE).collect();
         let level = tin.heights[tin.triangles[t as usize][0] as usize];
-        let flat = tin.corner_heights(t).iter().all(|&h| h == level);
-        let [a, b, c] = tin.corners(t);
-        let kept = !elimination.dropped[t as usize];
-        match kinds[t as usize] {
-            TriangleKind::Isolated if flat => {
-                add(&mut axis, t, (a + b + c) / 3.0, level);
-            }
-            TriangleKind::Terminal if flat && kept && chords.len() == 1 => {
-                let i = (0..3).find(|&i| of_edge[t as usize][i] != NONE).unwrap_or(0);
-                if (1..3).all(|k| tin.contour_level(t, (i + k) % 3).is_some()) {
-                    let tip = tin.triangles[t as usize][(i + 2) % 3];
-                    axis.pieces.push([End::Axis(chords[0]), End::Vertex(tip)]);
-                }
-            }
-            TriangleKind::Sleeve if kept && chords.len() == 2 => {
-                axis.pieces.push([End::Axis(chords[0]), End::Axis(chords[1])]);
-            }
-            TriangleKind::Junction if kept && chords.len() == 3 => {
-                let live: Vec<u32> = (0..3)
-                    .filter(|&i| tin.across(t, i).is_some_and(|n| !elimination.dropped[n as usize]))
-                    .map(|i| of_edge[t as usize][i])
-                    .collect();
-                if let [p, q] = live[..] {
-                    axis.pieces.push([End::Axis(p), End::Axis(q)]);
-                } else {
-                    let centre = add(&mut axis, t, (a + b + c) / 3.0, level);
-                    axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
-                }
-            }
-            _ => {}
+        if tin.corner_heights(t).iter().all(|&h| h == level) {
+            add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
+        } else {
+            add_arrival(tin, regions, elimination, &mut draft, t);
         }
     }
-    axis
+    let removed = join(tin, regions, elimination, &mut draft);
+    attach(tin, kinds, regions, elimination, &mut draft, &removed);
+    let mut removed = removed.into_iter().chain(std::iter::repeat(false));
+    draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
+    draft.axis
+}
+
+/// The pieces in a triangle with all corners on one level.
+fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
+    let of_edge = draft.of_edge[t as usize];
+    let chords: Vec<u32> = of_edge.iter().copied().filter(|&p| p != NONE).collect();
+    let level = tin.heights[tin.triangles[t as usize][0] as usize];
+    let [a, b, c] = tin.corners(t);
+    let kept = !elimination.dropped[t as usize];
+    match kind {
+        TriangleKind::Isolated => {
+            draft.add_point(regions, t, (a + b + c) / 3.0, level);
+        }
+        TriangleKind::Terminal if kept && chords.len() == 1 => {
+            let i = (0..3).find(|&i| of_edge[i] != NONE).unwrap_or(0);
+            if (1..3).all(|k| tin.contour_level(t, (i + k) % 3).is_some()) {
+                let tip = tin.triangles[t as usize][(i + 2) % 3];
+                draft.add_piece(t, chords[0], End::Vertex(tip));
+            }
+        }
+        TriangleKind::Sleeve if kept && chords.len() == 2 => draft.add_piece(t, chords[0], End::Axis(chords[1])),
+        TriangleKind::Junction if kept && chords.len() == 3 => {
+            let live: Vec<u32> = (0..3)
+                .filter(|&i| tin.across(t, i).is_some_and(|n| !elimination.dropped[n as usize]))
+                .map(|i| of_edge[i])
+                .collect();
+            if let [p, q] = live[..] {
+                draft.add_piece(t, p, End::Axis(q));
+            } else {
+                let centre = draft.add_point(regions, t, (a + b + c) / 3.0, level);
+                draft.axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The piece from a chord to the next contour, in a triangle with two corners on one level and the third on the contour
+/// that the ground rises or falls to.
+fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
+    let Some(i) = (0..3).find(|&i| draft.of_edge[t as usize][i] != NONE) else { return };
+    let kept = |t: u32| !elimination.dropped[t as usize];
+    if !kept(t) || !tin.across(t, i).is_some_and(kept) {
+        return;
+    }
+    let level = tin.heights[tin.edge(t, i)[0] as usize];
+    let apex = tin.triangles[t as usize][(i + 2) % 3];
+    let reached = tin.heights[apex as usize];
+    let onwards = match regions.region(t).and_then(|r| r.side(level)) {
+        Some(Side::Above) => reached > level,
+        Some(Side::Below) => reached < level,
+        None => false,
+    };
+    if onwards && tin.kinds[apex as usize] == VertexKind::Contour {
+        draft.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
+        draft.add_piece(t, draft.of_edge[t as usize][i], End::Vertex(apex));
+    }
 }

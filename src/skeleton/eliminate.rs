@@ -12,33 +12,53 @@ pub struct Elimination {
     pub eliminated: Vec<bool>,
     /// The triangle lies in a dropped branch.
     pub dropped: Vec<bool>,
+    /// Junction triangles whose own lower limit was above the resolution that was asked for, and was used instead.
+    pub limited: usize,
 }
 
 /// Decides which junction triangles to eliminate.
 ///
 /// A free edge of a junction triangle with both ends on one level cuts off a branch. The comparison parameter is
 /// `r = LPCO / (L1 + L2)`: the length of contour around the branch, over the lengths of the triangle's other two edges.
-/// `r < resolution` drops the branch. With all three corners on one level the longest branch is the trunk and the other
-/// two are compared. A branch that holds further contours is never dropped.
+/// `r < w` drops the branch. With all three corners on one level the longest branch is the trunk and the other two are
+/// compared; the one with the smaller `r` is dropped, so that more of w never brings a branch back. A branch that holds
+/// further contours is never dropped.
+///
+/// The paper bounds w from below by `max[L3/(L1+L2), L2/(L1+L3), L1/(L2+L3)]` of the triangle. That limit is at most 1 and
+/// differs from junction to junction, so each takes the larger of its limit and `resolution`.
+///
+/// The paper tells three cases apart by the number of *contours* that the corners lie on; here it is the number of
+/// *levels*. They differ where two contours of one level face each other, two tops over a lower contour: the ground
+/// between them is the canyon of the paper's figure 5(a), domain II, bounded by junction triangles with corners on three
+/// contours. The edge between the tops is an edge across that canyon as any other. The branch beyond it runs around a
+/// contour, so that it is never dropped.
 pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolution: f64) -> Elimination {
     let branches = Branches::new(tin, kinds, regions);
     let mut eliminated = vec![false; tin.len()];
     let mut dropped = vec![false; tin.len()];
+    let mut limited = 0;
     for t in (0..tin.len() as u32).filter(|&t| kinds[t as usize] == TriangleKind::Junction) {
         let mut edges: Vec<(f64, usize)> =
             (0..3).filter(|&i| is_chord(tin, t, i)).map(|i| (branches.contour_beyond(tin, regions, t, i), i)).collect();
+        if edges.is_empty() {
+            continue;
+        }
         edges.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let candidates = if edges.len() == 3 { &edges[1..] } else { &edges[..] };
-        let shortest = candidates.iter().rev().find(|(beyond, i)| {
-            let others = tin.edge_length(t, (i + 1) % 3) + tin.edge_length(t, (i + 2) % 3);
-            *beyond < resolution * others
-        });
-        if let Some(&(_, i)) = shortest {
+        let lengths = [0, 1, 2].map(|i| tin.edge_length(t, i));
+        let others = |i: usize| lengths[(i + 1) % 3] + lengths[(i + 2) % 3];
+        let limit = (0..3).map(|i| lengths[i] / others(i)).fold(0.0, f64::max);
+        limited += usize::from(limit > resolution);
+        let parameters = candidates.iter().map(|&(beyond, i)| (beyond / others(i), i));
+        let least = parameters.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if let Some((r, i)) = least
+            && r < resolution.max(limit)
+        {
             eliminated[t as usize] = true;
             drop_branch(tin, &mut dropped, t, i);
         }
     }
-    Elimination { eliminated, dropped }
+    Elimination { eliminated, dropped, limited }
 }
 
 /// Whether edge `i` of `t` is free and has both ends on contours of one level: it spans a spur, a gully or a top.

@@ -9,11 +9,12 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
+use super::sight::nearest_in_sight;
 use crate::rows::Rows;
 use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
 
-/// How many segments are tried for one that can be seen before the nearest one is taken.
-const SIGHT_TRIALS: usize = 48;
+/// How many segments are tried for one that can be seen before the view is searched instead.
+const SIGHT_TRIALS: usize = 16;
 
 /// Heights of points inside sub-domains.
 ///
@@ -84,17 +85,20 @@ impl LevelTree {
         self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
     }
 
-    /// Distance to the nearest segment whose nearest point can be seen from `from`, which lies in triangle `t`.
-    fn visible_distance(&self, tin: &Tin, t: u32, from: DVec2) -> f64 {
+    /// Distance to the nearest segment whose nearest point can be seen from the point; to the nearest of all if none can.
+    fn visible_distance(&self, tin: &Tin, point: &AxisPoint) -> f64 {
+        let from = point.position;
         let p = from.to_array();
         let mut nearest = f64::INFINITY;
         for (s, d2) in self.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS) {
             nearest = nearest.min(d2.sqrt());
-            if sees(tin, t, from, DVec2::from(s.nearest_point(&p))) {
+            if sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p))) {
                 return d2.sqrt();
             }
         }
-        nearest
+        // A point with a level lies inside its triangle or an edge of it, so that a view can spread from there.
+        let spread = point.level.and_then(|_| nearest_in_sight(tin, point.triangle, from, self.level));
+        spread.unwrap_or(nearest)
     }
 
     /// No segment is nearer than this.
@@ -169,12 +173,20 @@ impl Ground<'_> {
             Some(level) => self.trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
             None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
         };
-        let Some((own_distance, own_level)) = own else {
+        let Some((own_straight, own_level)) = own else {
             // Gates only: the level of the ends on both sides is all that is known.
             let height = point.level.filter(|_| self.region.band.lo.is_finite());
             return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
         };
         let side = self.region.side(own_level).unwrap_or(Side::Above);
+        // A straight view can be blocked only by something nearer.
+        let mut strangers = self.trees.iter().filter(|t| t.level != own_level);
+        let own_distance = match self.trees.iter().find(|t| t.level == own_level) {
+            Some(tree) if strangers.any(|t| t.lower_bound(at) < own_straight && t.distance(at) < own_straight) => {
+                tree.visible_distance(self.tin, point)
+            }
+            _ => own_straight,
+        };
         let mut other = None;
         for tree in self.trees.iter().filter(|t| match side {
             Side::Above => t.level > own_level,
@@ -182,10 +194,10 @@ impl Ground<'_> {
         }) {
             let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
             if tree.lower_bound(at) < best {
-                // A straight view can be blocked only by something nearer, which is the point's own contour.
+                // What is nearer than the point's own contour is not hidden behind it.
                 let straight = tree.distance(at);
-                let seen = || tree.visible_distance(self.tin, point.triangle, at);
-                let distance = if straight <= own_distance { straight } else { seen() };
+                let seen = || tree.visible_distance(self.tin, point);
+                let distance = if straight <= own_straight { straight } else { seen() };
                 if distance < best {
                     other = Some((distance, tree.level));
                 }

@@ -47,7 +47,7 @@ fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {
         .axis
         .points
         .iter()
-        .zip(&skeleton.heights)
+        .zip(&skeleton.flow.heights)
         .map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis))
         .collect();
     for piece in &skeleton.axis.pieces {

@@ -14,9 +14,11 @@ use crate::error::{Error, Result};
 
 mod contours;
 mod landforms;
+mod skeleton;
 
 pub(super) use contours::of_contours;
 pub(super) use landforms::of_landforms;
+pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 
 /// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

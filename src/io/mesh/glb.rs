@@ -5,6 +5,7 @@
 use std::io::{Result, Write};
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use serde_json::json;
 
 use super::crs_name;
@@ -25,6 +26,18 @@ pub(super) struct Header {
 
 fn position(v: DVec3) -> Vec3 {
     y_up(v.as_vec3())
+}
+
+/// How many triangles have no area seen from above once their corners are rounded, or are turned over.
+pub(super) fn flattened(mesh: &Mesh) -> usize {
+    let is_lost = |t: &&[u32; 3]| {
+        let corners = t.map(|v| mesh.vertices[v as usize]);
+        // Differences and products of two rounded numbers are exact or nearly so in double precision.
+        let area = |[a, b, c]: [DVec3; 3]| (b - a).truncate().perp_dot((c - a).truncate());
+        let (exact, rounded) = (area(corners), area(corners.map(|c| c.as_vec3().as_dvec3())));
+        exact != 0.0 && rounded * exact.signum() <= 0.0
+    };
+    mesh.triangles.par_iter().filter(is_lost).count()
 }
 
 fn y_up(v: Vec3) -> Vec3 {

@@ -8,7 +8,7 @@
 //!
 //! Positions are relative to the mesh's origin, the offset, so that viewers that calculate in single precision show no
 //! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; the indices stay as they are,
-//! so no crack opens.
+//! so no crack opens and a solid stays closed. [`flattened`] counts them.
 
 mod glb;
 mod obj;
@@ -47,6 +47,12 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
             ),
         )),
     }
+}
+
+/// How many triangles lose their area on the map, or are turned over, by the precision of the format that `path` names.
+pub fn flattened(path: &Path, mesh: &Mesh) -> usize {
+    let is_single = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+    if is_single { glb::flattened(mesh) } else { 0 }
 }
 
 /// Creates `path` and lets `fill` write to it through a buffer.

@@ -1,0 +1,162 @@
+//! Lines that come over a contour away from the tip of a bend reach the lines beyond it.
+//!
+//! Where such a line arrives, the bend beyond may be one that elimination dropped, or the arrival is far from the tip. Then a
+//! side line leads from there through the chords of the dropped branch to the nearest line that was kept.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+
+use super::axis::{Arrival, Draft, End};
+use super::eliminate::Elimination;
+use crate::tin::{NONE, Regions, Side, Tin, TriangleKind};
+
+/// How many triangles are looked at for each arrival.
+const TRIALS: usize = 256;
+
+/// The side of the contour at an arrival that the ground beyond lies on: it goes on falling, or rising.
+pub(super) fn beyond(tin: &Tin, regions: &Regions, arrival: &Arrival) -> Option<Side> {
+    let level = tin.heights[arrival.vertex as usize];
+    regions.regions[arrival.region as usize].side(level).map(|side| match side {
+        Side::Above => Side::Below,
+        Side::Below => Side::Above,
+    })
+}
+
+/// Adds side lines from arrivals that no line of the ground beyond ends at. `removed`: pieces that no longer count.
+pub(super) fn attach(
+    tin: &Tin,
+    kinds: &[TriangleKind],
+    regions: &Regions,
+    elimination: &Elimination,
+    draft: &mut Draft,
+    removed: &[bool],
+) {
+    let mut live = vec![false; draft.axis.points.len()];
+    let mut taken: HashSet<(u32, u32)> = HashSet::new();
+    for (id, [from, to]) in draft.axis.pieces.iter().enumerate() {
+        if removed.get(id).copied().unwrap_or(false) {
+            continue;
+        }
+        let End::Axis(p) = *from else { continue };
+        live[p as usize] = true;
+        match *to {
+            End::Axis(q) => live[q as usize] = true,
+            End::Vertex(v) => {
+                taken.insert((v, draft.axis.points[p as usize].region));
+            }
+        }
+    }
+    let mut crossed: HashSet<u32> = HashSet::new();
+    for arrival in std::mem::take(&mut draft.arrivals) {
+        let way = beyond(tin, regions, &arrival);
+        let level = tin.heights[arrival.vertex as usize];
+        let fan: Vec<u32> = fan(tin, arrival.triangle, arrival.vertex)
+            .into_iter()
+            .filter(|&t| {
+                let region = regions.of_triangle[t as usize];
+                region != arrival.region && regions.regions[region as usize].side(level) == way
+            })
+            .collect();
+        if fan.iter().any(|&t| taken.contains(&(arrival.vertex, regions.of_triangle[t as usize]))) {
+            continue;
+        }
+        let flat = |t: u32| tin.corner_heights(t).iter().all(|&h| h == level);
+        let mut queue = VecDeque::new();
+        for &t in fan.iter().filter(|&&t| flat(t)) {
+            let Some(j) = tin.triangles[t as usize].iter().position(|&v| v == arrival.vertex) else { continue };
+            let edge = (j + 1) % 3;
+            let p = draft.of_edge[t as usize][edge];
+            let kept_fork = kinds[t as usize] == TriangleKind::Junction && draft.piece_of[t as usize] == NONE;
+            let kept_fork = kept_fork && !elimination.dropped[t as usize];
+            // Inside a triangle that a line runs through, only that line's own ends can be reached without crossing it.
+            let free = draft.piece_of[t as usize] == NONE && !crossed.contains(&t);
+            if p != NONE && !kept_fork && (free || live[p as usize]) {
+                queue.push_back((t, edge));
+            }
+        }
+        let Some(path) = way_to_line(tin, elimination, draft, &live, queue, flat) else { continue };
+        draft.axis.pieces.push([End::Axis(path[0].1), End::Vertex(arrival.vertex)]);
+        draft.axis.pieces.extend(path.windows(2).map(|w| [End::Axis(w[0].1), End::Axis(w[1].1)]));
+        taken.insert((arrival.vertex, regions.of_triangle[path[0].0 as usize]));
+        for (t, p) in path {
+            live[p as usize] = true;
+            crossed.insert(t);
+        }
+    }
+}
+
+/// From the edges in `queue` through triangles without a line to the nearest line: for each step the triangle that it
+/// crosses and the axis point that it leads to.
+fn way_to_line(
+    tin: &Tin,
+    elimination: &Elimination,
+    draft: &Draft,
+    live: &[bool],
+    mut queue: VecDeque<(u32, usize)>,
+    flat: impl Fn(u32) -> bool,
+) -> Option<Vec<(u32, u32)>> {
+    let mut before: HashMap<u32, Option<(u32, u32)>> = HashMap::new();
+    let point = |t: u32, edge: usize| draft.of_edge[t as usize][edge];
+    queue.iter().for_each(|&(t, edge)| {
+        before.insert(point(t, edge), None);
+    });
+    let back = |before: &HashMap<u32, Option<(u32, u32)>>, last: (u32, u32)| {
+        let mut path = vec![last];
+        while let Some(Some(step)) = before.get(&path[path.len() - 1].1) {
+            path.push(*step);
+        }
+        path.reverse();
+        path
+    };
+    for _ in 0..TRIALS {
+        let (t, edge) = queue.pop_front()?;
+        let here = point(t, edge);
+        if live[here as usize] {
+            return Some(back(&before, (t, here)));
+        }
+        let Some(n) = tin.across(t, edge).filter(|&n| flat(n)) else { continue };
+        let piece = draft.piece_of[n as usize];
+        if piece != NONE {
+            let position = |p: u32| draft.axis.points[p as usize].position;
+            let ends = draft.axis.pieces[piece as usize].into_iter().filter_map(|end| match end {
+                End::Axis(p) if live[p as usize] => Some(p),
+                _ => None,
+            });
+            let distance = |p: &u32| position(*p).distance_squared(position(here));
+            if let Some(end) = ends.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                let mut path = back(&before, (t, here));
+                path.push((n, end));
+                return Some(path);
+            }
+            continue;
+        }
+        if !elimination.dropped[n as usize] {
+            continue;
+        }
+        for i in 0..3 {
+            let p = point(n, i);
+            if p != NONE && p != here && !before.contains_key(&p) {
+                before.insert(p, Some((t, here)));
+                queue.push_back((n, i));
+            }
+        }
+    }
+    None
+}
+
+/// The triangles inside the frame around a vertex, on both sides of contours.
+fn fan(tin: &Tin, first: u32, vertex: u32) -> Vec<u32> {
+    let mut seen = HashSet::from([first]);
+    let mut found = vec![first];
+    let mut next = 0;
+    while let Some(&t) = found.get(next) {
+        next += 1;
+        for i in (0..3).filter(|&i| tin.edge(t, i).contains(&vertex)) {
+            if let Some(n) = tin.inner_neighbour(t, i)
+                && seen.insert(n)
+            {
+                found.push(n);
+            }
+        }
+    }
+    found
+}

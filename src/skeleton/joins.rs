@@ -1,0 +1,103 @@
+//! Lines of neighbouring sub-domains meet in one vertex of the contour between them.
+//!
+//! A line that comes over a contour ends at the vertex that the last triangle of its sub-domain has there. The line that
+//! goes on beyond starts at the tip of the contour's bend, which is the middle of the bend seen from its own triangles.
+//! Often these are two vertices. Walking inwards from the tip, each triangle leaves one vertex of the bend behind; from
+//! that vertex the centre of the triangle's next edge can be reached without leaving the triangle. So the line beyond can
+//! start at any vertex of the bend, and starts where another line arrives.
+
+use std::collections::HashMap;
+
+use super::attach::beyond;
+use super::axis::{Draft, End};
+use super::eliminate::Elimination;
+use crate::tin::{NONE, Regions, Side, Tin};
+
+/// How far from the tip along the axis a line may arrive to be joined, in widths of the bend there.
+const REACH: f64 = 2.0;
+
+/// Moves the ends of lines at the tips of bends to where lines from the other side of the contour arrive.
+///
+/// Returns for each piece whether it is to go.
+///
+/// The arrival nearest to the tip replaces the end at the tip, if no line arrives there; further ones join as side lines.
+pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft) -> Vec<bool> {
+    let mut arrivals: HashMap<u32, Vec<(u32, Option<Side>)>> = HashMap::new();
+    for arrival in &draft.arrivals {
+        let side = beyond(tin, regions, arrival);
+        arrivals.entry(arrival.vertex).or_default().push((arrival.region, side));
+    }
+    let mut removed = vec![false; draft.axis.pieces.len()];
+    let mut added = Vec::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let piece = draft.piece_of[t as usize];
+        if piece == NONE {
+            continue;
+        }
+        let [End::Axis(first), End::Vertex(tip)] = draft.axis.pieces[piece as usize] else { continue };
+        let level = draft.axis.points[first as usize].level;
+        if level != Some(tin.heights[tip as usize]) {
+            continue;
+        }
+        let region = regions.of_triangle[t as usize];
+        let side = level.and_then(|level| regions.regions[region as usize].side(level));
+        let arrives = |v: u32| {
+            arrivals.get(&v).is_some_and(|from| from.iter().any(|&(other, way)| other != region && way == side))
+        };
+        let mut ends_here = arrives(tip);
+        let mut stub = vec![piece];
+        let mut length = draft.axis.points[first as usize].position.distance(tin.positions[tip as usize]);
+        let Some(edge) = (0..3).find(|&i| draft.of_edge[t as usize][i] == first) else { continue };
+        let (mut t, mut edge) = (t, edge);
+        while let Some(step) = next_chord(tin, elimination, draft, t, edge) {
+            (t, edge) = (step.triangle, step.edge);
+            let here = draft.of_edge[t as usize][edge];
+            let width = tin.edge_length(t, edge);
+            let position = draft.axis.points[here as usize].position;
+            length += position.distance(draft.axis.points[step.from as usize].position);
+            if length > REACH * width {
+                break;
+            }
+            stub.push(draft.piece_of[t as usize]);
+            if arrives(step.left) {
+                added.push([End::Axis(here), End::Vertex(step.left)]);
+                if !std::mem::replace(&mut ends_here, true) {
+                    stub.iter().for_each(|&p| removed[p as usize] = true);
+                }
+            }
+        }
+    }
+    for t in 0..tin.len() {
+        if draft.piece_of[t] != NONE && removed[draft.piece_of[t] as usize] {
+            draft.piece_of[t] = NONE;
+        }
+    }
+    draft.axis.pieces.extend(added);
+    removed
+}
+
+/// A step of the walk from a tip inwards.
+struct Step {
+    triangle: u32,
+    /// The edge that leads on.
+    edge: usize,
+    /// The axis point on the edge that led here.
+    from: u32,
+    /// The vertex that is left behind.
+    left: u32,
+}
+
+/// Through the triangle across edge `edge` of `t` if one line runs through it; none at forks and at the end.
+fn next_chord(tin: &Tin, elimination: &Elimination, draft: &Draft, t: u32, edge: usize) -> Option<Step> {
+    let n = tin.across(t, edge)?;
+    let piece = draft.piece_of[n as usize];
+    if piece == NONE || elimination.dropped[n as usize] {
+        return None;
+    }
+    let from = draft.of_edge[t as usize][edge];
+    let [a, b] = draft.axis.pieces[piece as usize];
+    let on = if a == End::Axis(from) { b } else { a };
+    let End::Axis(on) = on else { return None };
+    let edge = draft.of_edge[n as usize].iter().position(|&p| p == on)?;
+    Some(Step { triangle: n, edge, from, left: tin.triangles[n as usize][(edge + 2) % 3] })
+}
