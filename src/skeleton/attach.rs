@@ -45,7 +45,6 @@ pub(super) fn attach(
             }
         }
     }
-    let mut crossed: HashSet<u32> = HashSet::new();
     for arrival in std::mem::take(&mut draft.arrivals) {
         let way = beyond(tin, regions, &arrival);
         let level = tin.heights[arrival.vertex as usize];
@@ -65,11 +64,14 @@ pub(super) fn attach(
             let Some(j) = tin.triangles[t as usize].iter().position(|&v| v == arrival.vertex) else { continue };
             let edge = (j + 1) % 3;
             let p = draft.of_edge[t as usize][edge];
+            if p == NONE {
+                continue;
+            }
             let kept_fork = kinds[t as usize] == TriangleKind::Junction && draft.piece_of[t as usize] == NONE;
             let kept_fork = kept_fork && !elimination.dropped[t as usize];
             // Inside a triangle that a line runs through, only that line's own ends can be reached without crossing it.
-            let free = draft.piece_of[t as usize] == NONE && !crossed.contains(&t);
-            if p != NONE && !kept_fork && (free || live[p as usize]) {
+            let free = draft.piece_of[t as usize] == NONE || live[p as usize];
+            if free && !kept_fork && !draft.crossed.contains(&t) {
                 queue.push_back((t, edge));
             }
         }
@@ -79,7 +81,7 @@ pub(super) fn attach(
         taken.insert((arrival.vertex, regions.of_triangle[path[0].0 as usize]));
         for (t, p) in path {
             live[p as usize] = true;
-            crossed.insert(t);
+            draft.crossed.insert(t);
         }
     }
 }
@@ -113,7 +115,7 @@ fn way_to_line(
         if live[here as usize] {
             return Some(back(&before, (t, here)));
         }
-        let Some(n) = tin.across(t, edge).filter(|&n| flat(n)) else { continue };
+        let Some(n) = tin.across(t, edge).filter(|&n| flat(n) && !draft.crossed.contains(&n)) else { continue };
         let piece = draft.piece_of[n as usize];
         if piece != NONE {
             let position = |p: u32| draft.axis.points[p as usize].position;

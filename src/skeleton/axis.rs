@@ -1,5 +1,7 @@
 //! The points of ridge and canyon lines: centres of the triangle edges that span a spur, a gully or a top.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use super::attach::attach;
@@ -47,6 +49,8 @@ pub(super) struct Draft {
     pub piece_of: Vec<u32>,
     /// Lines that reach the next contour.
     pub arrivals: Vec<Arrival>,
+    /// Triangles that a side line runs through; none has two, for they could cross.
+    pub crossed: HashSet<u32>,
 }
 
 /// Where a line reaches the next contour.
@@ -86,6 +90,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         of_edge: vec![[NONE; 3]; tin.len()],
         piece_of: vec![NONE; tin.len()],
         arrivals: Vec::new(),
+        crossed: HashSet::new(),
     };
     for t in 0..tin.len() as u32 {
         for i in 0..3 {

@@ -6,7 +6,7 @@
 //! that vertex the centre of the triangle's next edge can be reached without leaving the triangle. So the line beyond can
 //! start at any vertex of the bend, and starts where another line arrives.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::attach::beyond;
 use super::axis::{Draft, End};
@@ -29,6 +29,8 @@ pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draf
     }
     let mut removed = vec![false; draft.axis.pieces.len()];
     let mut added = Vec::new();
+    // Where lines were joined; a walk from another tip must leave them their line.
+    let mut held = HashSet::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let piece = draft.piece_of[t as usize];
         if piece == NONE {
@@ -55,11 +57,12 @@ pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draf
             let width = tin.edge_length(t, edge);
             let position = draft.axis.points[here as usize].position;
             length += position.distance(draft.axis.points[step.from as usize].position);
-            if length > REACH * width {
+            if length > REACH * width || held.contains(&here) {
                 break;
             }
             stub.push(draft.piece_of[t as usize]);
-            if arrives(step.left) {
+            if arrives(step.left) && draft.crossed.insert(t) {
+                held.insert(here);
                 added.push([End::Axis(here), End::Vertex(step.left)]);
                 if !std::mem::replace(&mut ends_here, true) {
                     stub.iter().for_each(|&p| removed[p as usize] = true);
