@@ -41,17 +41,17 @@ pub fn write(
 }
 
 /// What a picture shows.
-pub struct Scene<'a> {
-    pub tin: &'a Tin,
-    pub frame: &'a FrameRing,
-    pub crs: Option<&'a Crs>,
-    pub lines: &'a [ContourLine],
-    pub breaks: &'a [BreakLine],
-    pub patches: Option<&'a Patches>,
+struct Scene<'a> {
+    tin: &'a Tin,
+    frame: &'a FrameRing,
+    crs: Option<&'a Crs>,
+    lines: &'a [ContourLine],
+    breaks: &'a [BreakLine],
+    patches: Option<&'a Patches>,
 }
 
 /// Draws a picture of anything that has a triangulation with heights, still under its temporary name.
-pub fn draw(staged: &StagedOutput, scene: &Scene<'_>, console: &Console) -> Result<(), Failure> {
+fn draw(staged: &StagedOutput, scene: &Scene<'_>, console: &Console) -> Result<(), Failure> {
     let (lo, hi) = output::extent(scene.frame);
     let grid = map_grid(lo, hi)?;
     console.step("drawing", || {
@@ -75,26 +75,26 @@ pub fn write_model(staged: &StagedOutput, surface: &Surface, model: &Mesh, conso
     Ok(())
 }
 
-/// Draws the triangulated map with its contours and with lines on it, still under the picture's temporary name.
-pub fn write_lines(
+/// Draws the triangulated map with its contours, and areas and lines on it, still under the picture's temporary name.
+pub fn write_tiling(
     staged: &StagedOutput,
     tiling: &Tiling,
     breaks: &[BreakLine],
+    patches: Option<&Patches>,
     console: &Console,
 ) -> Result<(), Failure> {
     let lines: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
     let crs = tiling.map.crs.as_ref();
-    draw(staged, &Scene { tin: &tiling.tin, frame: &tiling.frame, crs, lines: &lines, breaks, patches: None }, console)
+    draw(staged, &Scene { tin: &tiling.tin, frame: &tiling.frame, crs, lines: &lines, breaks, patches }, console)
 }
 
 /// Every fifth level is drawn as an index contour.
 fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
-    let number = ((contour.elevation - interval.base) / interval.step).round();
     ContourLine {
         elevation: contour.elevation,
         points: contour.points.clone(),
         source: Source::Input,
-        index: number % 5.0 == 0.0,
+        index: interval.index_of(contour.elevation) % 5 == 0,
         depression: false,
     }
 }

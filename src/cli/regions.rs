@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::contour::{Contour, ContourLine, Source};
 use tokosen::io::{StagedOutput, VectorFormat, write_landforms};
 use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::surface::{Tiling, tiling};
@@ -11,7 +10,6 @@ use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;
-use super::preview::Scene;
 use super::surface::FrameArgs;
 use super::{Failure, output, preview, summary};
 
@@ -41,9 +39,6 @@ Examples:
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen regions contours.shp -a ELEV -o regions.shp --preview regions.png
   tokosen regions contours.geojson -o regions.geojson --frame sheet.geojson";
-
-/// Every so many levels one is drawn bold.
-const INDEX_EVERY: i64 = 5;
 
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
@@ -87,23 +82,7 @@ fn draw(staged: &StagedOutput, tiled: &Tiling, forms: &[Landform], console: &Con
     let number = |form: &Landform| LandformClass::ALL.iter().position(|class| *class == form.class);
     let areas = forms.iter().filter_map(|form| Some(Patch { class: number(form)?, rings: rings(form) }));
     let patches = Patches { classes: LandformClass::ALL.map(class).to_vec(), areas: areas.collect() };
-    let line = |contour: &Contour| ContourLine {
-        elevation: contour.elevation,
-        points: contour.points.clone(),
-        source: Source::Input,
-        index: tiled.interval.index_of(contour.elevation) % INDEX_EVERY == 0,
-        depression: false,
-    };
-    let lines: Vec<ContourLine> = tiled.map.contours.iter().map(line).collect();
-    let scene = Scene {
-        tin: &tiled.tin,
-        frame: &tiled.frame,
-        crs: tiled.map.crs.as_ref(),
-        lines: &lines,
-        breaks: &[],
-        patches: Some(&patches),
-    };
-    preview::draw(staged, &scene, console)
+    preview::write_tiling(staged, tiled, &[], Some(&patches), console)
 }
 
 /// Warm for high ground, cool for low.

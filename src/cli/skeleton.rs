@@ -6,8 +6,10 @@ use clap::Args;
 use tokosen::error::Error;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{VectorFormat, contour_files, write_layers};
+use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::surface::tiling;
+use tokosen::tin::{Tin, TriangleKind};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -90,7 +92,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         write_layers(&staged, &layers, crs.as_ref())
     })?;
     if let Some(picture) = &picture {
-        preview::write_lines(picture, &tiled, &found.lines, console)?;
+        let patches = args.triangles.then(|| triangles_by_kind(&tiled.tin, &found));
+        preview::write_tiling(picture, &tiled, &found.lines, patches.as_ref(), console)?;
     }
 
     summary::findings(&input.findings, console);
@@ -104,6 +107,27 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     preview::commit(picture, console)?;
     summary::close(input.findings.len(), console);
     Ok(())
+}
+
+/// The triangles for the picture, coloured by kind.
+fn triangles_by_kind(tin: &Tin, skeleton: &Skeleton) -> Patches {
+    let class = |(name, color): (&str, [u8; 3])| PatchClass { name: name.to_owned(), color };
+    let classes = [
+        ("terminal", [226, 124, 60]),
+        ("sleeve", [240, 222, 130]),
+        ("junction", [70, 110, 190]),
+        ("eliminated", [150, 150, 150]),
+    ];
+    let number = |t: u32| match skeleton.kinds[t as usize] {
+        TriangleKind::Terminal => Some(0),
+        TriangleKind::Sleeve => Some(1),
+        TriangleKind::Junction if skeleton.elimination.eliminated[t as usize] => Some(3),
+        TriangleKind::Junction => Some(2),
+        TriangleKind::Isolated | TriangleKind::Outside => None,
+    };
+    let ring = |t: u32| [0, 1, 2, 0].map(|i| tin.point(tin.triangles[t as usize][i]).truncate()).to_vec();
+    let areas = (0..tin.len() as u32).filter_map(|t| Some(Patch { class: number(t)?, rings: vec![ring(t)] }));
+    Patches { classes: classes.map(class).to_vec(), areas: areas.collect() }
 }
 
 /// The lines of the summary about ridge and canyon lines.
