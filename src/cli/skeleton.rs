@@ -134,7 +134,7 @@ fn triangles_by_kind(tin: &Tin, skeleton: &Skeleton) -> Patches {
 fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
     for (name, kind) in [("ridges", BreakKind::Ridge), ("canyons", BreakKind::Canyon)] {
         let lines: Vec<&BreakLine> = skeleton.lines.iter().filter(|l| l.kind == kind).collect();
-        let length: f64 = lines.iter().map(|l| l.length()).sum();
+        let length = lines.iter().map(|l| l.length()).fold(0.0, |sum, length| sum + length);
         let ends = |wanted| lines.iter().flat_map(|l| l.ends).filter(|end| *end == wanted).count();
         console.say(&format!(
             "{name:<10} {} lines, length {length:.0}; ends: {} at contours, {} at junctions, {} at the frame",

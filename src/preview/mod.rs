@@ -46,7 +46,7 @@ const MAX_COLS: usize = MAX_SIDE - 2 * MARGIN;
 /// From this width on, the legend is one row.
 const ONE_ROW: usize = 1260;
 /// Largest heights of the map, above a legend of one row and above a stacked one.
-const MAX_ROWS: [usize; 2] = [MAX_SIDE - MARGIN - TITLE - 100, MAX_SIDE - MARGIN - TITLE - 300];
+const MAX_ROWS: [usize; 2] = [MAX_SIDE - MARGIN - TITLE - 100, MAX_SIDE - MARGIN - TITLE - 310];
 /// A narrow map still needs a legend this wide.
 const MIN_LEGEND: usize = 430;
 /// Hillshade looks best when the usual slope is about this steep; heights are scaled towards it.

@@ -40,7 +40,7 @@ pub struct Patch {
 pub struct Patches {
     /// The classes; the legend lists those that occur.
     pub classes: Vec<PatchClass>,
-    /// The areas. Those of a class that is not listed, and rings with a point that is not finite, are passed over.
+    /// The areas. Those of a class that is not listed, and those with a point that is not finite, are passed over.
     pub areas: Vec<Patch>,
 }
 
@@ -68,10 +68,13 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, patches: &Patches) {
 
 /// The rings as one path in pixels, none if they lie outside of the map.
 fn path(grid: &Grid, rings: &[Vec<DVec2>]) -> Option<Path> {
+    if !rings.iter().flatten().all(|p| p.is_finite()) {
+        return None;
+    }
     let size = DVec2::new(grid.cols as f64, grid.rows as f64);
     let mut path = PathBuilder::new();
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for ring in rings.iter().filter(|ring| ring.iter().all(|p| p.is_finite())) {
+    for ring in rings {
         let mut last: Option<DVec2> = None;
         for &point in ring {
             let at = to_pixels(grid, point).clamp(DVec2::splat(-FAR), DVec2::splat(FAR));
