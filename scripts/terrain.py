@@ -24,7 +24,7 @@ def read_dem(path):
                 heights[heights == source.nodata] = np.nan
             return heights, source.transform
     except rasterio.errors.RasterioError as e:
-        sys.exit(f"{path}: {e}")
+        sys.exit(str(e))
 
 
 def read_lines(path, layer=None, elev=None):
@@ -32,7 +32,7 @@ def read_lines(path, layer=None, elev=None):
     try:
         meta, _, wkb, columns = pyogrio.raw.read(path, layer=layer)
     except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError) as e:
-        sys.exit(f"{path}: {e}")
+        sys.exit(str(e))
     if wkb is None:
         sys.exit(f"{path}: no geometries")
     fields = dict(zip(meta["fields"], columns))
