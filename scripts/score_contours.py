@@ -8,8 +8,8 @@ alone at the finer interval (all its lines, the given ones among them or not). T
 centres. Only levels count that are multiples of the finer interval and not of the given one: the new ones.
 
 Both sets of lines are sampled every half cell, and the distance from each sample to the nearest line of the same
-level of the other set is measured, exactly, to the segments. Samples count that lie on heights of TRUTH, one cell
-inside the convex hull of the given contours and off a border of 1 % of the grid.
+level of the other set is measured, exactly, to the segments. Samples count that lie between four heights of TRUTH, one
+cell inside the convex hull of the given contours and off a border of 1 % of the grid.
 
 A distance is at most CAP, and is CAP where there is no line of the level at all. CAP (--cap) is by default the
 mean distance between the given contours there, area divided by length of lines: a line that is missing or made up counts
@@ -52,7 +52,7 @@ def samples(lines, number, step):
     piece = length / count
     line = np.repeat(np.arange(len(lines)), count)
     within = np.arange(len(line)) - np.repeat(np.cumsum(count) - count, count)
-    # One call a line: along a line shapely walks from its start for each point, which long lines make slow.
+    # shapely would walk along the line from its start for each point, which long lines make slow.
     xy = np.empty((len(line), 2))
     start = 0
     for i, geometry in enumerate(lines):
@@ -114,6 +114,9 @@ def score(lines, levels, truth, transform, interval, given, cap=None):
     if cap is None:
         cap = area.area / shapely.length(shapely.intersection(shapely.multilinestrings(list(given_lines)), area))
     true_lines, true_levels = terrain.contours(truth, transform, interval)
+    # True lines end at the last centres with a height, so all four centres around a sample must have one.
+    known = np.isfinite(truth)
+    between_known = known[:-1, :-1] & known[:-1, 1:] & known[1:, :-1] & known[1:, 1:]
     sets = []
     for which, lines, levels in (("new", lines, levels), ("true", true_lines, true_levels)):
         number, use = new_levels(levels, interval, given)
@@ -121,9 +124,9 @@ def score(lines, levels, truth, transform, interval, given, cap=None):
             sys.exit(f"no {which} line has a level at {interval:g} that is not one at {given:g}")
         lines, number = shapely.force_2d(lines[use]), number[use]
         xy, level, weight = samples(lines, number, cell / 2)
-        row, column = (np.round(a).astype(int) for a in terrain.to_grid(transform, xy[:, 0], xy[:, 1]))
+        row, column = (np.floor(a).astype(int) for a in terrain.to_grid(transform, xy[:, 0], xy[:, 1]))
         inside = shapely.contains_xy(area, xy)
-        inside[inside] = np.isfinite(truth[row[inside], column[inside]])
+        inside[inside] = between_known[row[inside], column[inside]]
         if not inside.any():
             sys.exit(f"no {which} line lies in the area that counts")
         sets.append((lines, number, xy[inside], level[inside], weight[inside]))
