@@ -15,7 +15,8 @@ CONTOURS is a vector file of contour lines, GRID.tif any GeoTIFF on the grid tha
 What is not installed is said and left out. Each tool gets the lines in a format that it reads itself, 3-D lines or a
 table of their vertices, which is made beforehand and not measured; its import, region and export are measured, because
 tokosen reads and writes files, too. Wall seconds come from the clock around the program; the peak is the largest resident
-memory of one of its processes. The ratios are to the first tool that ran. Take the figures on a machine that does nothing else.
+memory of one of its processes (10 MB is the least that can be told). The ratios are to the first tool that ran. Take the
+figures on a machine that does nothing else.
 """
 import argparse
 import json
@@ -53,8 +54,9 @@ def shell(*commands):
 
 
 def write_lines(path, lines, crs):
-    pyogrio.raw.write(path, geometry=shapely.to_wkb(lines, output_dimension=3), field_data=[shapely.get_z(shapely.get_point(lines, 0))],
-                      fields=["elev"], geometry_type="LineString Z", crs=crs, driver="GPKG", layer="contours")
+    pyogrio.raw.write(
+        path, layer="contours", driver="GPKG", crs=crs, geometry_type="LineString Z", fields=["elev"],
+        geometry=shapely.to_wkb(lines, output_dimension=3), field_data=[shapely.get_z(shapely.get_point(lines, 0))])
 
 
 def tools(work, lines, table, grid, binary):
@@ -69,7 +71,8 @@ def tools(work, lines, table, grid, binary):
                    f"g.region n={north} s={south} e={east} w={west} rows={rows} cols={columns}"]
     grass = lambda name, file, *steps: (name, ["grass"], [
         "grass", "-c", grid, str(work / f"grass_{file}"), "--exec",
-        *shell(*grass_start, *steps, f"r.out.gdal --quiet -f input=dem output={quote(out(file))} format=GTiff type=Float32 nodata=-9999")],
+        *shell(*grass_start, *steps,
+               f"r.out.gdal --quiet -f input=dem output={quote(out(file))} format=GTiff type=Float32 nodata=-9999")],
         out(file))
     return [
         ("tokosen", [binary], [binary, "dem", "-q", lines, "--like", grid, "-o", out("tokosen.tif")], out("tokosen.tif")),

@@ -4,8 +4,8 @@
     score_contours.py CONTOURS TRUTH.tif --given 20 --interval 4 [--layer NAME] [--json]
 
 TRUTH holds the heights that contour lines were cut from at the given interval; CONTOURS is what was made of those lines
-alone at the finer interval (all its lines, the given ones among them or not). The true lines are cut from TRUTH through its cell
-centres. Only levels count that are multiples of the finer interval and not of the given one: the new ones.
+alone at the finer interval, with the given lines among them or not. The true lines are cut from TRUTH through its
+cell centres. Only levels count that are multiples of the finer interval and not of the given one: the new ones.
 
 Both sets of lines are sampled every half cell, and the distance from each sample to the nearest line of the same
 level of the other set is measured, exactly, to the segments. Samples count that lie between four heights of TRUTH, one
@@ -159,7 +159,8 @@ def main():
     print(f"{'':14s}{'mean':>9s}{'median':>9s}{'p95':>9s}{'at cap':>9s}{'length':>12s}   cap {out['cap']:.3f}")
     for name in ("new_to_true", "true_to_new"):
         f = out[name]
-        print(f"{name.replace('_', ' '):14s}{f['mean']:9.3f}{f['median']:9.3f}{f['p95']:9.3f}{f['at_cap']:9.2f}{f['length']:12.0f}")
+        print(f"{name.replace('_', ' '):14s}{f['mean']:9.3f}{f['median']:9.3f}{f['p95']:9.3f}{f['at_cap']:9.2f}"
+              f"{f['length']:12.0f}")
     print(f"{'sum':14s}{out['sum']:9.3f}")
 
 
