@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How close a height map comes to the ground it was rebuilt from.
 
-    score_dem.py TRUTH.tif INTERVAL DEM.tif [DEM.tif ...]
+    score_dem.py TRUTH.tif INTERVAL DEM.tif [DEM.tif ...] [--lines SKELETON.gpkg] [--json]
 
 TRUTH holds the heights that contour lines were cut from at INTERVAL metres, each DEM what was built from those lines
 alone, on the same grid. Cells count where all of them have data. A row a DEM:
@@ -10,19 +10,28 @@ alone, on the same grid. Cells count where all of them have data. A row a DEM:
     p95    95 % of the errors are at most this, divided by the interval
     slope  root mean square error of the slope angle, degrees (Horn)
     flat   share of cells flatter than 0.5 degrees where the truth is steeper than 3 degrees, per cent: terraces
+    pits   cells lower than all eight neighbours
+    beads  those of the pits whose centre is within a cell of a canyon line (with --lines, the file of `tokosen skeleton`)
+    meets  share of the contours' vertices where the height map, bilinear between cell centres, is within 2 % of the
+           interval of the contour's level, per cent
+
+The contours are cut from TRUTH again; their vertices count for `meets` where every other contour line is at least two
+cells away, because nearer ones cannot both be met by the heights of one grid. The first row is the truth itself: real
+ground has pits, too.
 """
+import argparse
+import json
 import sys
 
 import numpy as np
-import rasterio
+import pyogrio
+import shapely
 
+import terrain
 
-def read(path):
-    with rasterio.open(path) as source:
-        heights = source.read(1).astype(float)
-        if source.nodata is not None:
-            heights[heights == source.nodata] = np.nan
-        return heights, source.transform
+MEETS = 0.02  # of the interval: a height map that is so near meets the contour
+APART = 2.0  # cells between a contour's vertex and any other contour, for the vertex to count
+CHUNK = 16  # segments in one piece of a line in the spatial index
 
 
 def slope(heights, dx, dy):
@@ -32,31 +41,133 @@ def slope(heights, dx, dy):
     return np.degrees(np.arctan(np.hypot(east / (8 * dx), south / (8 * dy))))
 
 
+def pits(heights):
+    """Cells lower than all eight neighbours; a cell that lacks one of them is none."""
+    rows, columns = heights.shape
+    p = np.pad(heights, 1, constant_values=np.nan)
+    around = [p[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    return np.all([heights < a for a in around], axis=0)
+
+
+def canyon_lines(path):
+    """The lines of kind canyon among those that `tokosen skeleton` wrote."""
+    try:
+        meta, _, wkb, columns = pyogrio.raw.read(path, layer=0)
+    except pyogrio.errors.DataSourceError as e:
+        sys.exit(str(e))
+    fields = dict(zip(meta["fields"], columns))
+    if wkb is None or "kind" not in fields:
+        sys.exit(f"{path}: no ridge and canyon lines (no attribute kind)")
+    return shapely.force_2d(shapely.from_wkb(wkb[fields["kind"] == "canyon"]))
+
+
+def near_lines(cells, lines, transform):
+    """Which of the cells have their centre within a cell of a line."""
+    row, column = np.nonzero(cells)
+    if not len(row) or not len(lines):
+        return np.zeros_like(cells)
+    centres = shapely.points(*terrain.to_map(transform, row, column))
+    point, _ = shapely.STRtree(lines).query(centres, predicate="dwithin", distance=transform.a)
+    out = np.zeros_like(cells)
+    out[row[point], column[point]] = True
+    return out
+
+
+def pieces(lines):
+    """The lines cut into pieces of a few segments, and the line that each is of."""
+    cut, owner = [], []
+    for i, line in enumerate(lines):
+        xy = shapely.get_coordinates(line)
+        for start in range(0, len(xy) - 1, CHUNK):
+            cut.append(xy[start : start + CHUNK + 1])
+            owner.append(i)
+    size = [len(c) for c in cut]
+    return shapely.linestrings(np.concatenate(cut), indices=np.repeat(np.arange(len(cut)), size)), np.array(owner)
+
+
+def lone_vertices(truth, transform, interval):
+    """Vertices of the contours with no other contour line near: rows and columns (broken) and levels."""
+    lines, levels = terrain.contours(truth, transform, interval)
+    xy, owner = shapely.get_coordinates(lines, return_index=True)
+    parts, part_owner = pieces(lines)
+    vertex, part = shapely.STRtree(parts).query(shapely.points(xy), predicate="dwithin", distance=APART * transform.a)
+    lone = np.ones(len(xy), bool)
+    lone[vertex[owner[vertex] != part_owner[part]]] = False
+    row, column = terrain.to_grid(transform, *xy[lone].T)
+    return row, column, levels[owner[lone]]
+
+
+def bilinear(heights, row, column):
+    """Heights at broken rows and columns; NaN where one of the four cells has none that is needed."""
+    r = np.clip(np.floor(row), 0, heights.shape[0] - 2).astype(int)
+    c = np.clip(np.floor(column), 0, heights.shape[1] - 2).astype(int)
+    out = np.zeros(len(row))
+    for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        weight = np.abs(1 - i - (row - r)) * np.abs(1 - j - (column - c))
+        # A vertex lies on an edge of the grid: the cells beside the edge have no weight and need no height.
+        weight[weight < 1e-6] = 0
+        out += np.where(weight > 0, weight * heights[r + i, c + j], 0)
+    return out
+
+
+def share_met(heights, use, vertices, interval):
+    """Per cent of the vertices that the heights meet, of those nearest to a cell that counts."""
+    row, column, level = vertices
+    counts = use[np.round(row).astype(int).clip(0, use.shape[0] - 1), np.round(column).astype(int).clip(0, use.shape[1] - 1)]
+    error = np.abs(bilinear(heights, row[counts], column[counts]) - level[counts])
+    error = error[np.isfinite(error)]
+    return 100 * float((error <= MEETS * interval).mean()) if len(error) else float("nan")
+
+
+def score(heights, angle, truth, truth_slope, use, transform, interval, vertices, canyons):
+    error = np.abs(heights - truth)[use] / interval
+    steep = use & (truth_slope > 3)
+    low = pits(heights) & use
+    out = {
+        "rmse": float(np.sqrt((error**2).mean())),
+        "p95": float(np.percentile(error, 95)),
+        "slope": float(np.sqrt(((angle - truth_slope)[use] ** 2).mean())),
+        "flat": float(100 * (angle[steep] < 0.5).mean()) if steep.any() else float("nan"),
+        "pits": int(low.sum()),
+    }
+    if canyons is not None:
+        out["beads"] = int(near_lines(low, canyons, transform).sum())
+    out["meets"] = share_met(heights, use, vertices, interval)
+    return out
+
+
 def main():
-    if len(sys.argv) < 4:
-        sys.exit(__doc__)
-    truth, transform = read(sys.argv[1])
-    interval = float(sys.argv[2])
+    a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    a.add_argument("truth")
+    a.add_argument("interval", type=float, help="of the contours, metres")
+    a.add_argument("dem", nargs="+")
+    a.add_argument("--lines", help="ridge and canyon lines, as `tokosen skeleton` writes them")
+    a.add_argument("--json", action="store_true", help="print the figures as JSON")
+    o = a.parse_args()
+    if not o.interval > 0:
+        a.error("the interval is above 0")
+    truth, transform = terrain.read_dem(o.truth)
     dx, dy = transform.a, -transform.e
     truth_slope = slope(truth, dx, dy)
-    dems = []
-    for path in sys.argv[3:]:
-        heights, placed = read(path)
+    dems = [(o.truth, truth, truth_slope)]
+    for path in o.dem:
+        heights, placed = terrain.read_dem(path)
         if heights.shape != truth.shape or not np.allclose(placed[:6], transform[:6]):
-            sys.exit(f"{path}: not on the grid of {sys.argv[1]}")
+            sys.exit(f"{path}: not on the grid of {o.truth}")
         dems.append((path, heights, slope(heights, dx, dy)))
-    use = np.isfinite(truth_slope) & np.all([np.isfinite(s) for _, _, s in dems], axis=0)
-    print(f"{'':32s}{'rmse':>9s}{'p95':>9s}{'slope':>9s}{'flat':>9s}   over {use.sum()} cells")
-    for path, heights, angle in dems:
-        error = np.abs(heights - truth)[use] / interval
-        steep = use & (truth_slope > 3)
-        row = [
-            np.sqrt((error**2).mean()),
-            np.percentile(error, 95),
-            np.sqrt(((angle - truth_slope)[use] ** 2).mean()),
-            100 * (angle[steep] < 0.5).mean(),
-        ]
-        print(f"{path[-32:]:32s}" + "".join(f"{v:9.3f}" for v in row))
+    use = np.all([np.isfinite(s) for _, _, s in dems], axis=0)
+    if not use.any():
+        sys.exit("no cell has data in all of the height maps")
+    vertices = lone_vertices(truth, transform, o.interval)
+    canyons = canyon_lines(o.lines) if o.lines else None
+    rows = [(path, score(heights, angle, truth, truth_slope, use, transform, o.interval, vertices, canyons))
+            for path, heights, angle in dems]
+    if o.json:
+        print(json.dumps({"cells": int(use.sum()), "dems": dict(rows)}, indent=1))
+        return
+    print(f"{'':32s}" + "".join(f"{name:>9s}" for name in rows[0][1]) + f"   over {use.sum()} cells")
+    for path, figures in rows:
+        print(f"{path[-32:]:32s}" + "".join(f"{v:9d}" if isinstance(v, int) else f"{v:9.3f}" for v in figures.values()))
 
 
 if __name__ == "__main__":
