@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use crate::tin::{NONE, Tin};
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// How far off a sight something may lie to count as on it, as a share of the sight's length.
 const ON_SIGHT: f64 = 1e-9;
@@ -68,34 +68,18 @@ pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
 
 /// The triangle that a sight goes on in beyond a vertex on it, if it can be reached around the vertex from triangle `t`.
 fn onwards(tin: &Tin, t: u32, vertex: u32, sight: &Sight) -> Option<u32> {
-    let leads_on = |t: u32| {
-        let k = tin.triangles[t as usize].iter().position(|&v| v == vertex)?;
+    let leads_on = |&(t, k): &(u32, usize)| {
         let corners = tin.corners(t);
         let [at, right, left] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
         let ahead = |p: DVec2| sight.along(p) > sight.along(at);
-        let holds = match (sight.side(right), sight.side(left)) {
+        match (sight.side(right), sight.side(left)) {
             (-1, 1) => true,
             (0, 1) => ahead(right),
             (-1, 0) => ahead(left),
             _ => false,
-        };
-        holds.then_some(t)
-    };
-    // Both ways around: edge k leaves the vertex, edge k + 2 comes to it.
-    for step in [0, 2] {
-        let mut current = t;
-        loop {
-            if let Some(found) = leads_on(current) {
-                return Some(found);
-            }
-            let k = tin.triangles[current as usize].iter().position(|&v| v == vertex)?;
-            match tin.across(current, (k + step) % 3) {
-                Some(n) if n != t => current = n,
-                _ => break,
-            }
         }
-    }
-    None
+    };
+    around(tin, t, vertex).find(leads_on).map(|(t, _)| t)
 }
 
 /// A view through an edge: the triangle that it leads out of, the edge, and the directions of the view's right and left end.
@@ -128,9 +112,20 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         if nearest.length() >= best {
             continue;
         }
+        let shows = |p: DVec2| not_right_of(view.right, p) && not_right_of(p, view.left);
+        for (v, at) in tin.edge(view.triangle, view.edge).into_iter().zip([a, b]) {
+            let candidate = tin.kinds[v as usize] == VertexKind::Contour && tin.heights[v as usize] == level;
+            if candidate
+                && at.length() < best
+                && shows(at)
+                && leads_away(tin, view.triangle, v, from)
+                && sees(tin, t, from, from + at)
+            {
+                best = at.length();
+            }
+        }
         if tin.contour_level(view.triangle, view.edge) == Some(level) {
-            let shown = not_right_of(view.right, nearest) && not_right_of(nearest, view.left);
-            if shown && sees(tin, t, from, from + nearest) {
+            if shows(nearest) && sees(tin, t, from, from + nearest) {
                 best = nearest.length();
             }
             continue;
@@ -147,6 +142,31 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         }
     }
     best.is_finite().then_some(best)
+}
+
+/// Whether a segment of contour at a vertex of triangle `t` leads away from `from`, so that the vertex is its nearest point.
+/// The segment itself may be out of sight.
+fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
+    let at = tin.positions[vertex as usize];
+    around(tin, t, vertex).any(|(t, k)| {
+        // Edge k leaves the vertex, edge k + 2 comes to it.
+        [(k, k + 1), (k + 2, k + 2)].into_iter().any(|(edge, end)| {
+            let away = tin.corners(t)[end % 3] - at;
+            tin.contour_level(t, edge % 3).is_some() && away.dot(at - from) >= 0.0
+        })
+    })
+}
+
+/// The triangles around a vertex that can be reached from one of them without crossing a contour or the frame, each with
+/// the number of its corner there.
+fn around(tin: &Tin, first: u32, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+    let corner = move |t: u32| tin.triangles[t as usize].iter().position(|&v| v == vertex).map(|k| (t, k));
+    let turn = move |step: usize| {
+        std::iter::successors(corner(first), move |&(t, k)| {
+            tin.across(t, (k + step) % 3).filter(|&n| n != first).and_then(corner)
+        })
+    };
+    turn(0).chain(turn(2).skip(1))
 }
 
 fn nearest_to_origin(a: DVec2, b: DVec2) -> DVec2 {
