@@ -126,6 +126,57 @@ fn lines_go_on_from_sub_domain_to_sub_domain() {
     assert!(4 * shared > places, "{shared} of {places} ends at contours");
     let (arrivals, shared) = arrivals(&found.lines);
     assert!(2 * shared > arrivals, "{shared} of {arrivals} ends at the next contour");
+    assert_eq!(
+        left_behind(&tiling, &found),
+        0,
+        "lines stop at a contour although a line that was kept can be reached beyond"
+    );
+}
+
+/// How many lines stop at the next contour although flat triangles lead from there to a line beyond. Where all of the bend
+/// beyond was eliminated, or there is none, a line rightly stops.
+fn left_behind(tiling: &Tiling, found: &Skeleton) -> usize {
+    let (tin, regions) = (&tiling.tin, &tiling.regions);
+    let mut around: HashMap<[u64; 2], Vec<(u32, usize)>> = HashMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for (k, v) in tin.triangles[t as usize].into_iter().enumerate() {
+            around.entry(bits(tin.point(v).truncate())).or_default().push((t, k));
+        }
+    }
+    // The upper end of a canyon and the lower end of a ridge start at the tip of a bend, the others arrive.
+    let mut starts = HashSet::new();
+    let mut ends = Vec::new();
+    for line in &found.lines {
+        let points = [line.points[0], line.points[line.points.len() - 1]];
+        for (k, p) in points.into_iter().enumerate().filter(|(k, _)| line.ends[*k] == LineEnd::Contour) {
+            if (k == 0) == (line.kind == BreakKind::Ridge) {
+                ends.push((line, p));
+            } else {
+                starts.insert((line.kind, bits(p.truncate())));
+            }
+        }
+    }
+    let leads_on = |(line, p): &(&BreakLine, glam::DVec3)| {
+        let way = if line.kind == BreakKind::Ridge { Side::Above } else { Side::Below };
+        let flat = |t: u32| tin.corner_heights(t).iter().all(|&h| h == p.z);
+        let beyond = |t: u32| {
+            let region = regions.of_triangle[t as usize];
+            region != line.region && regions.regions[region as usize].side(p.z) == Some(way)
+        };
+        let fan = around[&bits(p.truncate())].iter();
+        let first = fan.filter(|&&(t, k)| beyond(t) && flat(t) && tin.across(t, (k + 1) % 3).is_some()).map(|f| f.0);
+        let mut stack: Vec<u32> = first.collect();
+        let mut seen: HashSet<u32> = stack.iter().copied().collect();
+        while let Some(t) = stack.pop() {
+            if !found.elimination.dropped[t as usize] {
+                return true;
+            }
+            stack.extend((0..3).filter_map(|i| tin.across(t, i)).filter(|&n| flat(n) && seen.insert(n)));
+        }
+        false
+    };
+    ends.retain(|(line, p)| !starts.contains(&(line.kind, bits(p.truncate()))));
+    ends.iter().filter(|end| leads_on(end)).count()
 }
 
 #[test]
