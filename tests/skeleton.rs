@@ -126,23 +126,77 @@ fn lines_go_on_from_sub_domain_to_sub_domain() {
     assert!(4 * shared > places, "{shared} of {places} ends at contours");
     let (arrivals, shared) = arrivals(&found.lines);
     assert!(2 * shared > arrivals, "{shared} of {arrivals} ends at the next contour");
+    assert_eq!(
+        left_behind(&tiling, &found),
+        0,
+        "lines stop at a contour although a line that was kept can be reached beyond"
+    );
+}
+
+/// How many lines stop at the next contour although flat triangles lead from there to a line beyond. Where all of the bend
+/// beyond was eliminated, or there is none, a line rightly stops.
+fn left_behind(tiling: &Tiling, found: &Skeleton) -> usize {
+    let (tin, regions) = (&tiling.tin, &tiling.regions);
+    let mut around: HashMap<[u64; 2], Vec<(u32, usize)>> = HashMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for (k, v) in tin.triangles[t as usize].into_iter().enumerate() {
+            around.entry(bits(tin.point(v).truncate())).or_default().push((t, k));
+        }
+    }
+    // The upper end of a canyon and the lower end of a ridge start at the tip of a bend, the others arrive.
+    let mut starts = HashSet::new();
+    let mut ends = Vec::new();
+    for line in &found.lines {
+        let points = [line.points[0], line.points[line.points.len() - 1]];
+        for (k, p) in points.into_iter().enumerate().filter(|(k, _)| line.ends[*k] == LineEnd::Contour) {
+            if (k == 0) == (line.kind == BreakKind::Ridge) {
+                ends.push((line, p));
+            } else {
+                starts.insert((line.kind, bits(p.truncate())));
+            }
+        }
+    }
+    let leads_on = |(line, p): &(&BreakLine, glam::DVec3)| {
+        let way = if line.kind == BreakKind::Ridge { Side::Above } else { Side::Below };
+        let flat = |t: u32| tin.corner_heights(t).iter().all(|&h| h == p.z);
+        let beyond = |t: u32| {
+            let region = regions.of_triangle[t as usize];
+            region != line.region && regions.regions[region as usize].side(p.z) == Some(way)
+        };
+        let fan = around[&bits(p.truncate())].iter();
+        let first = fan.filter(|&&(t, k)| beyond(t) && flat(t) && tin.across(t, (k + 1) % 3).is_some()).map(|f| f.0);
+        let mut stack: Vec<u32> = first.collect();
+        let mut seen: HashSet<u32> = stack.iter().copied().collect();
+        while let Some(t) = stack.pop() {
+            if !found.elimination.dropped[t as usize] {
+                return true;
+            }
+            stack.extend((0..3).filter_map(|i| tin.across(t, i)).filter(|&n| flat(n) && seen.insert(n)));
+        }
+        false
+    };
+    ends.retain(|(line, p)| !starts.contains(&(line.kind, bits(p.truncate()))));
+    ends.iter().filter(|end| leads_on(end)).count()
 }
 
 #[test]
 fn more_resolution_leaves_fewer_and_shorter_lines() {
     for name in SAMPLES.into_iter().chain(["caryville_20m.gpkg"]) {
         let tiling = sample(name);
-        let totals: Vec<(f64, usize, f64)> = [0.0, 0.3, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0]
+        let totals: Vec<(f64, usize, f64)> = [0.0, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0]
             .into_iter()
             .map(|w| {
                 let lines = lines_of(&tiling, w).lines;
                 (w, lines.len(), lines.iter().map(BreakLine::length).sum())
             })
             .collect();
-        // A line whose end moves to where another arrives may become a little longer.
-        let falls = totals.windows(2).all(|p| p[1].1 as f64 <= 1.02 * p[0].1 as f64 && p[1].2 <= 1.02 * p[0].2);
+        // Where nothing more is dropped, the lengths may be summed in another order.
+        let falls = totals.windows(2).all(|p| p[1].1 <= p[0].1 && p[1].2 <= p[0].2 * (1.0 + 1e-12));
         let last = totals[totals.len() - 1];
-        assert!(falls && last.1 <= totals[0].1 && last.2 <= totals[0].2, "{name}: {totals:?}");
+        assert!(falls, "{name}: {totals:?}");
+        // Where bends branch, something goes.
+        let branches = name.starts_with("caryville") || name.starts_with("fig5ab");
+        assert!(!branches || last.1 < totals[0].1 && last.2 < totals[0].2, "{name}: {totals:?}");
     }
 }
 
@@ -173,14 +227,46 @@ fn crosses([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> bool {
     apart(turn(p, q, a), turn(p, q, b)) && apart(turn(a, b, p), turn(a, b, q))
 }
 
+/// Whether a segment lies in a union of triangles, their borders included.
+fn covered([p, q]: [DVec2; 2], triangles: &[[DVec2; 3]]) -> bool {
+    let way = q - p;
+    let near = 1e-9 * way.length();
+    // The part of the segment in each triangle, as shares of its length.
+    let mut parts: Vec<[f64; 2]> = Vec::new();
+    for c in triangles {
+        let [mut from, mut to] = [0.0f64, 1.0];
+        for k in 0..3 {
+            let edge = (c[(k + 1) % 3] - c[k]).normalize();
+            let (inside, rate) = (edge.perp_dot(p - c[k]) + near, edge.perp_dot(way));
+            if rate.abs() <= near {
+                to = if inside < 0.0 { 0.0 } else { to };
+            } else if rate > 0.0 {
+                from = from.max(-inside / rate);
+            } else {
+                to = to.min(-inside / rate);
+            }
+        }
+        if from < to {
+            parts.push([from, to]);
+        }
+    }
+    parts.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let reached =
+        parts.iter().fold(0.0f64, |reached, p| if p[0] > reached + 1e-7 { reached } else { reached.max(p[1]) });
+    reached > 1.0 - 1e-7
+}
+
 #[test]
 fn equation_1_takes_the_nearest_contours_in_sight() {
     let (mut compared, mut blocked) = (0, 0);
-    for name in SAMPLES {
+    // On caryville many sights run along a row of the grid that the contours were cut from, through vertices of contours.
+    for name in SAMPLES.into_iter().chain(["caryville_20m.gpkg"]) {
         let tiling = sample(name);
         let (tin, regions) = (&tiling.tin, &tiling.regions);
         let mut borders: HashMap<u32, Vec<(f64, [DVec2; 2])>> = HashMap::new();
+        let mut ground: HashMap<u32, Vec<[DVec2; 3]>> = HashMap::new();
         for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+            ground.entry(regions.of_triangle[t as usize]).or_default().push(tin.corners(t));
             for i in 0..3 {
                 if let Some(level) = tin.contour_level(t, i) {
                     let segment = tin.edge(t, i).map(|v| tin.positions[v as usize]);
@@ -203,7 +289,11 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
                     .map(|(level, s)| (p.position.distance(nearest(p.position, *s)), *level, nearest(p.position, *s)))
                     .collect();
                 sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let sees = |to: DVec2| !border.iter().any(|(_, s)| crosses([p.position, to], *s));
+                // Where a sight crosses a contour in a vertex, it crosses no segment of it: hence the second test.
+                let sees = |to: DVec2| {
+                    let sight = [p.position, to];
+                    !border.iter().any(|(_, s)| crosses(sight, *s)) && covered(sight, &ground[&p.region])
+                };
                 let seen = sorted.iter().position(|s| sees(s.2));
                 blocked += usize::from(seen != Some(0));
                 sorted.get(seen.unwrap_or(0)).map(|s| (s.0, s.1))

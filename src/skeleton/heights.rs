@@ -9,9 +9,9 @@ use rstar::{PointDistance, RTree};
 
 use super::axis::AxisPoint;
 use super::caps::Cap;
-use super::sight::nearest_in_sight;
+use super::sight::{nearest_in_sight, sees};
 use crate::rows::Rows;
-use crate::tin::{NONE, Region, Regions, Side, Tin, VertexKind};
+use crate::tin::{Region, Regions, Side, Tin, VertexKind};
 
 /// How many segments are tried for one that can be seen before the view is searched instead.
 const SIGHT_TRIALS: usize = 16;
@@ -194,10 +194,7 @@ impl Ground<'_> {
         }) {
             let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
             if tree.lower_bound(at) < best {
-                // What is nearer than the point's own contour is not hidden behind it.
-                let straight = tree.distance(at);
-                let seen = || tree.visible_distance(self.tin, point);
-                let distance = if straight <= own_straight { straight } else { seen() };
+                let distance = tree.visible_distance(self.tin, point);
                 if distance < best {
                     other = Some((distance, tree.level));
                 }
@@ -277,32 +274,4 @@ fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f6
         }
     }
     (run > 0.0).then(|| rise / run)
-}
-
-/// Whether `to` can be seen from `from`, a point of triangle `t`, without crossing a contour or the frame.
-fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
-    let near = 1e-9 * from.distance(to);
-    let mut t = t;
-    let mut came_from = NONE;
-    for _ in 0..10_000 {
-        let exit = (0..3).find(|&i| {
-            let n = tin.neighbours[t as usize][i];
-            if n != NONE && n == came_from {
-                return false;
-            }
-            let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
-            let side = |p: DVec2| (to - from).perp_dot(p - from);
-            let beyond = (v - u).perp_dot(to - u) < -near * u.distance(v);
-            beyond && side(u) <= 0.0 && side(v) >= 0.0
-        });
-        let Some(i) = exit else { return true };
-        match tin.across(t, i) {
-            Some(n) => {
-                came_from = t;
-                t = n;
-            }
-            None => return false,
-        }
-    }
-    false
 }

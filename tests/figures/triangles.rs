@@ -75,7 +75,9 @@ fn figure_3a_a_junction_with_two_corners_on_one_line() {
     assert_eq!(listed(&sample, junction), [(-12, 0), (0, -9), (0, 9)]);
     let r = 82.0 / (15.0 + 15.0);
     let spur = sample.triangle_at(DVec2::new(20.0, 0.0));
-    for (w, is_eliminated) in [(1.0, false), (r * (1.0 - 1e-9), false), (r * (1.0 + 1e-9), true), (10.0, true)] {
+    for (w, is_eliminated) in
+        [(1.0, false), (r * (1.0 - 1e-9), false), (r, false), (r * (1.0 + 1e-9), true), (10.0, true)]
+    {
         let found = sample.elimination(w);
         assert_eq!(found.eliminated[junction as usize], is_eliminated, "w = {w}");
         assert_eq!(found.dropped[spur as usize], is_eliminated, "w = {w}");
@@ -97,6 +99,7 @@ fn figure_3b_a_junction_with_three_corners_on_one_line() {
     for (w, is_eliminated) in [
         (0.6, false),
         (r1 * (1.0 - 1e-9), false),
+        (r1, false),
         (r1 * (1.0 + 1e-9), true),
         (r2 * (1.0 - 1e-9), true),
         (r2 * (1.0 + 1e-9), true),
@@ -106,6 +109,18 @@ fn figure_3b_a_junction_with_three_corners_on_one_line() {
         let dropped = [trunk, west, east].map(|t| found.dropped[t as usize]);
         assert_eq!(dropped, [false, is_eliminated, false], "a junction becomes a sleeve: one arm goes, w = {w}");
     }
+}
+
+/// The lower limit of w is the largest of 18 / (15 + 15) and 15 / (15 + 18). Below it the limit counts, which both
+/// parameters are above.
+#[test]
+fn figure_3b_the_lower_limit() {
+    let sample = sample("fig3b_three_arms");
+    let junction = junction(&sample, 0.0, 5.0);
+    let limited = |w: f64| sample.elimination(w).limited;
+    assert_eq!(limited(0.6), limited(10.0));
+    assert_eq!(limited(0.6 * (1.0 - 1e-9)), limited(0.6) + 1);
+    assert!(!sample.elimination(0.0).eliminated[junction as usize]);
 }
 
 /// Centres q of the edges that span a spur with sides 10 from its axis, before an upper line 30 west of its mouth.
