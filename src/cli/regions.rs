@@ -116,6 +116,7 @@ fn color(class: LandformClass) -> [u8; 3] {
         LandformClass::RidgePeak => [156, 52, 128],
         LandformClass::Valley => [38, 150, 132],
         LandformClass::Slope => [176, 190, 110],
+        LandformClass::Water => [150, 200, 235],
         LandformClass::Branching => [238, 212, 84],
     }
 }

@@ -4,6 +4,7 @@
 //! coordinate. Whatever is not clear is an error that shows the attributes, because a wrong guess would give a wrong
 //! map without a word.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -194,6 +195,35 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         return Err(Error::file(path, format!("no point has a height; {reason}")));
     }
     Ok(Report { value: SpotHeights { points, crs: table.crs }, findings })
+}
+
+/// The height of each feature's polygons, by the feature's number; nothing for those that tell none.
+pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
+    let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
+    let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
+    let is_told = items.iter().any(|item| item.z.is_some_and(|z| z != [0.0; 2]))
+        || (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
+    if named.is_none() && !is_told {
+        return Ok(BTreeMap::new());
+    }
+    // Where z varies, the outline was laid over some terrain, and z says nothing about the water.
+    let source = match choose(&items, &table.fields, named) {
+        Err(_) if named.is_none() && !items.iter().any(|item| item.values.iter().any(|(_, v)| *v != Value::Null)) => {
+            return Ok(BTreeMap::new());
+        }
+        chosen => chosen.map_err(|message| Error::file(path, message))?,
+    };
+    let mut heights = BTreeMap::new();
+    for item in &items {
+        match elevation(source, &table.fields, item) {
+            Outcome::Known(height) => {
+                heights.insert(item.feature, height);
+            }
+            Outcome::Missing(_) => {}
+            Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
+        }
+    }
+    Ok(heights)
 }
 
 /// The points that come with contours. They are a bonus: whatever is wrong with them is a finding and no error.

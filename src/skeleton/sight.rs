@@ -32,7 +32,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         if nearest.length() >= best {
             continue;
         }
-        if tin.contour_level(view.triangle, view.edge) == Some(level) {
+        if tin.border_level(view.triangle, view.edge) == Some(level) {
             if view.right.perp_dot(nearest) >= 0.0 && nearest.perp_dot(view.left) >= 0.0 {
                 best = nearest.length();
             }
