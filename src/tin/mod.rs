@@ -12,6 +12,7 @@ mod links;
 mod locate;
 mod orient;
 mod regions;
+mod waters;
 
 pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
@@ -21,6 +22,7 @@ pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, 
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
 pub use regions::{Band, Region, Regions, Side, regions};
+pub use waters::{lakes_outside_bands, with_water};
 
 use std::collections::HashSet;
 
