@@ -92,8 +92,8 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         arrivals: Vec::new(),
         crossed: HashSet::new(),
     };
-    // Water is level.
-    let is_land = |t: u32| regions.region(t).is_some_and(|region| region.water.is_none());
+    // Water is level, and so is ground between a shore and a contour of one height.
+    let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
             if draft.of_edge[t as usize][i] != NONE || !is_land(t) || !is_chord(tin, t, i) {

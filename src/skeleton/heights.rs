@@ -138,7 +138,10 @@ fn region_heights(
                     tops.push((from, ground.cap(from, side, borders, spots, distances)));
                     tops.len() - 1
                 });
-                tops[k].1.height(points[p as usize].position, distance)
+                let height = tops[k].1.height(points[p as usize].position, distance);
+                // Beside water the band is narrower than from one level to the next.
+                let band = regions.regions[region].band;
+                if band.contains(height) { height } else { band.strictly_inside(height) }
             }
         };
         heights.push((p, height));

@@ -112,10 +112,15 @@ impl Tiling {
     /// The same with the triangulation of an [`input`](Self::input) that more points and edges were added to.
     pub(super) fn retriangulated(self, input: TinInput) -> Result<Self> {
         let Self { map, tin, regions, frame, interval, gaps, parts } = self;
-        // The first triangulation is a large part of the memory.
-        drop((tin, regions));
+        // The first triangulation is a large part of the memory; with lakes it tells where they are.
+        let before = (!parts.ponds.is_empty()).then_some(tin);
+        drop(regions);
         let tin = parts.within_frame(triangulate(input)?, &frame).with_gaps(&gaps);
-        let (tin, Report { value: regions, .. }) = known_regions(parts.ponds.mark(tin), &interval);
+        let tin = match before {
+            Some(before) => tin.with_lakes_of(&before),
+            None => tin,
+        };
+        let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
         let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
         let tin = with_frame_heights(tin, &regions);
         Ok(Self { map, tin, regions, frame, interval, gaps, parts })

@@ -203,7 +203,7 @@ impl Tin {
 
     /// The same triangulation with the lakes that its parts lie in, by their numbers. Parts are those of
     /// [`restricted`](Self::restricted), so that shores must be constraints.
-    pub fn with_lakes(mut self, lake_at: impl Fn(DVec2) -> Option<u32>) -> Self {
+    pub fn with_lakes(mut self, mut lake_at: impl FnMut(DVec2) -> Option<u32>) -> Self {
         let mut lakes = vec![NONE; self.len()];
         self.for_each_part(|part, place| {
             if let Some(lake) = lake_at(place) {
@@ -214,7 +214,16 @@ impl Tin {
         self
     }
 
-    /// Calls `visit` with the triangles of every part that constraints bound, and the middle of the largest of them.
+    /// The same triangulation with the lakes of one that has the same shores.
+    pub fn with_lakes_of(self, other: &Self) -> Self {
+        let mut near = 0;
+        self.with_lakes(|p| {
+            near = other.locate(near, p - other.origin)?;
+            other.lake(near)
+        })
+    }
+
+    /// Calls `visit` with the triangles of every part that constraints and the frame bound, and the middle of the largest of them.
     fn for_each_part(&self, mut visit: impl FnMut(&[u32], DVec2)) {
         let mut seen = vec![false; self.len()];
         for first in 0..self.len() {
@@ -229,7 +238,10 @@ impl Tin {
                 next += 1;
                 for i in 0..3 {
                     let n = self.neighbours[t as usize][i];
-                    if n != NONE && !self.is_constraint(t, i) && !std::mem::replace(&mut seen[n as usize], true) {
+                    if n == NONE || self.is_constraint(t, i) || self.is_inside(n) != self.is_inside(t) {
+                        continue;
+                    }
+                    if !std::mem::replace(&mut seen[n as usize], true) {
                         part.push(n);
                     }
                 }

@@ -33,6 +33,11 @@ pub(in crate::surface) struct Ponds {
 }
 
 impl Ponds {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ponds.is_empty()
+    }
+
     /// Heights of the lakes by their numbers.
     pub fn heights(&self) -> Vec<f64> {
         self.ponds.iter().map(|pond| pond.height).collect()

@@ -52,8 +52,10 @@ pub(in crate::surface) fn settle(
         let area = MultiPolygon::from(lake.polygon.clone());
         let (area, clashes) = cut_back(area, height, &net, BACK * spacing);
         findings.extend(clashes.iter().map(|clash| crossed(lake.feature, height, clash)));
-        let pond = Pond { area, height, feature: lake.feature, shores: Vec::new(), used: true };
-        add(&mut ponds, pond, BACK * spacing, findings);
+        for part in area {
+            let pond = Pond { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
+            add(&mut ponds, pond, BACK * spacing, findings);
+        }
     }
     ponds.retain(|pond| !pond.area.0.is_empty());
 
