@@ -57,7 +57,12 @@ impl SurfaceArgs {
             KindArg::Linear => SurfaceKind::Linear,
             KindArg::Skeleton => SurfaceKind::Skeleton,
         };
-        Ok(SurfaceParams { kind, frame: self.frame.read(map)?, resolution: self.resolution, water: self.water.read(map)? })
+        Ok(SurfaceParams {
+            kind,
+            frame: self.frame.read(map)?,
+            resolution: self.resolution,
+            water: self.water.read(map)?,
+        })
     }
 }
 

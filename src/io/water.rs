@@ -11,7 +11,8 @@ use crate::error::{Error, Result};
 /// The polygons of a table as lakes, in the order of the file.
 pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Vec<Lake>> {
     if let Some((kind, count)) = table.left_out.iter().find(|(kind, _)| *kind != NO_GEOMETRY) {
-        let message = format!("{count} geometries of type {kind} are no water; convert them to polygons or leave them out");
+        let message =
+            format!("{count} geometries of type {kind} are no water; convert them to polygons or leave them out");
         return Err(Error::file(path, message));
     }
     if table.features.iter().all(|feature| feature.polygons.is_empty()) {

@@ -87,7 +87,11 @@ pub(in crate::surface) fn settle(
     // Vertices that a later shore adds to a contour count for the earlier ones too.
     for pond in ponds.iter_mut().filter(|pond| pond.used) {
         if let Some(place) = conflict(&pond.shores, pond.height, &net) {
-            findings.push(left_out(pond.feature, place, "has a shore that weaves across a contour too closely to be kept"));
+            findings.push(left_out(
+                pond.feature,
+                place,
+                "has a shore that weaves across a contour too closely to be kept",
+            ));
             pond.used = false;
         }
     }
