@@ -201,18 +201,23 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
 pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
     let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
     let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
-    let is_told = items.iter().any(|item| item.z.is_some_and(|z| z != [0.0; 2]))
-        || (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
-    if named.is_none() && !is_told {
-        return Ok(BTreeMap::new());
-    }
+    let numbers =
+        (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
     // Where z varies, the outline was laid over some terrain, and z says nothing about the water.
-    let source = match choose(&items, &table.fields, named) {
-        Err(_) if named.is_none() && !items.iter().any(|item| item.values.iter().any(|(_, v)| *v != Value::Null)) => {
-            return Ok(BTreeMap::new());
-        }
-        chosen => chosen.map_err(|message| Error::file(path, message))?,
-    };
+    let levels = items.iter().any(|item| item.z.is_some_and(|[lo, hi]| lo == hi && lo != 0.0));
+    if named.is_none() && !numbers && !levels {
+        let text = items.iter().flat_map(|item| item.values.iter().map(move |value| (item.feature, value)));
+        let word = |value: &Value| matches!(value, Value::Text(text) if !text.trim().is_empty());
+        return match text.into_iter().find(|(_, (_, value))| word(value)) {
+            None => Ok(BTreeMap::new()),
+            Some((feature, (field, value))) => {
+                let name = &table.fields[*field].name;
+                let message = format!("feature {feature}: the field {name:?} holds {value}, which is not a number");
+                Err(Error::file(path, message))
+            }
+        };
+    }
+    let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
     let mut heights = BTreeMap::new();
     for item in &items {
         match elevation(source, &table.fields, item) {

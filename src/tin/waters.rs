@@ -165,9 +165,9 @@ mod tests {
         for (half, height) in [(50.0, 0.0), (20.0, 10.0)] {
             square(&mut input, half, height, VertexKind::Contour);
         }
-        [(-90.0, -90.0), (90.0, -90.0), (90.0, 90.0), (-90.0, 90.0)].map(|p| {
+        for p in [(-90.0, -90.0), (90.0, -90.0), (90.0, 90.0), (-90.0, 90.0)] {
             input.push(p.into(), f64::NAN, VertexKind::Frame);
-        });
+        }
         let tin = triangulate(input).unwrap();
         let found = with_water(regions(&tin, &TEN).value, &tin, &[], Some(0.0));
         let water: Vec<_> = found.regions.iter().filter(|r| r.water == Some(0.0)).collect();

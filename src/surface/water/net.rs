@@ -27,11 +27,14 @@ pub(super) struct Piece {
     pub ends: Segment,
 }
 
+/// A segment with the number of its line and its own on it.
+type Placed = GeomWithData<Line<[f64; 2]>, (u32, u32)>;
+
 /// The segments of courses near lakes, and the vertices that were added to them.
 pub(super) struct Net<'a> {
     pub courses: Vec<Course<'a>>,
     pub nodes: Nodes,
-    tree: RTree<GeomWithData<Line<[f64; 2]>, (u32, u32)>>,
+    tree: RTree<Placed>,
 }
 
 impl<'a> Net<'a> {
