@@ -96,12 +96,19 @@ impl Ponds {
     }
 }
 
+/// A height as one writes it, to the centimetre.
+pub(super) fn rounded(height: f64) -> f64 {
+    (height * 100.0).round() / 100.0
+}
+
 /// What is told of a lake that contradicts the contours around it.
 pub(in crate::surface) fn lake_finding(ponds: &Ponds, lake: u32, place: DVec2, band: Band) -> Finding {
     let Pond { height, feature, .. } = &ponds.ponds[lake as usize];
     let message = format!(
         "the lake of feature {feature} has the height {height} and lies between contours {} and {}; it is left out",
-        band.lo, band.hi
+        band.lo,
+        band.hi,
+        height = rounded(*height)
     );
     Finding::at(FindingKind::LakeLeftOut, place, message)
 }

@@ -7,7 +7,7 @@ use super::cut::{Clash, cut_back, cut_from_water, joined};
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{conflict, node};
-use super::ponds::{Pond, Ponds};
+use super::ponds::{Pond, Ponds, rounded};
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip, rings};
 use crate::error::{Error, Finding, FindingKind, Result};
 use crate::tin::{FrameRing, Link, Regions, Tin};
@@ -117,7 +117,10 @@ fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<
         if let Some(rest) = cut_from_water(&pond.area, &other.area, distance) {
             let message = format!(
                 "the lake of feature {} meets that of feature {}, which has another height ({} and {}); it is cut back",
-                pond.feature, other.feature, pond.height, other.height
+                pond.feature,
+                other.feature,
+                rounded(pond.height),
+                rounded(other.height)
             );
             findings.push(Finding::at(FindingKind::LakeCutBack, first_vertex(&pond.area), message));
             pond.area = rest;
@@ -134,7 +137,8 @@ fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<
 
 fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
     let message = format!(
-        "the lake of feature {feature} at {height} is crossed or touched by contour {}; it is cut back from it",
+        "the lake of feature {feature} at {} is crossed or touched by contour {}; it is cut back from it",
+        rounded(height),
         clash.level
     );
     Finding::at(FindingKind::LakeCutBack, clash.place, message)
