@@ -92,6 +92,12 @@ pub enum FindingKind {
     SpotOutsideBand,
     /// The frame polygon reaches beyond what the contours tell of; it was cut.
     FrameBeyondMap,
+    /// A lake is crossed or touched by contours of another level, or by other water; it was cut back from them.
+    LakeCutBack,
+    /// A lake contradicts the contours around it; it was left out.
+    LakeLeftOut,
+    /// Contours lie below the sea; the ground around them was left as it is.
+    BelowSea,
     /// Neighbouring contours skip one or more levels: a contour is missing or mislabelled.
     SkippedLevel,
     /// The levels on the two sides of a contour contradict each other.
@@ -116,6 +122,9 @@ impl FindingKind {
             Self::SpotOnLine => "spot heights on contours",
             Self::SpotOutsideBand => "spot heights outside the contours around them",
             Self::FrameBeyondMap => "frame larger than the map",
+            Self::LakeCutBack => "lakes cut back from contours",
+            Self::LakeLeftOut => "lakes left out",
+            Self::BelowSea => "contours below the sea",
             Self::SkippedLevel => "neighbouring contours that skip a level",
             Self::BandContradiction => "contours with the same side on both sides",
             Self::DepressionMark => "depression marks that the contours contradict",

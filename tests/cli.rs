@@ -671,3 +671,91 @@ fn depression_marks_of_other_programs_are_checked_and_our_own_agree() {
     let (_, told) = folder.succeeds("regions wrong.geojson -o areas.geojson");
     assert!(told.contains("depression marks") && told.contains("feature 1) is marked"), "{told}");
 }
+
+/// Polygons of water in the contours' system; the attribute as it stands in the file.
+fn lakes(areas: &[(&str, Vec<[f64; 2]>)]) -> String {
+    let feature = |(attributes, ring): &(&str, Vec<[f64; 2]>)| {
+        let ring = serde_json::to_string(ring).unwrap();
+        format!(
+            r#"{{"type":"Feature","properties":{{{attributes}}},
+                "geometry":{{"type":"Polygon","coordinates":[{ring}]}}}}"#
+        )
+    };
+    let features: Vec<String> = areas.iter().map(feature).collect();
+    format!(
+        r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:6677"}}}},"features":[{}]}}"#,
+        features.join(",")
+    )
+}
+
+#[test]
+fn lakes_are_level_in_every_verb() {
+    let folder = Folder::new();
+    folder.put("c.geojson", contours(&[("30", ring(60.0)), ("20", ring(40.0)), ("10", ring(20.0))]));
+    folder.put("told.geojson", lakes(&[(r#""name":"pond","elev":8.5"#, ring(10.0))]));
+    folder.put("shore.geojson", lakes(&[(r#""name":"pond""#, ring(20.0))]));
+    let (messages, _) = folder.succeeds("densify c.geojson -i 0.5 -o lines.geojson --water told.geojson");
+    assert!(messages.contains("water      1 areas, height 8.50 m"), "{messages}");
+    let in_lake = |p: &[f64; 3]| (p[0] - 1000.0).abs() < 9.999 && (p[1] - 2000.0).abs() < 9.999;
+    let lines = folder.lines_of("lines.geojson");
+    assert!(lines.iter().all(|(.., points)| !points.iter().any(in_lake)));
+    assert!(lines.iter().any(|(z, ..)| *z == 9.5) && lines.iter().all(|(z, ..)| *z > 8.5));
+
+    for (water, level) in [("told", 8.5), ("shore", 10.0)] {
+        folder.succeeds(&format!("dem c.geojson --cell 2 -o dem.tif --water {water}.geojson --preview p.png"));
+        let (grid, values) = dem_of(&folder.path("dem.tif"));
+        let reach = if water == "told" { 10.0 } else { 20.0 };
+        let inside = |x: f64, y: f64| (x - 1000.0).abs() < reach && (y - 2000.0).abs() < reach;
+        let cells = (0..values.len()).filter(|&k| {
+            let (x, y) = (
+                grid[0] + 2.0 * (0.5 + (k % grid[2] as usize) as f64),
+                grid[1] - 2.0 * (0.5 + (k / grid[2] as usize) as f64),
+            );
+            inside(x, y)
+        });
+        let heights: Vec<f32> = cells.map(|k| values[k]).collect();
+        assert!(heights.len() >= 100 && heights.iter().all(|&z| z == level), "{heights:?}");
+    }
+    folder.succeeds("mesh c.geojson -o m.ply --water told.geojson");
+    folder.succeeds("skeleton c.geojson -o s.geojson --water told.geojson");
+    folder.succeeds("regions c.geojson -o r.geojson --water told.geojson");
+    let classes: Vec<serde_json::Value> =
+        areas_of(&folder, "r.geojson").iter().map(|area| area["class"].clone()).collect();
+    assert_eq!(classes.iter().filter(|class| *class == "water").count(), 1, "{classes:?}");
+}
+
+/// West and north border and number of columns of a height map with cells of 2, and its values.
+fn dem_of(path: &Path) -> ([f64; 3], Vec<f32>) {
+    let mut decoder = tiff::decoder::Decoder::new(fs::File::open(path).unwrap()).unwrap();
+    let tie = decoder.get_tag_f64_vec(tiff::tags::Tag::ModelTiepointTag).unwrap();
+    let (cols, _) = decoder.dimensions().unwrap();
+    let tiff::decoder::DecodingResult::F32(values) = decoder.read_image().unwrap() else { panic!("no floats") };
+    ([tie[3], tie[4], f64::from(cols)], values)
+}
+
+#[test]
+fn water_that_cannot_be_used() {
+    let folder = with_hill();
+    folder.put("w.geojson", lakes(&[(r#""elev":"deep""#, ring(5.0))]));
+    folder.fails(
+        "dem hill.geojson --cell 5 -o d.tif --water w.geojson",
+        FAILED,
+        &["w.geojson", "deep", "not a number"],
+    );
+    folder.put("w.geojson", lakes(&[("", ring(5.0))]).replace("6677", "6678"));
+    folder.fails(
+        "dem hill.geojson --cell 5 -o d.tif --water w.geojson",
+        FAILED,
+        &["another coordinate reference system"],
+    );
+    folder.fails("dem hill.geojson --cell 5 -o d.tif --water hill.geojson", FAILED, &["no polygon"]);
+    folder.fails("dem hill.geojson --cell 5 -o d.tif --water none.gpkg", FAILED, &["none.gpkg"]);
+    folder.fails("dem hill.geojson --cell 5 -o d.tif --sea 0", USAGE, &["level of the sea, 0", "10, 20, 30"]);
+    folder.put("w.geojson", lakes(&[(r#""elev":55"#, ring(5.0))]));
+    let (_, messages) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --water w.geojson");
+    assert!(messages.contains("lakes left out: 1") && messages.contains("between contours 30 and 40"), "{messages}");
+    let output = folder.run("dem hill.geojson --cell 5 -o e.tif --strict --water w.geojson");
+    assert_eq!(output.status.code(), Some(FAILED));
+    let (messages, _) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --sea 10");
+    assert!(!messages.contains("water  "), "there is no ground below the coast: {messages}");
+}

@@ -41,8 +41,7 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.grid.check()?;
-    let inputs: Vec<&Path> =
-        args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.frame.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open_dem(&args.output)?;

@@ -86,8 +86,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let inputs: Vec<&Path> =
-        args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.frame.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> =
         files.iter().map(PathBuf::as_path).chain(args.dem.as_deref()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;

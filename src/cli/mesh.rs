@@ -49,7 +49,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
             MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    let inputs: Vec<&Path> = args.input.files().chain(args.surface.frame.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;

@@ -13,6 +13,7 @@ mod regions;
 mod skeleton;
 mod summary;
 mod surface;
+mod water;
 
 use std::process::ExitCode;
 

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::io::{StagedOutput, VectorFormat, write_landforms};
 use tokosen::preview::{Patch, PatchClass, Patches};
-use tokosen::surface::{Tiling, tiling};
+use tokosen::surface::{Tiling, tiling_with_water};
 use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;
 use super::surface::FrameArgs;
+use super::water::WaterArgs;
 use super::{Failure, output, preview, summary};
 
 /// The areas between contour lines, with their landform and what encloses them
 ///
-/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope or
-/// branching), is_open (cut by the frame), band_lo and band_hi (the levels that it lies between), n_ib (number of contours
+/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope,
+/// water or branching), is_open (cut by the frame), band_lo and band_hi (the levels that it lies between), n_ib (number of contours
 /// inside), mixture (what a branching one consists of), parent (id of the area that encloses it), depth (how many do) and
 /// area. Depressions are found from the contours around them.
 #[derive(Debug, Args)]
@@ -32,6 +33,8 @@ pub struct RegionsArgs {
     preview: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Surface")]
     frame: FrameArgs,
+    #[command(flatten, next_help_heading = "Surface")]
+    water: WaterArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -46,7 +49,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
         let message = format!("{}: areas are written as .geojson, .gpkg or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
-    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).chain(args.water.file()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
@@ -54,7 +57,8 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let frame = args.frame.read(&input.map)?;
-    let tiled = tiling(input.map, &frame, console);
+    let water = args.water.read(&input.map)?;
+    let tiled = tiling_with_water(input.map, &frame, &water, console);
     let tiled = summary::or_tell(tiled, &input.findings, console)?.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
@@ -95,6 +99,7 @@ fn color(class: LandformClass) -> [u8; 3] {
         LandformClass::RidgePeak => [156, 52, 128],
         LandformClass::Valley => [38, 150, 132],
         LandformClass::Slope => [176, 190, 110],
+        LandformClass::Water => [150, 200, 235],
         LandformClass::Branching => [238, 212, 84],
     }
 }

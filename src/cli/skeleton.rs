@@ -8,12 +8,13 @@ use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{VectorFormat, contour_files, write_layers};
 use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
-use tokosen::surface::tiling;
+use tokosen::surface::tiling_with_water;
 use tokosen::tin::{Tin, TriangleKind};
 
 use super::console::Console;
 use super::input::InputArgs;
 use super::surface::FrameArgs;
+use super::water::WaterArgs;
 use super::{Failure, output, preview, summary};
 
 /// Ridge and canyon lines with heights
@@ -42,6 +43,8 @@ pub struct SkeletonArgs {
     preview: Option<PathBuf>,
     #[command(flatten)]
     frame: FrameArgs,
+    #[command(flatten, next_help_heading = "Surface")]
+    water: WaterArgs,
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Surface")]
     resolution: f64,
@@ -66,7 +69,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).collect();
+    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).chain(args.water.file()).collect();
     let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
@@ -75,7 +78,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let crs = input.map.crs.clone();
     let frame = args.frame.read(&input.map)?;
-    let tiled = summary::or_tell(tiling(input.map, &frame, console), &input.findings, console)?;
+    let water = args.water.read(&input.map)?;
+    let tiled = summary::or_tell(tiling_with_water(input.map, &frame, &water, console), &input.findings, console)?;
     let tiled = tiled.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;
     let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));

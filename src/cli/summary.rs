@@ -47,6 +47,15 @@ pub fn surface(surface: &Surface, console: &Console) {
         format!(", {} ridge lines, {} canyon lines", lines(BreakKind::Ridge), lines(BreakKind::Canyon))
     };
     console.say(&format!("surface    {} sub-domains, {inside} triangles{skeleton}", surface.regions.regions.len()));
+    let water = || surface.regions.regions.iter().filter_map(|region| region.water);
+    if let (Some(lowest), Some(highest)) = (water().reduce(f64::min), water().reduce(f64::max)) {
+        let heights = if lowest < highest {
+            format!("heights {lowest:.2} to {highest:.2}")
+        } else {
+            format!("height {lowest:.2}")
+        };
+        console.say(&format!("water      {} areas, {heights} m", water().count()));
+    }
 }
 
 /// Tells how many findings there were and how long each step took.

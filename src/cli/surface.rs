@@ -12,6 +12,7 @@ use tokosen::tin::Frame;
 use super::Failure;
 use super::console::Console;
 use super::summary;
+use super::water::WaterArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -21,6 +22,8 @@ pub struct SurfaceArgs {
     pub surface: KindArg,
     #[command(flatten)]
     pub frame: FrameArgs,
+    #[command(flatten)]
+    pub water: WaterArgs,
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true)]
     pub resolution: f64,
@@ -43,13 +46,23 @@ pub enum KindArg {
 }
 
 impl SurfaceArgs {
-    /// The library's parameters; reads the boundary polygon if there is one.
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.frame.file().into_iter().chain(self.water.file())
+    }
+
+    /// The library's parameters; reads the boundary polygon and the lakes if there are any.
     pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
         let kind = match self.surface {
             KindArg::Linear => SurfaceKind::Linear,
             KindArg::Skeleton => SurfaceKind::Skeleton,
         };
-        Ok(SurfaceParams { kind, frame: self.frame.read(map)?, resolution: self.resolution })
+        Ok(SurfaceParams {
+            kind,
+            frame: self.frame.read(map)?,
+            resolution: self.resolution,
+            water: self.water.read(map)?,
+        })
     }
 }
 

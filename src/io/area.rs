@@ -20,9 +20,9 @@ use crate::error::{Error, Result};
 const REMEDY: &str = "repair the polygon first, for instance in QGIS with Fix Geometries";
 
 /// A polygon and the feature it came from.
-struct Member {
-    feature: u64,
-    polygon: Polygon<f64>,
+pub(super) struct Member {
+    pub(super) feature: u64,
+    pub(super) polygon: Polygon<f64>,
 }
 
 /// The area inside all polygons of a table.
@@ -37,6 +37,22 @@ pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
         let found = table.found_words();
         return Err(Error::file(path, format!("there is no polygon in it{found}; a frame needs a polygon")));
     }
+    let members = members(path, table)?;
+    let pairs = common_pairs(path, &members)?;
+    check_all(path, &members)?;
+    Ok(united(members, &pairs))
+}
+
+/// The polygons of a table one by one, each of them sound.
+pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> {
+    let members = members(path, table)?;
+    common_pairs(path, &members)?;
+    check_all(path, &members)?;
+    Ok(members)
+}
+
+/// The polygons of a table, with rings that are closed.
+fn members(path: &Path, table: Table) -> Result<Vec<Member>> {
     let mut members = Vec::new();
     for feature in table.features {
         let wrong = |what: String| Error::file(path, format!("feature {}: {what}; {REMEDY}", feature.number));
@@ -48,11 +64,13 @@ pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
             }
         }
     }
-    let pairs = common_pairs(path, &members)?;
-    for Member { feature, polygon } in &members {
-        check_areas(polygon).map_err(|what| Error::file(path, format!("feature {feature}: {what}; {REMEDY}")))?;
-    }
-    Ok(united(members, &pairs))
+    Ok(members)
+}
+
+fn check_all(path: &Path, members: &[Member]) -> Result<()> {
+    members.iter().try_for_each(|Member { feature, polygon }| {
+        check_areas(polygon).map_err(|what| Error::file(path, format!("feature {feature}: {what}; {REMEDY}")))
+    })
 }
 
 /// A closed ring around an area.

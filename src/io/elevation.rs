@@ -4,6 +4,7 @@
 //! coordinate. Whatever is not clear is an error that shows the attributes, because a wrong guess would give a wrong
 //! map without a word.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -194,6 +195,40 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         return Err(Error::file(path, format!("no point has a height; {reason}")));
     }
     Ok(Report { value: SpotHeights { points, crs: table.crs }, findings })
+}
+
+/// The height of each feature's polygons, by the feature's number; nothing for those that tell none.
+pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
+    let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
+    let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
+    let numbers =
+        (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
+    // Where z varies, the outline was laid over some terrain, and z says nothing about the water.
+    let levels = items.iter().any(|item| item.z.is_some_and(|[lo, hi]| lo == hi && lo != 0.0));
+    if named.is_none() && !numbers && !levels {
+        let text = items.iter().flat_map(|item| item.values.iter().map(move |value| (item.feature, value)));
+        let word = |value: &Value| matches!(value, Value::Text(text) if !text.trim().is_empty());
+        return match text.into_iter().find(|(_, (_, value))| word(value)) {
+            None => Ok(BTreeMap::new()),
+            Some((feature, (field, value))) => {
+                let name = &table.fields[*field].name;
+                let message = format!("feature {feature}: the field {name:?} holds {value}, which is not a number");
+                Err(Error::file(path, message))
+            }
+        };
+    }
+    let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
+    let mut heights = BTreeMap::new();
+    for item in &items {
+        match elevation(source, &table.fields, item) {
+            Outcome::Known(height) => {
+                heights.insert(item.feature, height);
+            }
+            Outcome::Missing(_) => {}
+            Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
+        }
+    }
+    Ok(heights)
 }
 
 /// The points that come with contours. They are a bonus: whatever is wrong with them is a finding and no error.

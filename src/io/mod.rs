@@ -17,13 +17,14 @@ pub mod raster;
 mod shapefile;
 mod staged;
 mod table;
+mod water;
 
 use std::path::{Path, PathBuf};
 
 use geo::MultiPolygon;
 use glam::DVec3;
 
-use crate::contour::{ContourLayer, ContourMap};
+use crate::contour::{ContourLayer, ContourMap, Lake};
 use crate::crs::Crs;
 use crate::error::{Error, Report, Result};
 use crate::tin::{Landform, Regions, Tin};
@@ -114,6 +115,20 @@ pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64
     let mut table = read_table(path, options, Purpose::Area)?;
     let crs = table.crs.take();
     Ok((area::area(path, table)?, crs))
+}
+
+/// Reads lakes and other flat water: polygons, each with its height if the file tells it, and the coordinate reference
+/// system if the file names one.
+///
+/// The height is an attribute that is known to hold elevations, else the z that all vertices of a feature have. Features
+/// without either have none.
+///
+/// # Errors
+/// As [`read_area`], and if the file leaves in doubt where the heights are.
+pub fn read_water(path: &Path, options: &ReadOptions) -> Result<(Vec<Lake>, Option<Crs>)> {
+    let mut table = read_table(path, options, Purpose::Water)?;
+    let crs = table.crs.take();
+    Ok((water::lakes(path, table, options.elevation_field.as_deref())?, crs))
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {

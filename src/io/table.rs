@@ -31,6 +31,8 @@ pub(super) enum Purpose {
     Spots,
     /// Polygons that bound an area. Otherwise polygons are left out.
     Area,
+    /// Polygons of water, with their heights.
+    Water,
 }
 
 /// An attribute of the features.
@@ -83,6 +85,8 @@ pub(super) struct Feature {
     pub lines: Vec<Line>,
     pub spots: Vec<Spot>,
     pub polygons: Vec<Rings>,
+    /// Least and greatest z of all vertices of polygons; both NaN if one vertex has none.
+    pub polygon_z: Option<[f64; 2]>,
 }
 
 /// A polygon as the file has it: the exterior ring, then the holes.
@@ -95,13 +99,22 @@ impl Feature {
             return;
         }
         points.shrink_to_fit();
-        let range = z.iter().fold(None, |range: Option<[f64; 2]>, &z| match range {
-            None => Some([z, z]),
-            Some([lo, hi]) if z.is_nan() || lo.is_nan() || hi.is_nan() => Some([f64::NAN; 2]),
-            Some([lo, hi]) => Some([lo.min(z), hi.max(z)]),
-        });
-        self.lines.push(Line { points, z: range });
+        self.lines.push(Line { points, z: widened(None, z) });
     }
+
+    /// Adds the z of vertices of polygons.
+    pub fn note_polygon_z(&mut self, z: &[f64]) {
+        self.polygon_z = widened(self.polygon_z, z);
+    }
+}
+
+/// A range of z with further ones.
+fn widened(range: Option<[f64; 2]>, z: &[f64]) -> Option<[f64; 2]> {
+    z.iter().fold(range, |range, &z| match range {
+        None => Some([z, z]),
+        Some([lo, hi]) if z.is_nan() || lo.is_nan() || hi.is_nan() => Some([f64::NAN; 2]),
+        Some([lo, hi]) => Some([lo.min(z), hi.max(z)]),
+    })
 }
 
 /// The content of a file or of the layers asked for.
@@ -132,7 +145,7 @@ impl Table {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
             wants_marks: request.purpose == Purpose::Contours,
-            wants_polygons: request.purpose == Purpose::Area,
+            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water),
             ..Self::default()
         }
     }

@@ -92,9 +92,11 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         arrivals: Vec::new(),
         crossed: HashSet::new(),
     };
+    // Water is level, and so is ground between a shore and a contour of one height.
+    let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
-            if draft.of_edge[t as usize][i] != NONE || !tin.is_inside(t) || !is_chord(tin, t, i) {
+            if draft.of_edge[t as usize][i] != NONE || !is_land(t) || !is_chord(tin, t, i) {
                 continue;
             }
             let [u, v] = tin.edge(t, i);
@@ -107,7 +109,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
             }
         }
     }
-    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+    for t in (0..tin.len() as u32).filter(|&t| is_land(t)) {
         let level = tin.heights[tin.triangles[t as usize][0] as usize];
         if tin.corner_heights(t).iter().all(|&h| h == level) {
             add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
@@ -135,7 +137,7 @@ fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elim
         }
         TriangleKind::Terminal if kept && chords.len() == 1 => {
             let i = (0..3).find(|&i| of_edge[i] != NONE).unwrap_or(0);
-            if (1..3).all(|k| tin.contour_level(t, (i + k) % 3).is_some()) {
+            if (1..3).all(|k| tin.border_level(t, (i + k) % 3).is_some()) {
                 let tip = tin.triangles[t as usize][(i + 2) % 3];
                 draft.add_piece(t, chords[0], End::Vertex(tip));
             }

@@ -3,7 +3,7 @@
 //! A junction triangle whose branch is short against the triangle itself stands for a small wrinkle of the contour. Such
 //! a branch is dropped, and the junction becomes a sleeve.
 
-use crate::tin::{NONE, Regions, Tin, TriangleKind};
+use crate::tin::{NONE, Regions, Tin, TriangleKind, VertexKind};
 
 /// What elimination decided, by triangle.
 #[derive(Debug, Clone)]
@@ -64,8 +64,12 @@ pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolutio
 /// Whether edge `i` of `t` is free and has both ends on contours of one level: it spans a spur, a gully or a top.
 pub fn is_chord(tin: &Tin, t: u32, i: usize) -> bool {
     let [u, v] = tin.edge(t, i);
-    let on_contour = |v: u32| tin.kinds[v as usize] == crate::tin::VertexKind::Contour;
-    on_contour(u) && on_contour(v) && tin.heights[u as usize] == tin.heights[v as usize] && tin.across(t, i).is_some()
+    let on_contour = |v: u32| matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore);
+    on_contour(u)
+        && on_contour(v)
+        && tin.heights[u as usize] == tin.heights[v as usize]
+        && tin.lake(t).is_none()
+        && tin.across(t, i).is_some()
 }
 
 /// Marks the triangles beyond edge `i` of `t`. The branch is a tree, so that they never lead back to `t`.
@@ -105,7 +109,7 @@ impl Branches {
             })
             .collect();
         let mut length: Vec<f64> = (0..count as u32)
-            .map(|t| (0..3).filter(|&i| tin.contour_level(t, i).is_some()).map(|i| tin.edge_length(t, i)).sum())
+            .map(|t| (0..3).filter(|&i| tin.border_level(t, i).is_some()).map(|i| tin.edge_length(t, i)).sum())
             .collect();
         let mut leaves: Vec<u32> = (0..count as u32).filter(|&t| free[t as usize] == 1).collect();
         while let Some(leaf) = leaves.pop() {

@@ -63,7 +63,7 @@ impl Groups {
             points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
             borders: Rows::new(count, || {
                 inside().flat_map(|t| {
-                    let on_contour = move |&i: &usize| tin.contour_level(t, i).is_some();
+                    let on_contour = move |&i: &usize| tin.border_level(t, i).is_some();
                     (0..3).filter(on_contour).map(move |i| (region_of(t), (t, i as u8)))
                 })
             }),
@@ -138,7 +138,10 @@ fn region_heights(
                     tops.push((from, ground.cap(from, side, borders, spots, distances)));
                     tops.len() - 1
                 });
-                tops[k].1.height(points[p as usize].position, distance)
+                let height = tops[k].1.height(points[p as usize].position, distance);
+                // Beside water the band is narrower than from one level to the next.
+                let band = regions.regions[region].band;
+                if band.contains(height) { height } else { band.strictly_inside(height) }
             }
         };
         heights.push((p, height));
@@ -234,7 +237,7 @@ impl Ground<'_> {
 
 fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
     let mut segments: Vec<(f64, u32, u8)> =
-        borders.iter().filter_map(|&(t, i)| tin.contour_level(t, i as usize).map(|level| (level, t, i))).collect();
+        borders.iter().filter_map(|&(t, i)| tin.border_level(t, i as usize).map(|level| (level, t, i))).collect();
     segments.sort_by(|a, b| a.0.total_cmp(&b.0));
     segments
         .chunk_by(|a, b| a.0 == b.0)
@@ -258,7 +261,7 @@ fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f6
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {
         let i = i as usize;
-        let (Some(level), Some(n)) = (tin.contour_level(t, i), tin.inner_neighbour(t, i)) else { continue };
+        let (Some(level), Some(n)) = (tin.border_level(t, i), tin.inner_neighbour(t, i)) else { continue };
         if at.is_some_and(|at| at != level) {
             continue;
         }

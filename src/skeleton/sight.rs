@@ -114,7 +114,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         }
         let shows = |p: DVec2| not_right_of(view.right, p) && not_right_of(p, view.left);
         for (v, at) in tin.edge(view.triangle, view.edge).into_iter().zip([a, b]) {
-            let candidate = tin.kinds[v as usize] == VertexKind::Contour && tin.heights[v as usize] == level;
+            let candidate = matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore) && tin.heights[v as usize] == level;
             if candidate
                 && at.length() < best
                 && shows(at)
@@ -124,7 +124,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
                 best = at.length();
             }
         }
-        if tin.contour_level(view.triangle, view.edge) == Some(level) {
+        if tin.border_level(view.triangle, view.edge) == Some(level) {
             if shows(nearest) && sees(tin, t, from, from + nearest) {
                 best = nearest.length();
             }
@@ -152,7 +152,7 @@ fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
         // Edge k leaves the vertex, edge k + 2 comes to it.
         [(k, k + 1), (k + 2, k + 2)].into_iter().any(|(edge, end)| {
             let away = tin.corners(t)[end % 3] - at;
-            tin.contour_level(t, edge % 3).is_some() && away.dot(at - from) >= 0.0
+            tin.border_level(t, edge % 3).is_some() && away.dot(at - from) >= 0.0
         })
     })
 }

@@ -230,11 +230,14 @@ impl Trace<'_> {
         (vertex(entry) == Some(b) && vertex(exit) == Some(a)).then_some(twin)
     }
 
-    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a gate or of the frame.
+    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a gate or of the frame. A line may run
+    /// along a shore: there is no other one.
     fn along_border(&self, t: u32, a: u32, b: u32) -> bool {
         (0..3).any(|i| {
             let [u, v] = self.tin.edge(t, i);
-            [u.min(v), u.max(v)] == [a.min(b), a.max(b)] && self.tin.across(t, i).is_none()
+            [u.min(v), u.max(v)] == [a.min(b), a.max(b)]
+                && self.tin.across(t, i).is_none()
+                && (self.tin.contour_level(t, i).is_some() || !self.tin.is_shore(t, i))
         })
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use super::tiling::{Tiling, tiling};
+use super::tiling::{Tiling, tiling_with_water};
 use super::{Surface, SurfaceKind, SurfaceParams};
 use crate::contour::ContourMap;
 use crate::error::{Error, Report, Result};
@@ -15,7 +15,7 @@ use crate::tin::{Gaps, Regions, Side, Tin, TinInput, VertexKind};
 /// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
 /// # Errors
-/// As [`tiling`], and when the parameters are out of range.
+/// As [`tiling_with_water`], and when the parameters are out of range.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
         return Err(Error::Parameter(format!(
@@ -23,7 +23,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             params.resolution
         )));
     }
-    let Report { value: mut tiled, findings } = tiling(map, &params.frame, progress)?;
+    let Report { value: mut tiled, findings } = tiling_with_water(map, &params.frame, &params.water, progress)?;
     let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
     let mut break_lines = Vec::new();
     if params.kind == SurfaceKind::Skeleton {

@@ -7,9 +7,11 @@
 mod build;
 mod depressions;
 mod tiling;
+mod water;
 
 pub use build::build;
-pub use tiling::{Tiling, tiling};
+pub use tiling::{Tiling, tiling, tiling_with_water};
+pub use water::Water;
 
 use glam::DVec2;
 
@@ -36,11 +38,13 @@ pub struct SurfaceParams {
     pub frame: Frame,
     /// The paper's resolution parameter w: more of it, fewer ridge and canyon lines.
     pub resolution: f64,
+    /// Lakes and the sea.
+    pub water: Water,
 }
 
 impl Default for SurfaceParams {
     fn default() -> Self {
-        Self { kind: SurfaceKind::default(), frame: Frame::default(), resolution: 1.0 }
+        Self { kind: SurfaceKind::default(), frame: Frame::default(), resolution: 1.0, water: Water::default() }
     }
 }
 

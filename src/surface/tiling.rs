@@ -1,17 +1,19 @@
 //! Tiling (paper, section 3.3): the triangulated contours of a clean map with their sub-domains.
 
-use std::collections::{BTreeMap, HashMap};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::DVec2;
 
 use super::depressions::contradicted_marks;
+use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Frame, FrameRing, Gaps, Link, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring, link_open_ends, regions,
-    triangulate,
+    Frame, FrameRing, Gaps, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
+    lakes_outside_bands, link_open_ends, regions, triangulate, with_water,
 };
 
 /// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
@@ -37,6 +39,22 @@ pub struct Tiling {
 /// # Errors
 /// When the map has fewer than two levels, when a contour line crosses another, or when the points have no extent.
 pub fn tiling(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Result<Report<Tiling>> {
+    tiling_with_water(map, wanted, &Water::default(), progress)
+}
+
+/// [`tiling`] with lakes and the sea.
+///
+/// A lake whose height is not known gets that of its shore. Where contours of other levels cross or touch it, it is cut
+/// back from them; what contradicts the contours around it is left out.
+///
+/// # Errors
+/// As [`tiling`], and [`Error::Parameter`] when no contour lies at the level of the sea.
+pub fn tiling_with_water(
+    map: ContourMap,
+    wanted: &Frame,
+    water: &Water,
+    progress: &dyn Progress,
+) -> Result<Report<Tiling>> {
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();
     let (map, frame) = match wanted {
@@ -50,6 +68,7 @@ pub fn tiling(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Resul
         }
         Frame::Hull | Frame::Box => (map, frame),
     };
+    let sea = sea_level(water, &map, &mut findings)?;
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
     let tolerance = 1e-9 * frame.diagonal();
     let (ends, links) = link_open_ends(&map, &frame, tolerance);
@@ -58,24 +77,21 @@ pub fn tiling(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Resul
         Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
-    let mut parts = Parts { is_polygon, links, tolerance, spots: vec![true; map.spots.len()] };
+    let spots = vec![true; map.spots.len()];
+    let mut parts = Parts { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
+    let mut frame = frame;
 
     progress.start("triangulating", 0);
-    let (tin, sub_domains, gaps) = loop {
-        let tin = parts.within_frame(triangulate(parts.input(&map, &frame))?, &frame);
-        let gaps = close_gaps(&tin, &ends, interval.step);
-        let tin = tin.with_gaps(&gaps);
-        let (tin, report) = known_regions(tin, &interval);
-        let outside = spots_outside_bands(&map, &tin, &report.value);
-        if outside.is_empty() {
-            findings.extend(report.findings);
-            break (tin, report.value, gaps);
-        }
-        for (spot, finding) in outside {
-            parts.spots[spot] = false;
-            findings.push(finding);
-        }
-    };
+    let mut found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+    if !water.lakes.is_empty() {
+        let ground = with_frame_heights(found.tin, &found.regions);
+        let shores = Shores { map: &map, links: &parts.links, frame: &frame, tin: &ground, regions: &found.regions };
+        let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+        (parts.ponds, frame) = (ponds, with_ends);
+        found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+    }
+    let Found { tin, regions: sub_domains, gaps, findings: of_regions } = found;
+    findings.extend(of_regions);
     findings.extend(contradicted_marks(&map, &tin, &sub_domains));
     let tin = with_frame_heights(tin, &sub_domains);
     progress.finish();
@@ -96,10 +112,16 @@ impl Tiling {
     /// The same with the triangulation of an [`input`](Self::input) that more points and edges were added to.
     pub(super) fn retriangulated(self, input: TinInput) -> Result<Self> {
         let Self { map, tin, regions, frame, interval, gaps, parts } = self;
-        // The first triangulation is a large part of the memory.
-        drop((tin, regions));
+        // The first triangulation is a large part of the memory; with lakes it tells where they are.
+        let before = (!parts.ponds.is_empty()).then_some(tin);
+        drop(regions);
         let tin = parts.within_frame(triangulate(input)?, &frame).with_gaps(&gaps);
+        let tin = match before {
+            Some(before) => tin.with_lakes_of(&before),
+            None => tin,
+        };
         let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
+        let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
         let tin = with_frame_heights(tin, &regions);
         Ok(Self { map, tin, regions, frame, interval, gaps, parts })
     }
@@ -135,6 +157,19 @@ struct Parts {
     tolerance: f64,
     /// Which of the map's spot heights are used.
     spots: Vec<bool>,
+    /// The lakes, with their shores.
+    ponds: Ponds,
+    /// The level of the sea.
+    sea: Option<f64>,
+}
+
+/// A triangulation with its sub-domains.
+struct Found {
+    tin: Tin,
+    regions: Regions,
+    gaps: Gaps,
+    /// About the sub-domains.
+    findings: Vec<Finding>,
 }
 
 impl Parts {
@@ -147,12 +182,10 @@ impl Parts {
             hi = hi.max(p);
         }
         let mut input = TinInput::new([lo, hi], self.tolerance);
-        for contour in &map.contours {
-            input.push_line(&contour.points, contour.elevation, VertexKind::Contour);
-        }
-        for link in &self.links {
-            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
-        }
+        let links = self.links.iter().map(|link| (link.elevation, vec![link.end, link.frame]));
+        let contours = map.contours.iter().map(|c| (c.elevation, Cow::from(&c.points)));
+        let courses = contours.chain(links.map(|(level, points)| (level, Cow::from(points))));
+        self.ponds.push(&mut input, courses);
         for spot in map.spots.iter().zip(&self.spots).filter(|(_, used)| **used).map(|(s, _)| s) {
             input.push(spot.truncate(), spot.z, VertexKind::Spot);
         }
@@ -164,6 +197,41 @@ impl Parts {
             }
         }
         input
+    }
+
+    /// Triangulates, and leaves out spot heights and lakes until none contradicts the contours around it.
+    fn triangulated(
+        &mut self,
+        map: &ContourMap,
+        frame: &FrameRing,
+        ends: &[OpenEnd],
+        interval: &Interval,
+        findings: &mut Vec<Finding>,
+    ) -> Result<Found> {
+        loop {
+            let tin = self.within_frame(triangulate(self.input(map, frame))?, frame);
+            let gaps = close_gaps(&tin, ends, interval.step);
+            let tin = self.ponds.mark(tin.with_gaps(&gaps));
+            let (tin, report) = known_regions(tin, interval);
+            let heights = self.ponds.heights();
+            let dry = lakes_outside_bands(&tin, &report.value, &heights);
+            if !dry.is_empty() {
+                for (lake, place, band) in dry {
+                    findings.push(lake_finding(&self.ponds, lake, place, band));
+                    self.ponds.leave_out(lake);
+                }
+                continue;
+            }
+            let regions = with_water(report.value, &tin, &heights, self.sea);
+            let outside = spots_outside_bands(map, &tin, &regions);
+            if outside.is_empty() {
+                return Ok(Found { tin, regions, gaps, findings: report.findings });
+            }
+            for (spot, finding) in outside {
+                self.spots[spot] = false;
+                findings.push(finding);
+            }
+        }
     }
 
     /// Takes the triangles outside a boundary polygon out of the frame.
@@ -201,21 +269,24 @@ fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
 fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
     let number: HashMap<[u64; 2], usize> =
         map.spots.iter().enumerate().map(|(i, s)| ([s.x.to_bits(), s.y.to_bits()], i)).collect();
-    let mut checked = vec![false; tin.positions.len()];
+    let mut told = HashSet::new();
     let mut outside = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let Some(region) = regions.region(t) else { continue };
         for v in tin.triangles[t as usize].map(|v| v as usize) {
-            if tin.kinds[v] != VertexKind::Spot || std::mem::replace(&mut checked[v], true) {
+            if tin.kinds[v] != VertexKind::Spot {
                 continue;
             }
             let p = tin.point(v as u32);
-            if region.band.contains(p.z) {
+            if region.band.contains(p.z) || !told.insert(v) {
                 continue;
             }
             if let Some(&spot) = number.get(&[p.x.to_bits(), p.y.to_bits()]) {
                 let (lo, hi) = (region.band.lo, region.band.hi);
-                let message = format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z);
+                let message = match region.water {
+                    Some(level) => format!("spot height {} lies in water of {level}; it is left out", p.z),
+                    None => format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z),
+                };
                 outside.push((spot, Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message)));
             }
         }

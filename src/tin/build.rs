@@ -117,7 +117,18 @@ pub fn triangulate(input: TinInput) -> Result<Tin> {
         constraints.push(edges.iter().enumerate().fold(0u8, |m, (i, e)| m | (u8::from(e.is_constraint_edge()) << i)));
     }
     let inside = vec![true; triangles.len()];
-    let mut tin = Tin { origin, positions, heights, kinds, source, triangles, neighbours, constraints, inside };
+    let mut tin = Tin {
+        origin,
+        positions,
+        heights,
+        kinds,
+        source,
+        triangles,
+        neighbours,
+        constraints,
+        inside,
+        lakes: Vec::new(),
+    };
     peel_flat_border(&mut tin, tolerance);
     Ok(tin)
 }

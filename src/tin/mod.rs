@@ -9,8 +9,10 @@ mod gates;
 mod kinds;
 mod landforms;
 mod links;
+mod locate;
 mod orient;
 mod regions;
+mod waters;
 
 pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
@@ -20,6 +22,7 @@ pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, 
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
 pub use regions::{Band, Region, Regions, Side, regions};
+pub use waters::{lakes_outside_bands, with_water};
 
 use std::collections::HashSet;
 
@@ -39,6 +42,8 @@ pub enum VertexKind {
     Frame,
     /// On a ridge or canyon line or otherwise computed.
     Axis,
+    /// On the shore of a lake: its height is that of the water.
+    Shore,
 }
 
 /// A triangulated irregular network.
@@ -64,6 +69,8 @@ pub struct Tin {
     constraints: Vec<u8>,
     /// Whether the triangle lies inside the frame.
     inside: Vec<bool>,
+    /// Number of the lake that the triangle lies in, [`NONE`] on land; empty without lakes.
+    lakes: Vec<u32>,
 }
 
 impl Tin {
@@ -113,15 +120,33 @@ impl Tin {
         (same && self.is_constraint(t, i) && !self.is_gate(t, i)).then_some(level)
     }
 
+    /// The lake that triangle `t` lies in, by its number.
+    pub fn lake(&self, t: u32) -> Option<u32> {
+        self.lakes.get(t as usize).copied().filter(|&lake| lake != NONE)
+    }
+
+    /// Whether edge `i` of triangle `t` is a piece of shore: water on one side, land or other water on the other.
+    pub fn is_shore(&self, t: u32, i: usize) -> bool {
+        !self.lakes.is_empty() && self.inner_neighbour(t, i).is_some_and(|n| self.lake(n) != self.lake(t))
+    }
+
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge, or of a shore.
+    pub fn border_level(&self, t: u32, i: usize) -> Option<f64> {
+        let shore = || self.is_shore(t, i).then(|| self.heights[self.edge(t, i)[0] as usize]);
+        self.contour_level(t, i).or_else(shore)
+    }
+
     /// The triangle inside the frame across edge `i` of triangle `t`, whatever the edge is.
     pub fn inner_neighbour(&self, t: u32, i: usize) -> Option<u32> {
         let n = self.neighbours[t as usize][i];
         (n != NONE && self.inside[n as usize]).then_some(n)
     }
 
-    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate or the frame.
+    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate, a shore or
+    /// the frame.
     pub fn across(&self, t: u32, i: usize) -> Option<u32> {
-        if self.is_gate(t, i) || self.contour_level(t, i).is_some() { None } else { self.inner_neighbour(t, i) }
+        let is_border = self.is_gate(t, i) || self.contour_level(t, i).is_some() || self.is_shore(t, i);
+        if is_border { None } else { self.inner_neighbour(t, i) }
     }
 
     /// Which edge of `t` leads to its neighbour `n`.
@@ -166,6 +191,40 @@ impl Tin {
     /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints; each is asked once, in the
     /// middle of its largest triangle, in map coordinates.
     pub fn restricted(mut self, keep: impl Fn(DVec2) -> bool) -> Self {
+        let mut outside = Vec::new();
+        self.for_each_part(|part, place| {
+            if !keep(place) {
+                outside.extend_from_slice(part);
+            }
+        });
+        outside.into_iter().for_each(|t| self.inside[t as usize] = false);
+        self
+    }
+
+    /// The same triangulation with the lakes that its parts lie in, by their numbers. Parts are those of
+    /// [`restricted`](Self::restricted), so that shores must be constraints.
+    pub fn with_lakes(mut self, mut lake_at: impl FnMut(DVec2) -> Option<u32>) -> Self {
+        let mut lakes = vec![NONE; self.len()];
+        self.for_each_part(|part, place| {
+            if let Some(lake) = lake_at(place) {
+                part.iter().for_each(|&t| lakes[t as usize] = lake);
+            }
+        });
+        self.lakes = lakes;
+        self
+    }
+
+    /// The same triangulation with the lakes of one that has the same shores.
+    pub fn with_lakes_of(self, other: &Self) -> Self {
+        let mut near = 0;
+        self.with_lakes(|p| {
+            near = other.locate(near, p - other.origin)?;
+            other.lake(near)
+        })
+    }
+
+    /// Calls `visit` with the triangles of every part that constraints and the frame bound, and the middle of the largest of them.
+    fn for_each_part(&self, mut visit: impl FnMut(&[u32], DVec2)) {
         let mut seen = vec![false; self.len()];
         for first in 0..self.len() {
             if seen[first] {
@@ -179,7 +238,10 @@ impl Tin {
                 next += 1;
                 for i in 0..3 {
                     let n = self.neighbours[t as usize][i];
-                    if n != NONE && !self.is_constraint(t, i) && !std::mem::replace(&mut seen[n as usize], true) {
+                    if n == NONE || self.is_constraint(t, i) || self.is_inside(n) != self.is_inside(t) {
+                        continue;
+                    }
+                    if !std::mem::replace(&mut seen[n as usize], true) {
                         part.push(n);
                     }
                 }
@@ -190,11 +252,8 @@ impl Tin {
             };
             let largest = part.iter().copied().fold(first as u32, |m, t| if area(t) > area(m) { t } else { m });
             let [a, b, c] = self.corners(largest);
-            if !keep((a + b + c) / 3.0 + self.origin) {
-                part.iter().for_each(|&t| self.inside[t as usize] = false);
-            }
+            visit(&part, (a + b + c) / 3.0 + self.origin);
         }
-        self
     }
 
     /// Map coordinates and height of a vertex.

@@ -58,6 +58,8 @@ pub struct Region {
     pub triangle: u32,
     /// Whether it reaches the frame through the gates of a ragged outline.
     pub outer: bool,
+    /// Height of the water where it is a lake or the sea: the band then is this one height.
+    pub water: Option<f64>,
 }
 
 impl Region {
@@ -161,6 +163,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
             levels: levels.into_iter().enumerate().map(|(k, level)| (level, side(k))).collect(),
             triangle: first,
             outer: at_frame && at_gate,
+            water: None,
         });
     }
     (of_triangle, regions)

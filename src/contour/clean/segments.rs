@@ -23,7 +23,7 @@ pub(crate) struct Segments<'a> {
 }
 
 /// One segment.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Segment {
     pub(crate) a: DVec2,
     pub(crate) b: DVec2,

@@ -229,6 +229,7 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
         Some("Polygon" | "MultiPolygon") if table.wants_polygons && !object.parts.is_empty() => {
             let mut rings = Vec::new();
             for part in object.parts {
+                feature.note_polygon_z(&part.z);
                 rings.push(part.points);
                 if part.ends_group {
                     feature.polygons.push(std::mem::take(&mut rings));

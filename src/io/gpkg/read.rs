@@ -126,7 +126,7 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     let (wanted, what) = match request.purpose {
         Purpose::Contours => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
-        Purpose::Area => (&polygons, "polygons"),
+        Purpose::Area | Purpose::Water => (&polygons, "polygons"),
     };
     match wanted.as_slice() {
         [] => Err(Error::file(path, format!("there is no layer of {what}; its layers are {}", names(&all)))),

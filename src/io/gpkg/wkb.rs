@@ -141,7 +141,9 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
                 let count = bytes.u32(little)?;
                 let positions = bytes.positions(count, width)?;
                 if table.wants_polygons && count > 0 {
-                    rings.push(split(positions, width, false, little).0);
+                    let (points, z) = split(positions, width, has_z, little);
+                    feature.note_polygon_z(&z);
+                    rings.push(points);
                 }
             }
             match (table.wants_polygons, rings.is_empty()) {

@@ -124,7 +124,12 @@ fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
         }
         Shape::Polygon(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
         Shape::PolygonM(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
-        Shape::PolygonZ(p) => add_rings(p.into_inner(), |p| DVec2::new(p.x, p.y), feature, table),
+        Shape::PolygonZ(p) => {
+            let rings = p.into_inner();
+            let z: Vec<f64> = rings.iter().flat_map(|ring| ring.points()).map(|p| p.z).collect();
+            feature.note_polygon_z(&z);
+            add_rings(rings, |p| DVec2::new(p.x, p.y), feature, table);
+        }
         Shape::Multipatch(_) => table.leave_out("MultiPatch"),
     }
 }

@@ -26,13 +26,15 @@ pub enum LandformClass {
     Valley,
     /// Between two contours of different level that both run off the map.
     Slope,
+    /// A lake or the sea.
+    Water,
     /// Several contours inside; the [`Mixture`] tells of which kinds.
     Branching,
 }
 
 impl LandformClass {
     /// All classes, in their order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Peak,
         Self::Bottom,
         Self::Tableland,
@@ -40,6 +42,7 @@ impl LandformClass {
         Self::RidgePeak,
         Self::Valley,
         Self::Slope,
+        Self::Water,
         Self::Branching,
     ];
 
@@ -53,6 +56,7 @@ impl LandformClass {
             Self::RidgePeak => "ridge-peak",
             Self::Valley => "valley",
             Self::Slope => "slope",
+            Self::Water => "water",
             Self::Branching => "branching",
         }
     }
@@ -95,6 +99,9 @@ impl fmt::Display for Mixture {
 /// frame, it lies on the ground's side of the levels inside.
 pub(super) fn classify(region: &Region, rings: &[Ring]) -> (LandformClass, Mixture) {
     let Some((exterior, interior)) = rings.split_first() else { return (LandformClass::Slope, Mixture::default()) };
+    if region.water.is_some() {
+        return (LandformClass::Water, Mixture::default());
+    }
     let mut exterior: Vec<f64> = exterior.levels().collect();
     exterior.sort_by(f64::total_cmp);
     let highest = |ring: &Ring| ring.levels().reduce(f64::max);

@@ -66,7 +66,7 @@ pub fn landforms(tin: &Tin, regions: &Regions) -> Vec<Landform> {
     let all = rings.into_iter().zip(&regions.regions).zip(areas).zip(parents.into_iter().zip(depths));
     all.map(|(((rings, region), area), (parent, depth))| {
         let (class, mixture) = class::classify(region, &rings);
-        let is_open = rings.iter().any(|ring| ring.closed_level().is_none());
+        let is_open = rings.iter().any(|ring| !ring.is_closed());
         Landform { rings, class, mixture, is_open, area, parent, depth }
     })
     .collect()
@@ -94,7 +94,7 @@ fn parents(tin: &Tin, regions: &Regions, outlines: &Outlines, exterior: &[u32]) 
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
             let ring = outlines.of_edge[t as usize][i];
-            if ring == NONE || !is_exterior(ring) || outlines.rings[ring as usize].1.closed_level().is_none() {
+            if ring == NONE || !is_exterior(ring) || !outlines.rings[ring as usize].1.is_closed() {
                 continue;
             }
             let Some(n) = tin.inner_neighbour(t, i) else { continue };

@@ -16,6 +16,8 @@ pub enum BorderKind {
     Contour(f64),
     /// The opening between two ends of contours.
     Gate,
+    /// The shore of a lake of this height, metres, where no contour runs along it.
+    Shore(f64),
     /// The frame, where no contour runs along it.
     Frame,
 }
@@ -61,11 +63,18 @@ impl Ring {
         }
     }
 
+    /// Whether contours or shores run along the whole ring: one contour, or shores with any.
+    pub fn is_closed(&self) -> bool {
+        let is_shore = |border: &Border| matches!(border.kind, BorderKind::Shore(_));
+        let is_open = |border: &Border| matches!(border.kind, BorderKind::Gate | BorderKind::Frame);
+        self.closed_level().is_some() || (self.borders.iter().any(is_shore) && !self.borders.iter().any(is_open))
+    }
+
     /// The level of each piece of contour along the ring, in the order of the pieces.
     pub fn levels(&self) -> impl Iterator<Item = f64> {
         self.borders.iter().filter_map(|border| match border.kind {
             BorderKind::Contour(level) => Some(level),
-            BorderKind::Gate | BorderKind::Frame => None,
+            BorderKind::Gate | BorderKind::Shore(_) | BorderKind::Frame => None,
         })
     }
 }
@@ -129,6 +138,7 @@ impl Outlines {
         let kind = |&(t, i): &(u32, usize)| match tin.contour_level(t, i) {
             Some(level) => BorderKind::Contour(level),
             None if tin.is_gate(t, i) => BorderKind::Gate,
+            None if tin.is_shore(t, i) => BorderKind::Shore(tin.heights[tin.edge(t, i)[0] as usize]),
             None => BorderKind::Frame,
         };
         let last = edges.len() - 1;

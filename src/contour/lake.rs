@@ -1,0 +1,14 @@
+//! Flat water beside the contours.
+
+use geo::Polygon;
+
+/// A lake, a reservoir, a piece of the sea: level ground at one height.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lake {
+    /// The shore, map units; holes are islands. It does not cross itself.
+    pub polygon: Polygon<f64>,
+    /// Height of the water, metres, if it is known.
+    pub height: Option<f64>,
+    /// Number of the feature in the file that it came from, for messages.
+    pub feature: u64,
+}

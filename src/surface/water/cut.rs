@@ -1,0 +1,92 @@
+//! Cuts lakes back from contours that contradict them.
+
+use geo::{
+    BooleanOps, BoundingRect, Buffer, Coord, Intersects, LineString, MapCoords, MultiLineString, MultiPolygon, Rect,
+};
+use glam::DVec2;
+use rstar::RTree;
+
+use super::net::Net;
+use crate::contour::clean::{Meeting, meeting, place, point_distance};
+use crate::contour::{Border, rings};
+
+/// How far boolean operations move a vertex at most, as a share of the size of what they work on.
+const ROUNDING: f64 = 4e-9;
+
+/// Where a contour of another level meets a lake.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Clash {
+    pub level: f64,
+    pub place: DVec2,
+}
+
+/// The lake without all that is nearer than `distance` to contours of other levels that lie in it, cross or touch it; and
+/// where they do, the first place of each level.
+pub(super) fn cut_back(
+    area: MultiPolygon<f64>,
+    height: f64,
+    net: &Net,
+    distance: f64,
+) -> (MultiPolygon<f64>, Vec<Clash>) {
+    let border = Border::new(&area);
+    let Some(bounds) = area.bounding_rect() else { return (area, Vec::new()) };
+    let corner = |c: Coord<f64>| DVec2::new(c.x, c.y);
+    let mut lines: Vec<LineString<f64>> = Vec::new();
+    let mut clashes: Vec<Clash> = Vec::new();
+    for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
+        if piece.level == height {
+            continue;
+        }
+        let ends = piece.ends;
+        let touched = border.near(ends.a, ends.b).find_map(|(_, edge)| {
+            let is_near = |p: DVec2, of| point_distance(p, of) <= border.tolerance();
+            let met = (edge.a != edge.b && meeting(&ends, &edge) != Meeting::Apart)
+                || [edge.a, edge.b].iter().any(|&p| is_near(p, &ends))
+                || [ends.a, ends.b].iter().any(|&p| is_near(p, &edge));
+            met.then(|| place(&ends, &edge))
+        });
+        let Some(at) = touched.or_else(|| border.contains(ends.a).then_some(ends.a)) else { continue };
+        lines.push([ends.a, ends.b].map(|p| Coord { x: p.x, y: p.y }).to_vec().into());
+        if clashes.iter().all(|clash| clash.level != piece.level) {
+            clashes.push(Clash { level: piece.level, place: at });
+        }
+    }
+    if lines.is_empty() {
+        return (area, clashes);
+    }
+    let around = MultiLineString::new(lines).buffer(distance);
+    (with_own_vertices(area.difference(&around), &area), clashes)
+}
+
+/// The lake without what is nearer than `distance` to other water; none if it does not reach there.
+pub(super) fn cut_from_water(
+    area: &MultiPolygon<f64>,
+    other: &MultiPolygon<f64>,
+    distance: f64,
+) -> Option<MultiPolygon<f64>> {
+    let meet = |a: &Rect<f64>, b: &Rect<f64>| a.intersects(b);
+    let bounds = [area.bounding_rect()?, other.bounding_rect()?];
+    (meet(&bounds[0], &bounds[1]) && area.intersects(other))
+        .then(|| with_own_vertices(area.difference(&other.buffer(distance)), area))
+}
+
+/// Two pieces of water of one height as one; none if they do not meet.
+pub(super) fn joined(area: &MultiPolygon<f64>, other: &MultiPolygon<f64>) -> Option<MultiPolygon<f64>> {
+    let bounds = [area.bounding_rect()?, other.bounding_rect()?];
+    (bounds[0].intersects(&bounds[1]) && area.intersects(other)).then(|| {
+        let both: MultiPolygon<f64> = area.iter().chain(other).cloned().collect();
+        with_own_vertices(area.union(other), &both)
+    })
+}
+
+/// A result of boolean operations with the vertices of `before` where they moved by rounding only.
+fn with_own_vertices(after: MultiPolygon<f64>, before: &MultiPolygon<f64>) -> MultiPolygon<f64> {
+    let Some(bounds) = before.bounding_rect() else { return after };
+    let near = ROUNDING * bounds.width().hypot(bounds.height());
+    let corners: Vec<[f64; 2]> = rings(before).flat_map(|ring| ring.coords()).map(|c| [c.x, c.y]).collect();
+    let corners = RTree::bulk_load(corners);
+    after.map_coords(|c| match corners.nearest_neighbor(&[c.x, c.y]) {
+        Some(&[x, y]) if (x - c.x).hypot(y - c.y) <= near => Coord { x, y },
+        _ => c,
+    })
+}

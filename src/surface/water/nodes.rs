@@ -1,0 +1,144 @@
+//! Makes shores and contours of one level share every vertex where they meet.
+//!
+//! A shore is often a contour, vertex for vertex or but for rounding and generalising. Its vertices that lie on a contour
+//! of its own level become vertices of that contour, or are added to it (in the triangulation, never in the map);
+//! vertices of the contour beside the shore become vertices of the shore; where the two then still cross, both get the
+//! crossing. In the end nothing may cross, or the lake is left out.
+
+use glam::DVec2;
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
+
+use super::net::{Net, Piece};
+use crate::contour::clean::{Meeting, Segment, meeting, place, point_distance};
+
+/// How often crossings are looked for again after the last ones became vertices.
+const ROUNDS: usize = 4;
+
+/// The shore with vertices where it meets contours of its level, which get them too. Vertices move by `snap` at most.
+pub(super) fn node(shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<DVec2> {
+    let shore = snapped(shore, level, net, snap);
+    let mut shore = with_contour_vertices(&shore, level, net, snap);
+    for _ in 0..ROUNDS {
+        let count = shore.len();
+        shore = with_crossings(&shore, level, net);
+        if shore.len() == count {
+            break;
+        }
+    }
+    without_chords(&shore, level, net)
+}
+
+fn own(net: &Net, a: DVec2, b: DVec2, level: f64, reach: f64) -> impl Iterator<Item = Piece> {
+    net.near(a, b, reach).into_iter().filter(move |piece| piece.level == level)
+}
+
+/// Vertices moved onto the contour. The ends of an open piece lie on the frame and stay.
+fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<DVec2> {
+    let Some(last) = shore.len().checked_sub(1) else { return shore };
+    let is_closed = shore[0] == shore[last];
+    let range = if is_closed { 0..last } else { 1..last };
+    for p in &mut shore[range] {
+        let pieces: Vec<Piece> = own(net, *p, *p, level, snap).collect();
+        let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
+        let nearest = ends.min_by(|a, b| a.distance(*p).total_cmp(&b.distance(*p)));
+        if let Some(vertex) = nearest.filter(|v| v.distance(*p) <= snap) {
+            *p = vertex;
+            continue;
+        }
+        let distance = |piece: &Piece| point_distance(*p, &piece.ends);
+        let nearest = pieces.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(piece) = nearest.filter(|piece| distance(piece) <= snap) {
+            let Segment { a, b } = piece.ends;
+            let share = (*p - a).dot(b - a) / (b - a).length_squared();
+            *p = a + (b - a) * share;
+            net.add_node(piece, *p);
+        }
+    }
+    if is_closed {
+        shore[last] = shore[0];
+    }
+    shore.dedup();
+    shore
+}
+
+/// Vertices of the contour that lie beside a segment of the shore, put into it.
+fn with_contour_vertices(shore: &[DVec2], level: f64, net: &Net, snap: f64) -> Vec<DVec2> {
+    parted(shore, |s| {
+        let pieces = own(net, s.a, s.b, level, snap);
+        let ends = pieces.flat_map(|piece| [piece.ends.a, piece.ends.b]);
+        ends.filter(|&v| {
+            let share = (v - s.a).dot(s.b - s.a) / (s.b - s.a).length_squared();
+            share > 0.0 && share < 1.0 && point_distance(v, s) <= snap
+        })
+        .collect()
+    })
+}
+
+/// Crossings with the contour put into both.
+fn with_crossings(shore: &[DVec2], level: f64, net: &mut Net) -> Vec<DVec2> {
+    parted(shore, |s| {
+        let crossed: Vec<Piece> =
+            own(net, s.a, s.b, level, 0.0).filter(|piece| meeting(s, &piece.ends) == Meeting::Cross).collect();
+        let add = |piece: &Piece| {
+            let at = place(s, &piece.ends);
+            net.add_node(piece, at);
+            at
+        };
+        crossed.iter().map(add).collect()
+    })
+}
+
+/// Puts a vertex into every segment that joins two vertices of contours and is no piece of a contour: it would be taken
+/// for one.
+fn without_chords(shore: &[DVec2], level: f64, net: &Net) -> Vec<DVec2> {
+    parted(shore, |s| {
+        let pieces: Vec<Piece> = own(net, s.a, s.b, level, 0.0).collect();
+        let has_end = |p: DVec2| pieces.iter().any(|piece| piece.ends.a == p || piece.ends.b == p);
+        let is_piece = |piece: &Piece| {
+            (piece.ends.a == s.a && piece.ends.b == s.b) || (piece.ends.a == s.b && piece.ends.b == s.a)
+        };
+        let is_chord = has_end(s.a) && has_end(s.b) && !pieces.iter().any(is_piece);
+        if is_chord { vec![s.a.midpoint(s.b)] } else { Vec::new() }
+    })
+}
+
+/// The line with what `within` gives for each segment put into it, in order along the segment.
+fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
+    let mut points: Vec<DVec2> = shore.first().copied().into_iter().collect();
+    for w in shore.windows(2) {
+        let segment = Segment { a: w[0], b: w[1] };
+        let along = segment.b - segment.a;
+        let mut new = within(&segment);
+        let share = |p: &DVec2| (*p - segment.a).dot(along);
+        new.sort_by(|p, q| share(p).total_cmp(&share(q)).then(p.x.total_cmp(&q.x)).then(p.y.total_cmp(&q.y)));
+        new.retain(|p| *p != segment.a && *p != segment.b);
+        points.extend(new);
+        points.push(segment.b);
+        points.dedup();
+    }
+    points
+}
+
+/// Where shores cross themselves or a contour, or touch a contour of another level.
+pub(super) fn conflict(shores: &[Vec<DVec2>], level: f64, net: &Net) -> Option<DVec2> {
+    let segments = || shores.iter().flat_map(|shore| shore.windows(2)).map(|w| Segment { a: w[0], b: w[1] });
+    let own: Vec<_> = (0usize..)
+        .zip(segments())
+        .map(|(i, s)| GeomWithData::new(Line::new(s.a.to_array(), s.b.to_array()), i))
+        .collect();
+    let own = RTree::bulk_load(own);
+    (0usize..).zip(segments()).find_map(|(i, s)| {
+        let clashes = |piece: &Piece| match meeting(&s, &piece.ends) {
+            Meeting::Apart => false,
+            Meeting::Cross => true,
+            Meeting::Touch | Meeting::Overlap => piece.level != level,
+        };
+        let contour = net.near(s.a, s.b, 0.0).into_iter().find(|piece| clashes(piece)).map(|piece| piece.ends);
+        let envelope = AABB::from_corners(s.a.min(s.b).to_array(), s.a.max(s.b).to_array());
+        let crosses = |t: &Segment| meeting(&s, t) == Meeting::Cross;
+        let later = own.locate_in_envelope_intersecting(&envelope).filter(|t| t.data > i);
+        let itself = || later.map(|t| Segment { a: t.geom().from.into(), b: t.geom().to.into() }).find(crosses);
+        contour.or_else(itself).map(|t| place(&s, &t))
+    })
+}
