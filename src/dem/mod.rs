@@ -3,7 +3,7 @@
 mod rasterise;
 pub mod shade;
 
-pub use rasterise::rasterise;
+pub use rasterise::{locate, rasterise};
 
 use glam::DVec2;
 
@@ -23,6 +23,14 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// Square cells on multiples of their size that cover a box.
+    pub fn on_multiples(lo: DVec2, hi: DVec2, cell: f64) -> Self {
+        let (west_south, east_north) = ((lo / cell).floor(), (hi / cell).ceil());
+        let count = (east_north - west_south).max(DVec2::ONE);
+        let corner = DVec2::new(west_south.x, east_north.y) * cell;
+        Self { corner, cell: DVec2::splat(cell), cols: count.x as usize, rows: count.y as usize }
+    }
+
     /// Centre of a cell, map units.
     pub fn center(&self, col: usize, row: usize) -> DVec2 {
         DVec2::new(self.corner.x + (col as f64 + 0.5) * self.cell.x, self.corner.y - (row as f64 + 0.5) * self.cell.y)

@@ -7,7 +7,7 @@ use super::{Dem, Grid};
 use crate::crs::Crs;
 use crate::progress::Progress;
 use crate::rows::Rows;
-use crate::tin::Tin;
+use crate::tin::{NONE, Tin};
 
 /// Rows that one task fills.
 const BAND_ROWS: usize = 32;
@@ -17,11 +17,20 @@ const BAND_ROWS: usize = 32;
 /// Every height lies between the lowest and the highest corner of its triangle. A centre on an edge or a corner belongs
 /// to the triangle of the lowest number.
 pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progress) -> Dem {
-    let mut values = vec![f32::NAN; grid.len()];
+    let height = |(i, t): (usize, u32)| {
+        if t == NONE { f32::NAN } else { height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32 }
+    };
+    let values = locate(tin, grid, progress).into_par_iter().enumerate().map(height).collect();
+    Dem { grid: *grid, values, crs }
+}
+
+/// The triangle that each cell centre of `grid` lies in, [`NONE`] outside the frame and where there are no heights.
+pub fn locate(tin: &Tin, grid: &Grid, progress: &dyn Progress) -> Vec<u32> {
+    let mut triangles = vec![NONE; grid.len()];
     let bands = triangles_by_band(tin, grid);
     progress.start("rasterising", grid.rows as u64);
     if grid.cols > 0 {
-        values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
+        triangles.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
             let first_row = band * BAND_ROWS;
             let rows = cells.len() / grid.cols;
             for &t in bands.of(band) {
@@ -31,7 +40,18 @@ pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progre
         });
     }
     progress.finish();
-    Dem { grid: *grid, values, crs }
+    triangles
+}
+
+/// Height of triangle `t` at a position relative to the triangulation's origin, between its lowest and highest corner.
+fn height(tin: &Tin, t: u32, p: DVec2) -> f64 {
+    let [a, b, c] = tin.corners(t);
+    let heights = tin.corner_heights(t);
+    let area = (b - a).perp_dot(c - a);
+    let wb = (p - a).perp_dot(c - a) / area;
+    let wc = (b - a).perp_dot(p - a) / area;
+    let (lowest, highest) = (heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2]));
+    (heights[0] + wb * (heights[1] - heights[0]) + wc * (heights[2] - heights[0])).clamp(lowest, highest)
 }
 
 /// Row numbers whose centres lie between two y coordinates (relative to the triangulation's origin), a little widened:
@@ -62,13 +82,11 @@ fn triangles_by_band(tin: &Tin, grid: &Grid) -> Rows<u32> {
 }
 
 /// Fills the cells of one triangle that are still empty.
-fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mut [f32]) {
+fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mut [u32]) {
     let corners = tin.corners(t);
     let heights = tin.corner_heights(t);
     let [a, b, c] = corners;
-    let area = (b - a).perp_dot(c - a);
-    let (lowest, highest) = (heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2]));
-    if area <= 0.0 || heights.iter().any(|h| h.is_nan()) {
+    if (b - a).perp_dot(c - a) <= 0.0 || heights.iter().any(|h| h.is_nan()) {
         return;
     }
     let (bottom, top) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
@@ -81,12 +99,8 @@ fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mu
         let end = ((column(right) + 1e-9).floor() + 1.0).clamp(0.0, grid.cols as f64) as usize;
         for col in first..end.max(first) {
             let cell = &mut cells[(row - rows.start) * grid.cols + col];
-            if cell.is_nan() {
-                let p = DVec2::new(grid.center(col, row).x - tin.origin.x, y);
-                let wb = (p - a).perp_dot(c - a) / area;
-                let wc = (b - a).perp_dot(p - a) / area;
-                let height = heights[0] + wb * (heights[1] - heights[0]) + wc * (heights[2] - heights[0]);
-                *cell = height.clamp(lowest, highest) as f32;
+            if *cell == NONE {
+                *cell = t;
             }
         }
     }
