@@ -2,7 +2,8 @@
 //!
 //! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005): the
 //! contours are triangulated, the triangles tell where spurs, gullies and tops are, and lines with heights along their
-//! axes turn the triangulation into a surface without flat steps.
+//! axes turn the triangulation into a surface without flat steps. With that as a guide, a smooth surface of least curvature
+//! is drawn through the contours.
 //!
 //! # The pipeline
 //!
@@ -17,9 +18,10 @@
 //! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |
 //! | [`tin::landforms`] | both | a [`Landform`](tin::Landform) a sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
-//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling and skeleton, heights everywhere |
+//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling, skeleton and smooth surface, heights everywhere |
+//! | [`surface::heights`] | a surface, a grid | a [`Dem`](dem::Dem) |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
-//! | [`dem::rasterise`] | a surface, a grid | a [`Dem`](dem::Dem) |
+//! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`preview::render`] | all of them | a picture |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
@@ -39,9 +41,9 @@
 //! ```
 //! use glam::DVec2;
 //! use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
-//! use tokosen::dem::{Grid, rasterise};
+//! use tokosen::dem::Grid;
 //! use tokosen::slice::{LayerParams, Target, contour_layers};
-//! use tokosen::surface::{SurfaceParams, build};
+//! use tokosen::surface::{SurfaceParams, build, heights};
 //!
 //! # fn main() -> tokosen::error::Result<()> {
 //! let ring = |radius: f64, elevation: f64| {
@@ -59,7 +61,7 @@
 //! assert!(layers[0].lines.len() >= 2 + 4 + 1);
 //!
 //! let grid = Grid { corner: DVec2::new(-200.0, 200.0), cell: DVec2::splat(10.0), cols: 40, rows: 40 };
-//! let dem = rasterise(&surface.tin, &grid, None, &());
+//! let dem = heights(&surface, &grid, &());
 //! let top = dem.values[20 * 40 + 20];
 //! assert!(20.0 < top && top < 30.0, "the top is neither flat nor above the next level");
 //! # Ok(())

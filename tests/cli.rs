@@ -759,3 +759,30 @@ fn water_that_cannot_be_used() {
     let (messages, _) = folder.succeeds("dem hill.geojson --cell 5 -o d.tif --sea 10");
     assert!(!messages.contains("water  "), "there is no ground below the coast: {messages}");
 }
+
+#[test]
+fn the_summary_tells_how_the_smooth_surface_was_drawn() {
+    let folder = Folder::new();
+    let input = sample("caryville_20m.gpkg");
+    let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
+    let (chosen, _) = folder.succeeds(&dem);
+    for words in ["chosen by hiding every second level", "LE90", "an interval of 40 m", "with all contours, 20 m apart"]
+    {
+        assert!(chosen.contains(words), "no {words:?} in {chosen}");
+    }
+    let (given, _) = folder.succeeds(&format!("{dem} --tension 5 --noise 1"));
+    assert!(given.contains("tension    5.00, as given; noise 1") && !given.contains("accuracy"), "{given}");
+    fs::remove_file(folder.path("dem.tif")).unwrap();
+    folder.fails(&format!("{dem} --tension -1"), USAGE, &["tension is -1"]);
+
+    let ring = |z: f64, r: f64| {
+        format!(
+            "{{\"type\":\"Feature\",\"properties\":{{\"elev\":{z}}},\"geometry\":{{\"type\":\"LineString\",\"coordinates\":[[-{r},-{r}],[{r},-{r}],[{r},{r}],[-{r},{r}],[-{r},-{r}]]}}}}"
+        )
+    };
+    let crs = r#""crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::6677"}}"#;
+    let rings = [ring(0.0, 90.0), ring(10.0, 60.0), ring(20.0, 30.0)].join(",");
+    folder.put("few.geojson", format!("{{\"type\":\"FeatureCollection\",{crs},\"features\":[{rings}]}}"));
+    let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif");
+    assert!(few.contains("tension    3.00, the usual one: there are too few levels"), "{few}");
+}

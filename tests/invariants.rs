@@ -18,9 +18,9 @@ use proptest::prelude::*;
 use tokosen::contour::{
     CleanParams, Contour, ContourLayer, ContourMap, FitParams, SampleParams, Source, clean, fit, sample,
 };
-use tokosen::dem::{Grid, rasterise};
+use tokosen::dem::Grid;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
 use tokosen::tin::{Frame, VertexKind};
 
 fn map_of(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
@@ -125,7 +125,7 @@ fn check_dem(surface: &Surface, cell: f64, what: &str) {
     let size = ((hi - lo) / cell).ceil();
     let corner = DVec2::new(lo.x, hi.y);
     let grid = Grid { corner, cell: DVec2::splat(cell), cols: size.x as usize, rows: size.y as usize };
-    let dem = rasterise(&surface.tin, &grid, None, &());
+    let dem = heights(surface, &grid, &());
     let bands = surface.regions.regions.iter().map(|r| r.band);
     let (lowest, highest) = bands.fold((f64::INFINITY, f64::NEG_INFINITY), |m, b| (m.0.min(b.lo), m.1.max(b.hi)));
     let valid: Vec<f32> = dem.values.into_iter().filter(|v| !v.is_nan()).collect();
@@ -135,7 +135,7 @@ fn check_dem(surface: &Surface, cell: f64, what: &str) {
 
 fn check_terrain(terrain: &Terrain, frame: &Frame) {
     let map = clean_map(map_of(&terrain.contours()));
-    for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton] {
+    for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline] {
         let what = format!("{} {kind:?} {frame:?}", terrain.kind);
         let params = SurfaceParams { kind, frame: frame.clone(), ..SurfaceParams::default() };
         match build(map.clone(), &params, &()) {
@@ -253,7 +253,7 @@ proptest! {
             map.spots.push(DVec3::new(place.x, place.y, terrain.heights[row * terrain.cols + col].round()));
         }
         let map = clean_map(map);
-        for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton] {
+        for kind in [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline] {
             let params = SurfaceParams { kind, ..SurfaceParams::default() };
             if let Ok(report) = build(map.clone(), &params, &()) {
                 check(&report.value.map, &report.value, terrain.interval / 5.0, "pieces missing");
@@ -318,7 +318,7 @@ fn area_on_contours(terrain: &Terrain, seed: u64) -> geo::MultiPolygon<f64> {
 
 /// Tops, hollows, spurs and gullies do not stay level.
 #[test]
-fn no_flat_triangle_is_left_by_the_skeleton() {
+fn no_flat_triangle_is_left_between_lines_and_nodes() {
     for seed in 1..4 {
         let terrain = common::hills(seed, 80, 80);
         let map = clean_map(map_of(&terrain.contours()));
@@ -339,5 +339,6 @@ fn no_flat_triangle_is_left_by_the_skeleton() {
         };
         assert!(flat(SurfaceKind::Linear) > 0.02, "the terrain has tops to flatten");
         assert!(flat(SurfaceKind::Skeleton) < 1e-3, "{}", flat(SurfaceKind::Skeleton));
+        assert!(flat(SurfaceKind::Spline) < 1e-3, "{}", flat(SurfaceKind::Spline));
     }
 }

@@ -12,7 +12,7 @@ use glam::DVec2;
 use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
-use tokosen::surface::{SurfaceParams, Tiling, build, tiling};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Tiling, build, tiling};
 use tokosen::tin::{Frame, Side, VertexKind};
 
 fn tiling_of(map: ContourMap) -> Tiling {
@@ -203,14 +203,30 @@ fn more_resolution_leaves_fewer_and_shorter_lines() {
 #[test]
 fn the_surface_has_the_same_lines() {
     let tiling = sample("fig5ab_two_branches_ridges_canyon.geojson");
-    let surface = build(tiling.map.clone(), &SurfaceParams::default(), &()).unwrap().value;
     let found = lines_of(&tiling, 1.0);
-    assert_eq!(surface.break_lines, found.lines);
+    for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
+        let surface =
+            build(tiling.map.clone(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value;
+        if kind == SurfaceKind::Skeleton {
+            assert_eq!(surface.break_lines, found.lines);
+        }
+        let length = |lines: &[BreakLine]| lines.iter().map(|l| l.length()).sum::<f64>();
+        let (own, paper) = (length(&surface.break_lines), length(&found.lines));
+        assert!((own - paper).abs() < 1e-9 * paper, "{own} {paper}");
+        check_heights(&surface);
+    }
+}
+
+/// The lines of a surface fall, and the triangulation has their heights.
+fn check_heights(surface: &Surface) {
     let height: HashMap<[u64; 2], f64> = (0..surface.tin.positions.len() as u32)
         .map(|v| (bits(surface.tin.point(v).truncate()), surface.tin.heights[v as usize]))
         .collect();
-    for p in found.lines.iter().flat_map(|l| &l.points) {
-        assert_eq!(height.get(&bits(p.truncate())), Some(&p.z));
+    for line in &surface.break_lines {
+        assert!(line.points.windows(2).all(|w| w[0].z > w[1].z), "{:?}", line.points);
+        for p in &line.points {
+            assert_eq!(height.get(&bits(p.truncate())), Some(&p.z));
+        }
     }
 }
 

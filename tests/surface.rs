@@ -7,7 +7,7 @@ use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
 use tokosen::dem::{Grid, rasterise};
 use tokosen::error::{Finding, FindingKind};
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Surface, SurfaceParams, build};
+use tokosen::surface::{Reason, Surface, SurfaceParams, build};
 use tokosen::tin::Frame;
 
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
@@ -131,4 +131,36 @@ fn frames_decide_where_there_is_data() {
     let inside = height_at(&cut, 0.0, -90.0);
     assert!((20.0..22.0).contains(&inside), "{inside}");
     assert!(height_at(&cut, -147.0, -147.0) < 10.0);
+}
+
+/// Contours of a bowl that is a paraboloid: levels 0, 10, ... from its rim inwards.
+fn bowl(levels: usize) -> Vec<Contour> {
+    let circle = |k: usize| {
+        let radius = 200.0 * (1.0 - k as f64 / 10.0).sqrt();
+        let corner = |j: usize| radius * DVec2::from_angle((j % 240) as f64 * std::f64::consts::TAU / 240.0);
+        Contour { elevation: -10.0 * k as f64, points: (0..=240).map(corner).collect(), feature: 0 }
+    };
+    (0..levels).map(circle).collect()
+}
+
+#[test]
+fn smooth_ground_gets_little_tension_and_a_small_error() {
+    let (surface, _) = surface_of(bowl(9), vec![], Frame::Hull);
+    let chosen = surface.chosen.unwrap();
+    assert_eq!((chosen.reason, chosen.knobs.noise), (Reason::Hidden, 0.0));
+    assert!(chosen.knobs.tension < 3.0, "{chosen:?}");
+    let (hidden, implied) = (chosen.hidden.unwrap(), chosen.implied.unwrap());
+    assert!(hidden.count > 1000, "{hidden:?}");
+    assert_eq!((hidden.interval, implied.interval), (20.0, 10.0));
+    // The straight way from level to level is off by more than half a metre half-way, with twice the interval.
+    assert!(0.0 < implied.rmse && implied.rmse < 0.3 * hidden.rmse && hidden.rmse < 1.0, "{hidden:?} {implied:?}");
+    assert!(hidden.le90 >= hidden.rmse, "{hidden:?}");
+}
+
+#[test]
+fn few_levels_do_not_choose() {
+    let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
+    let chosen = surface.chosen.unwrap();
+    assert_eq!((chosen.reason, chosen.hidden, chosen.implied), (Reason::FellBack, None, None));
+    assert_eq!(chosen.knobs.tension, 3.0);
 }

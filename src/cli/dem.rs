@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -49,7 +50,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let output = DemOutput::new(staged, &args.grid, input.map.crs.as_ref())?;
-    let params = args.surface.params(&input.map)?;
+    let params = args.surface.params(&input.map, Some(&output.choice), Triangles::Guide)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;

@@ -6,6 +6,7 @@ use clap::Args;
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::io::{VectorFormat, contour_files, write_contours};
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -103,7 +104,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let crs = input.map.crs.clone();
     let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, crs.as_ref())).transpose()?;
-    let params = args.surface.params(&input.map)?;
+    let params =
+        args.surface.params(&input.map, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;

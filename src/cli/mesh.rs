@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
+use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -56,7 +57,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let params = args.surface.params(&input.map)?;
+    let params = args.surface.params(&input.map, None, Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec2;
 use tokosen::crs::Crs;
-use tokosen::dem::{Dem, Grid, rasterise};
+use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
-use tokosen::surface::Surface;
+use tokosen::surface::{Surface, Wanted, heights};
 use tokosen::tin::FrameRing;
 
 use super::Failure;
@@ -74,21 +74,24 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
         GridChoice::Like(grid) => Ok(*grid),
         GridChoice::Cell(cell) => {
             let (lo, hi) = extent(&surface.frame);
-            let (west, south) = ((lo.x / cell).floor() * cell, (lo.y / cell).floor() * cell);
-            let (east, north) = ((hi.x / cell).ceil() * cell, (hi.y / cell).ceil() * cell);
-            let (cols, rows) = (((east - west) / cell).round(), ((north - south) / cell).round());
-            if cols * rows > MOST_CELLS {
+            let count = ((hi - lo) / *cell).ceil();
+            if count.x * count.y > MOST_CELLS {
                 return Err(Failure::Usage(format!(
-                    "--cell {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell"
+                    "--cell {cell} gives {:.0} x {:.0} cells: choose a larger cell",
+                    count.x, count.y
                 )));
             }
-            let grid = Grid {
-                corner: DVec2::new(west, north),
-                cell: DVec2::splat(*cell),
-                cols: cols as usize,
-                rows: rows as usize,
-            };
-            Ok(grid)
+            Ok(Grid::on_multiples(lo, hi, *cell))
+        }
+    }
+}
+
+impl GridChoice {
+    /// What the smooth surface needs to know about the cells.
+    pub fn wanted(&self) -> Wanted {
+        match self {
+            Self::Cell(cell) => Wanted::Cell(*cell),
+            Self::Like(grid) => Wanted::Grid(*grid),
         }
     }
 }
@@ -126,7 +129,7 @@ impl DemOutput {
     /// Rasterises the surface and writes the file, still under its temporary name.
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
         let grid = grid_for(&self.choice, surface)?;
-        let dem = rasterise(&surface.tin, &grid, surface.map.crs.clone(), console);
+        let dem = heights(surface, &grid, console);
         let written = console.step("writing", || write_dem(&self.staged.path(), &dem));
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)

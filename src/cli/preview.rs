@@ -3,16 +3,15 @@
 use std::path::Path;
 
 use tokosen::contour::{Contour, ContourLine, Interval, Source};
-use tokosen::crs::Crs;
-use tokosen::dem::rasterise;
+use tokosen::dem::{Dem, Grid, rasterise};
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
 use tokosen::mesh::Mesh;
 use tokosen::preview::{Model, Patches, Preview, map_grid, render, render_model};
 use tokosen::skeleton::BreakLine;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Surface, Tiling};
-use tokosen::tin::{FrameRing, Tin};
+use tokosen::surface::{Surface, Tiling, heights};
+use tokosen::tin::FrameRing;
 
 use super::Failure;
 use super::console::Console;
@@ -34,28 +33,29 @@ pub fn write(
     lines: &[ContourLine],
     console: &Console,
 ) -> Result<(), Failure> {
-    let crs = surface.map.crs.as_ref();
-    let scene =
-        Scene { tin: &surface.tin, frame: &surface.frame, crs, lines, breaks: &surface.break_lines, patches: None };
-    draw(staged, &scene, console)
+    let scene = Scene { frame: &surface.frame, lines, breaks: &surface.break_lines, patches: None };
+    draw(staged, &scene, |grid| heights(surface, grid, &()), console)
 }
 
 /// What a picture shows.
 struct Scene<'a> {
-    tin: &'a Tin,
     frame: &'a FrameRing,
-    crs: Option<&'a Crs>,
     lines: &'a [ContourLine],
     breaks: &'a [BreakLine],
     patches: Option<&'a Patches>,
 }
 
-/// Draws a picture of anything that has a triangulation with heights, still under its temporary name.
-fn draw(staged: &StagedOutput, scene: &Scene<'_>, console: &Console) -> Result<(), Failure> {
+/// Draws a picture of anything that has heights on a grid, still under its temporary name.
+fn draw(
+    staged: &StagedOutput,
+    scene: &Scene<'_>,
+    heights: impl FnOnce(&Grid) -> Dem,
+    console: &Console,
+) -> Result<(), Failure> {
     let (lo, hi) = output::extent(scene.frame);
     let grid = map_grid(lo, hi)?;
     console.step("drawing", || {
-        let dem = rasterise(scene.tin, &grid, scene.crs.cloned(), &());
+        let dem = heights(&grid);
         let Scene { lines: contours, breaks: break_lines, patches, .. } = *scene;
         let picture = render(&Preview { dem: &dem, contours, break_lines, patches, title: None })?;
         write_picture(&staged.path(), &picture).map_err(|e| staged.with_final_name(e))
@@ -84,8 +84,8 @@ pub fn write_tiling(
     console: &Console,
 ) -> Result<(), Failure> {
     let lines: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
-    let crs = tiling.map.crs.as_ref();
-    draw(staged, &Scene { tin: &tiling.tin, frame: &tiling.frame, crs, lines: &lines, breaks, patches }, console)
+    let scene = Scene { frame: &tiling.frame, lines: &lines, breaks, patches };
+    draw(staged, &scene, |grid| rasterise(&tiling.tin, grid, tiling.map.crs.clone(), &()), console)
 }
 
 /// Every fifth level is drawn as an index contour.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use tokosen::error::{Error, Finding, FindingKind};
 use tokosen::skeleton::BreakKind;
-use tokosen::surface::Surface;
+use tokosen::surface::{Chosen, Reason, Surface};
 
 use super::console::Console;
 
@@ -56,6 +56,43 @@ pub fn surface(surface: &Surface, console: &Console) {
         };
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
+    if let Some(chosen) = &surface.chosen {
+        self::chosen(chosen, console);
+    }
+}
+
+/// Tells how the smooth surface was drawn, and how far it may be off.
+fn chosen(chosen: &Chosen, console: &Console) {
+    let why = match chosen.reason {
+        Reason::Given => "as given",
+        Reason::Hidden => "chosen by hiding every second level",
+        Reason::FellBack => "the usual one: there are too few levels to hide some and choose by them",
+    };
+    let noise = match chosen.knobs.noise {
+        noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
+        _ => String::new(),
+    };
+    console.say(&format!("tension    {:.2}, {why}{noise}", chosen.knobs.tension));
+    let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
+    console.say(&format!(
+        "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, drawn from an interval of {} m",
+        metres(hidden.rmse),
+        metres(hidden.le90),
+        hidden.count,
+        hidden.interval
+    ));
+    console.say(&format!(
+        "           which implies about RMSE {}, LE90 {} with all contours, {} m apart",
+        metres(implied.rmse),
+        metres(implied.le90),
+        implied.interval
+    ));
+}
+
+/// A length with two digits that tell something.
+fn metres(value: f64) -> String {
+    let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    format!("{value:.decimals$} m")
 }
 
 /// Tells how many findings there were and how long each step took.

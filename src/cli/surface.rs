@@ -6,11 +6,12 @@ use clap::{Args, ValueEnum};
 use tokosen::contour::ContourMap;
 use tokosen::error::{Error, Finding};
 use tokosen::io::{ReadOptions, read_area};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, build};
 use tokosen::tin::Frame;
 
 use super::Failure;
 use super::console::Console;
+use super::output::GridChoice;
 use super::summary;
 use super::water::WaterArgs;
 
@@ -18,7 +19,7 @@ use super::water::WaterArgs;
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
     /// How heights between contours are found
-    #[arg(long, value_enum, default_value_t = KindArg::Skeleton)]
+    #[arg(long, value_enum, default_value_t = KindArg::Spline)]
     pub surface: KindArg,
     #[command(flatten)]
     pub frame: FrameArgs,
@@ -27,6 +28,14 @@ pub struct SurfaceArgs {
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true)]
     pub resolution: f64,
+    /// Tension of the smooth surface: 0 bends least, 10 and more is near the one with ridge and canyon lines. Chosen from
+    /// the contours if not given
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub tension: Option<f64>,
+    /// Noise of the contours: 0 for smooth ones, 1 for those of unsmoothed lidar, which jitter. Seen from the contours if
+    /// not given
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub noise: Option<f64>,
 }
 
 /// Where the ground ends.
@@ -43,6 +52,8 @@ pub enum KindArg {
     Linear,
     /// With ridge and canyon lines, without flat triangles
     Skeleton,
+    /// Smooth: of minimum curvature through the contours
+    Spline,
 }
 
 impl SurfaceArgs {
@@ -52,16 +63,25 @@ impl SurfaceArgs {
     }
 
     /// The library's parameters; reads the boundary polygon and the lakes if there are any.
-    pub fn params(&self, map: &ContourMap) -> Result<SurfaceParams, Failure> {
+    pub fn params(
+        &self,
+        map: &ContourMap,
+        grid: Option<&GridChoice>,
+        triangles: Triangles,
+    ) -> Result<SurfaceParams, Failure> {
+        let spline = SplineParams { wanted: grid.map(GridChoice::wanted), tension: self.tension, noise: self.noise };
         let kind = match self.surface {
             KindArg::Linear => SurfaceKind::Linear,
             KindArg::Skeleton => SurfaceKind::Skeleton,
+            KindArg::Spline => SurfaceKind::Spline,
         };
         Ok(SurfaceParams {
             kind,
             frame: self.frame.read(map)?,
             resolution: self.resolution,
             water: self.water.read(map)?,
+            spline,
+            triangles,
         })
     }
 }

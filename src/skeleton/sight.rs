@@ -114,7 +114,8 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         }
         let shows = |p: DVec2| not_right_of(view.right, p) && not_right_of(p, view.left);
         for (v, at) in tin.edge(view.triangle, view.edge).into_iter().zip([a, b]) {
-            let candidate = matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore) && tin.heights[v as usize] == level;
+            let candidate = matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore)
+                && tin.heights[v as usize] == level;
             if candidate
                 && at.length() < best
                 && shows(at)

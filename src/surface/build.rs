@@ -4,13 +4,15 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
+use super::nodes::{push_axis, with_nodes};
+use super::spline::{choose, draft, spline, working_grid};
 use super::tiling::{Tiling, tiling_with_water};
-use super::{Surface, SurfaceKind, SurfaceParams};
+use super::{Surface, SurfaceKind, SurfaceParams, Triangles};
 use crate::contour::ContourMap;
 use crate::error::{Error, Report, Result};
 use crate::progress::Progress;
-use crate::skeleton::{End, Skeleton, skeleton};
-use crate::tin::{Gaps, Regions, Side, Tin, TinInput, VertexKind};
+use crate::skeleton::{Axis, BreakLine, skeleton};
+use crate::tin::{Gaps, Regions, Side, Tin};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
@@ -23,40 +25,53 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             params.resolution
         )));
     }
+    for (name, value) in [("tension", params.spline.tension), ("noise of the contours", params.spline.noise)] {
+        if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {
+            return Err(Error::Parameter(format!("the {name} is {value}, it must be 0 or more")));
+        }
+    }
     let Report { value: mut tiled, findings } = tiling_with_water(map, &params.frame, &params.water, progress)?;
     let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
     let mut break_lines = Vec::new();
-    if params.kind == SurfaceKind::Skeleton {
-        progress.start("ridge and canyon lines", 0);
-        let skeleton = skeleton(&tiled.tin, &tiled.regions, params.resolution);
+    let mut axis = Axis::default();
+    let chosen = match params.kind {
+        SurfaceKind::Spline => Some(choose(&tiled, params, progress)),
+        SurfaceKind::Linear | SurfaceKind::Skeleton => None,
+    };
+    if params.kind != SurfaceKind::Linear {
+        (tiled, break_lines, axis) = with_skeleton(tiled, params.resolution, progress)?;
+    }
+    let working = chosen.as_ref().map(|chosen| {
+        let grid = working_grid(&tiled, params.spline.wanted);
+        spline(&draft(&tiled, &break_lines, &grid), &chosen.knobs, progress)
+    });
+    if params.triangles == Triangles::Smooth
+        && let Some(working) = &working
+    {
+        progress.start("triangulating the smooth surface", 0);
+        (tiled, break_lines) = with_nodes(tiled, axis, working)?;
         progress.finish();
-        progress.start("triangulating with them", 0);
-        let mut input = tiled.input();
-        push_skeleton(&mut input, &tiled.tin, &skeleton);
-        tiled = tiled.retriangulated(input)?;
-        progress.finish();
-        break_lines = skeleton.lines;
     }
     let Tiling { map, tin, regions, frame, interval, .. } = tiled;
-    let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval };
+    let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen };
     Ok(Report { value: surface, findings })
 }
 
-fn push_skeleton(input: &mut TinInput, tin: &Tin, skeleton: &Skeleton) {
-    let points: Vec<u32> = skeleton
-        .axis
-        .points
-        .iter()
-        .zip(&skeleton.flow.heights)
-        .map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis))
-        .collect();
-    for piece in &skeleton.axis.pieces {
-        let [a, b] = piece.map(|end| match end {
-            End::Axis(p) => points[p as usize],
-            End::Vertex(v) => tin.source[v as usize],
-        });
-        input.push_edge(a, b);
-    }
+/// The triangulation with ridge and canyon lines, these lines, and the axis that they follow.
+pub(super) fn with_skeleton(
+    tiled: Tiling,
+    resolution: f64,
+    progress: &dyn Progress,
+) -> Result<(Tiling, Vec<BreakLine>, Axis)> {
+    progress.start("ridge and canyon lines", 0);
+    let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
+    progress.finish();
+    progress.start("triangulating with them", 0);
+    let mut input = tiled.input();
+    push_axis(&mut input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
+    let tiled = tiled.retriangulated(input, None)?;
+    progress.finish();
+    Ok((tiled, skeleton.lines, skeleton.axis))
 }
 
 /// The bridges as lines, higher ground on their right.

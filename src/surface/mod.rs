@@ -3,13 +3,19 @@
 //! [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours as it stands: flat triangles on
 //! ridges, in valleys and on tops. [`SurfaceKind::Skeleton`] is the paper's: ridge and canyon lines go into the
 //! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
+//! [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`]).
 
 mod build;
 mod depressions;
+mod nodes;
+mod sample;
+pub mod spline;
 mod tiling;
 mod water;
 
 pub use build::build;
+pub use sample::heights;
+pub use spline::{Accuracy, Chosen, Knobs, Reason, SplineParams, Wanted, WorkingGrid};
 pub use tiling::{Tiling, tiling, tiling_with_water};
 pub use water::Water;
 
@@ -25,8 +31,22 @@ pub enum SurfaceKind {
     /// Linear on the triangulated contours.
     Linear,
     /// The triangulation with ridge and canyon lines.
-    #[default]
     Skeleton,
+    /// Smooth, of minimum curvature between the contours.
+    #[default]
+    Spline,
+}
+
+/// Which triangles a surface of [`SurfaceKind::Spline`] has. They are what [`slice`](fn@crate::slice::slice) and
+/// [`mesh`](fn@crate::mesh::mesh) work on; [`heights`] asks the working grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Triangles {
+    /// Those of the contours and of the ridge and canyon lines, with the heights of [`SurfaceKind::Skeleton`]: enough
+    /// for a height map, and quicker.
+    Guide,
+    /// Of the smooth surface itself: with nodes of the working grid between the lines.
+    #[default]
+    Smooth,
 }
 
 /// Parameters of [`build`].
@@ -40,11 +60,22 @@ pub struct SurfaceParams {
     pub resolution: f64,
     /// Lakes and the sea.
     pub water: Water,
+    /// How the smooth surface is drawn; for [`SurfaceKind::Spline`].
+    pub spline: SplineParams,
+    /// Which triangles are needed; for [`SurfaceKind::Spline`].
+    pub triangles: Triangles,
 }
 
 impl Default for SurfaceParams {
     fn default() -> Self {
-        Self { kind: SurfaceKind::default(), frame: Frame::default(), resolution: 1.0, water: Water::default() }
+        Self {
+            kind: SurfaceKind::default(),
+            frame: Frame::default(),
+            resolution: 1.0,
+            water: Water::default(),
+            spline: SplineParams::default(),
+            triangles: Triangles::default(),
+        }
     }
 }
 
@@ -65,4 +96,8 @@ pub struct Surface {
     pub frame: FrameRing,
     /// The input's vertical interval.
     pub interval: Interval,
+    /// The smooth surface; only for [`SurfaceKind::Spline`].
+    pub working: Option<WorkingGrid>,
+    /// How the smooth surface was drawn, and how far it may be off; only for [`SurfaceKind::Spline`].
+    pub chosen: Option<Chosen>,
 }

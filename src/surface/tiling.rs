@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
+use super::WorkingGrid;
 use super::depressions::contradicted_marks;
 use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
@@ -12,7 +13,7 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Frame, FrameRing, Gaps, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
+    Band, Frame, FrameRing, Gaps, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
     lakes_outside_bands, link_open_ends, regions, triangulate, with_water,
 };
 
@@ -84,7 +85,7 @@ pub fn tiling_with_water(
     progress.start("triangulating", 0);
     let mut found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
     if !water.lakes.is_empty() {
-        let ground = with_frame_heights(found.tin, &found.regions);
+        let ground = with_frame_heights(found.tin, &found.regions, None);
         let shores = Shores { map: &map, links: &parts.links, frame: &frame, tin: &ground, regions: &found.regions };
         let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
         (parts.ponds, frame) = (ponds, with_ends);
@@ -93,7 +94,7 @@ pub fn tiling_with_water(
     let Found { tin, regions: sub_domains, gaps, findings: of_regions } = found;
     findings.extend(of_regions);
     findings.extend(contradicted_marks(&map, &tin, &sub_domains));
-    let tin = with_frame_heights(tin, &sub_domains);
+    let tin = with_frame_heights(tin, &sub_domains, None);
     progress.finish();
     let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, gaps, parts };
     Ok(Report { value: tiling, findings })
@@ -109,8 +110,15 @@ impl Tiling {
         input
     }
 
+    /// The spot heights that agree with the contours around them.
+    pub(super) fn used_spots(&self) -> impl Iterator<Item = DVec3> {
+        self.map.spots.iter().zip(&self.parts.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
+    }
+
     /// The same with the triangulation of an [`input`](Self::input) that more points and edges were added to.
-    pub(super) fn retriangulated(self, input: TinInput) -> Result<Self> {
+    ///
+    /// Corners of the frame get the heights of `working`, if there is one.
+    pub(super) fn retriangulated(self, input: TinInput, working: Option<&WorkingGrid>) -> Result<Self> {
         let Self { map, tin, regions, frame, interval, gaps, parts } = self;
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
@@ -122,7 +130,7 @@ impl Tiling {
         };
         let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
         let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
-        let tin = with_frame_heights(tin, &regions);
+        let tin = with_frame_heights(tin, &regions, working);
         Ok(Self { map, tin, regions, frame, interval, gaps, parts })
     }
 }
@@ -297,8 +305,8 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
 
 /// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
 /// corner has the height of the nearest vertex that it shares a triangle with. Where two parts of the frame touch, the
-/// height lies in the bands of both, if it can.
-fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
+/// height lies in the bands of both, if it can. Where `working` has heights, a corner has one of those.
+fn with_frame_heights(tin: Tin, regions: &Regions, working: Option<&WorkingGrid>) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
     let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();
     let mut nearest: HashMap<u32, (f64, f64)> = HashMap::new();
@@ -325,10 +333,12 @@ fn with_frame_heights(tin: Tin, regions: &Regions) -> Tin {
     let mut heights = tin.heights.clone();
     for (&v, height) in corners.iter().zip(found) {
         let fallback = || nearest.get(&v).map_or(f64::NAN, |n| n.1);
-        heights[v as usize] = if height.is_nan() { fallback() } else { height };
+        let smooth = working.map_or(f64::NAN, |w| f64::from(w.at(tin.point(v).truncate())));
+        let choice = [smooth, height].into_iter().find(|h| !h.is_nan());
+        heights[v as usize] = choice.unwrap_or_else(fallback);
     }
-    for (v, (lo, hi)) in limits.into_iter().filter(|(_, (lo, hi))| lo <= hi) {
-        heights[v as usize] = heights[v as usize].clamp(lo, hi);
+    for (v, (lo, hi)) in limits.into_iter().filter(|(_, (lo, hi))| lo <= hi && (hi - lo).is_finite()) {
+        heights[v as usize] = Band { lo, hi }.strictly_inside(heights[v as usize]);
     }
     tin.with_heights(heights)
 }

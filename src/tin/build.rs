@@ -42,6 +42,16 @@ impl TinInput {
         self.origin
     }
 
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there is no point yet.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
     /// Adds a point in map coordinates and returns its index.
     pub fn push(&mut self, position: DVec2, height: f64, kind: VertexKind) -> u32 {
         self.push_local(position - self.origin, height, kind)

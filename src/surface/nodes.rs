@@ -1,0 +1,339 @@
+//! The smooth surface as triangles, for slicing and meshes.
+//!
+//! Contours keep their levels and stay edges, ridge and canyon lines too; between them go nodes of the working grid, where
+//! contours are further apart than the nodes. A slice of such triangles cannot cross a contour, whatever the surface does.
+//!
+//! Nodes near a contour, a ridge or canyon line or the frame are left out, because they would make slivers, and so are
+//! nodes that the straight way between their neighbours meets anyway ([`thinned`]).
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::WorkingGrid;
+use super::spline::{Lattice, mean_gap};
+use super::tiling::Tiling;
+use crate::dem::locate;
+use crate::error::Result;
+use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
+use crate::tin::{NONE, TinInput, VertexKind};
+
+/// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
+const CLEARANCE: f64 = 0.6;
+/// So many nodes from one contour to the next are enough where contours are as far apart as in the mean.
+const NODES_A_GAP: f64 = 12.0;
+/// Nodes are left out where straight lines between their neighbours are off by at most this share of the interval.
+const TOLERANCE: f64 = 0.01;
+/// Sides of the largest square without a node inside, in steps between nodes.
+const LARGEST: usize = 16;
+
+/// A triangulation of the smooth surface, and the ridge and canyon lines with its heights.
+///
+/// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface.
+pub(super) fn with_nodes(tiled: Tiling, mut axis: Axis, working: &WorkingGrid) -> Result<(Tiling, Vec<BreakLine>)> {
+    let lattice = Lattice::of_grid(&working.grid);
+    let mut input = tiled.input();
+    let heights = smooth_heights(&tiled, input.len(), &mut axis, working);
+    let flow = flow(&tiled.tin, &tiled.regions, &axis, heights);
+    let lines = break_lines(&tiled.tin, &tiled.regions, &axis, &flow);
+
+    let step = lattice.step.max_element();
+    let stride = (mean_gap(&tiled) / (NODES_A_GAP * step)).floor().max(1.0) as usize;
+    let coarse = Strided { lattice, stride };
+    let regions = clear_nodes(&tiled, working, &coarse);
+    let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);
+    push_axis(&mut input, &tiled.tin.source, &axis, &flow.heights);
+    let origin = input.origin();
+    for k in kept {
+        let node = coarse.node(k);
+        let band = tiled.regions.regions[regions[k] as usize].band;
+        let place = working.grid.center(node % lattice.cols, node / lattice.cols) - origin;
+        input.push_local(place, band.strictly_inside(f64::from(working.heights[node])), VertexKind::Axis);
+    }
+    drop((regions, axis, flow));
+    Ok((tiled.retriangulated(input, Some(working))?, lines))
+}
+
+/// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the
+/// pieces lead to.
+pub(super) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
+    let each = axis.points.iter().zip(heights);
+    let points: Vec<u32> = each.map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis)).collect();
+    for piece in &axis.pieces {
+        let [a, b] = piece.map(|end| match end {
+            End::Axis(p) => points[p as usize],
+            End::Vertex(v) => source[v as usize],
+        });
+        input.push_edge(a, b);
+    }
+}
+
+/// Heights of the axis points on the smooth surface, one a point. They are in `tiled` from point `first` on; `axis` gets the sub-domains and triangles of `tiled`.
+///
+/// The grid does not know what lies between its nodes: the nearer a point is to a contour, the more it keeps of the height
+/// that it has in the triangulation.
+fn smooth_heights(tiled: &Tiling, first: usize, axis: &mut Axis, working: &WorkingGrid) -> Vec<f64> {
+    let tin = &tiled.tin;
+    let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
+    for (v, &source) in tin.source.iter().enumerate() {
+        vertex_of[source as usize] = v as u32;
+    }
+    let mut triangle_of = vec![NONE; tin.positions.len()];
+    let mut contour_distance = vec![f64::INFINITY; tin.positions.len()];
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for i in 0..3 {
+            let [u, v] = tin.edge(t, i).map(|v| v as usize);
+            triangle_of[u] = t;
+            let length = tin.edge_length(t, i);
+            for (v, w) in [(u, v), (v, u)] {
+                if tin.kinds[w] == VertexKind::Contour {
+                    contour_distance[v] = contour_distance[v].min(length);
+                }
+            }
+        }
+    }
+    let mut heights = Vec::with_capacity(axis.points.len());
+    let mut known = vec![true; axis.points.len()];
+    for (k, point) in axis.points.iter_mut().enumerate() {
+        let vertex = vertex_of.get(first + k).copied().filter(|&v| v != NONE);
+        let triangle = vertex.map(|v| triangle_of[v as usize]).filter(|&t| t != NONE);
+        let (Some(v), Some(t)) = (vertex, triangle) else {
+            known[k] = false;
+            heights.push(f64::NAN);
+            continue;
+        };
+        point.triangle = t;
+        point.region = tiled.regions.of_triangle[t as usize];
+        let before = tin.heights[v as usize];
+        let smooth = f64::from(working.at(point.position + tin.origin));
+        let share = (contour_distance[v as usize] / working.grid.cell.max_element()).min(1.0);
+        let height = if smooth.is_nan() { before } else { before + share * (smooth - before) };
+        heights.push(tiled.regions.regions[point.region as usize].band.strictly_inside(height));
+    }
+    // A point that shares its place with another vertex, or lies outside the frame, ends the pieces that lead to it.
+    let is_known = |end: &End| !matches!(end, End::Axis(p) if !known[*p as usize]);
+    axis.pieces.retain(|piece| piece.iter().all(is_known));
+    let mut number = vec![NONE; known.len()];
+    for (next, k) in (0..known.len()).filter(|&k| known[k]).enumerate() {
+        number[k] = next as u32;
+    }
+    let mut keep = known.iter();
+    axis.points.retain(|_| *keep.next().unwrap_or(&false));
+    heights.retain(|h| !h.is_nan());
+    for end in axis.pieces.iter_mut().flatten() {
+        if let End::Axis(p) = end {
+            *p = number[*p as usize];
+        }
+    }
+    heights
+}
+
+/// Every `stride`th node of a lattice in both directions.
+struct Strided {
+    lattice: Lattice,
+    stride: usize,
+}
+
+impl Strided {
+    fn cols(&self) -> usize {
+        self.lattice.cols.div_ceil(self.stride)
+    }
+
+    fn rows(&self) -> usize {
+        self.lattice.rows.div_ceil(self.stride)
+    }
+
+    /// The number of node `k` in the lattice itself.
+    fn node(&self, k: usize) -> usize {
+        let (col, row) = (k % self.cols(), k / self.cols());
+        row * self.stride * self.lattice.cols + col * self.stride
+    }
+
+    /// Column and row of a map position, as fractions.
+    fn place(&self, p: DVec2) -> DVec2 {
+        self.lattice.place(p) / self.stride as f64
+    }
+}
+
+/// The sub-domain of each node, [`NONE`] where there is no height and near edges that the triangulation must hold.
+fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, nodes: &Strided) -> Vec<u32> {
+    let tin = &tiled.tin;
+    let triangles = locate(tin, &working.grid, &());
+    let region = |k: usize| {
+        let node = nodes.node(k);
+        let t = triangles[node];
+        if t == NONE || working.heights[node].is_nan() { NONE } else { tiled.regions.of_triangle[t as usize] }
+    };
+    let mut regions: Vec<u32> = (0..nodes.cols() * nodes.rows()).into_par_iter().map(region).collect();
+    drop(triangles);
+    let place = |v: u32| nodes.place(tin.positions[v as usize] + tin.origin);
+    let mut clear = |a: DVec2, b: DVec2| {
+        for_each_near(a, b, [nodes.cols(), nodes.rows()], |k| regions[k] = NONE);
+    };
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for i in 0..3 {
+            let other = tin.inner_neighbour(t, i);
+            let [u, v] = tin.edge(t, i);
+            if other.is_none_or(|n| t < n && tin.is_constraint(t, i)) {
+                clear(place(u), place(v));
+            }
+            if matches!(tin.kinds[u as usize], VertexKind::Spot | VertexKind::Axis) {
+                clear(place(u), place(u));
+            }
+        }
+    }
+    regions
+}
+
+/// Calls `each` for the nodes nearer to a segment than they may be.
+fn for_each_near(a: DVec2, b: DVec2, [cols, rows]: [usize; 2], mut each: impl FnMut(usize)) {
+    let (lo, hi) = (a.min(b) - CLEARANCE, a.max(b) + CLEARANCE);
+    let range = |lo: f64, hi: f64, count: usize| {
+        lo.ceil().max(0.0) as usize..(hi.floor() + 1.0).clamp(0.0, count as f64) as usize
+    };
+    let along = b - a;
+    let length = along.length_squared();
+    for row in range(lo.y, hi.y, rows) {
+        let y = row as f64;
+        // Only what passes within reach of the row counts: a long slanting segment is near few nodes of each.
+        let (from, to) = if along.y == 0.0 {
+            (lo.x, hi.x)
+        } else {
+            let at = |y: f64| a.x + along.x * ((y - a.y) / along.y).clamp(0.0, 1.0);
+            let (p, q) = (at(y - CLEARANCE), at(y + CLEARANCE));
+            (p.min(q) - CLEARANCE, p.max(q) + CLEARANCE)
+        };
+        for col in range(from, to, cols) {
+            let p = DVec2::new(col as f64, y);
+            let t = if length > 0.0 { ((p - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
+            if p.distance_squared(a + t * along) < CLEARANCE * CLEARANCE {
+                each(row * cols + col);
+            }
+        }
+    }
+}
+
+/// The nodes that the surface needs, ascending: corners of squares, halved until straight lines between their corners are
+/// within `tolerance` (metres) of all nodes in them.
+fn thinned(regions: &[u32], working: &WorkingGrid, nodes: &Strided, tolerance: f64) -> Vec<usize> {
+    let squares = Squares { regions, heights: &working.heights, nodes, tolerance };
+    let (across, down) = (nodes.cols().div_ceil(LARGEST), nodes.rows().div_ceil(LARGEST));
+    let found: Vec<Vec<usize>> = (0..across * down)
+        .into_par_iter()
+        .map(|s| {
+            let mut corners = Vec::new();
+            squares.divide([s % across * LARGEST, s / across * LARGEST], LARGEST, &mut corners);
+            corners
+        })
+        .collect();
+    let mut kept = vec![false; regions.len()];
+    found.into_iter().flatten().for_each(|k| kept[k] = true);
+    (0..kept.len()).filter(|&k| kept[k]).collect()
+}
+
+/// Squares of nodes.
+struct Squares<'a> {
+    regions: &'a [u32],
+    heights: &'a [f32],
+    nodes: &'a Strided,
+    tolerance: f64,
+}
+
+impl Squares<'_> {
+    fn divide(&self, [col, row]: [usize; 2], side: usize, corners: &mut Vec<usize>) {
+        let (cols, rows) = (self.nodes.cols(), self.nodes.rows());
+        if col >= cols || row >= rows {
+            return;
+        }
+        if side > 1 && !self.is_straight([col, row], side) {
+            let half = side / 2;
+            for [i, j] in [[0, 0], [half, 0], [0, half], [half, half]] {
+                self.divide([col + i, row + j], half, corners);
+            }
+            return;
+        }
+        let ends = [[col, row], [col + side, row], [col, row + side], [col + side, row + side]];
+        let on_grid = ends.into_iter().filter(|&[i, j]| i < cols && j < rows).map(|[i, j]| j * cols + i);
+        corners.extend(on_grid.filter(|&k| self.regions[k] != NONE));
+    }
+
+    /// Whether all nodes of a square are there, in one sub-domain, and near the triangles between its corners, whichever
+    /// way the square is cut.
+    fn is_straight(&self, [col, row]: [usize; 2], side: usize) -> bool {
+        let cols = self.nodes.cols();
+        if col + side >= cols || row + side >= self.nodes.rows() {
+            return false;
+        }
+        let region = self.regions[row * cols + col];
+        let height = |i: usize, j: usize| f64::from(self.heights[self.nodes.node((row + j) * cols + col + i)]);
+        let [nw, ne, sw, se] = [height(0, 0), height(side, 0), height(0, side), height(side, side)];
+        let twist = (nw - ne - sw + se).abs() / 4.0;
+        let near = |i: usize, j: usize| {
+            let (u, v) = (i as f64 / side as f64, j as f64 / side as f64);
+            let between = (1.0 - v) * (nw + u * (ne - nw)) + v * (sw + u * (se - sw));
+            (height(i, j) - between).abs() + twist <= self.tolerance
+        };
+        region != NONE
+            && (0..=side).all(|j| (0..=side).all(|i| self.regions[(row + j) * cols + col + i] == region && near(i, j)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dem::Grid;
+
+    const SIDE: usize = 33;
+
+    fn kept(height: impl Fn(usize, usize) -> f32, region: impl Fn(usize, usize) -> u32) -> Vec<usize> {
+        let grid = Grid { corner: DVec2::new(0.0, SIDE as f64), cell: DVec2::splat(1.0), cols: SIDE, rows: SIDE };
+        let heights = (0..SIDE * SIDE).map(|n| height(n % SIDE, n / SIDE)).collect();
+        let regions: Vec<u32> = (0..SIDE * SIDE).map(|n| region(n % SIDE, n / SIDE)).collect();
+        let nodes = Strided { lattice: Lattice::of_grid(&grid), stride: 1 };
+        thinned(&regions, &WorkingGrid { grid, heights }, &nodes, 0.01)
+    }
+
+    #[test]
+    fn a_plane_needs_few_nodes_and_a_bump_all_of_its_own() {
+        let plane = |i: usize, j: usize| (i + 2 * j) as f32;
+        // Squares that reach beyond the last row and column are divided all the way.
+        let inner = |kept: Vec<usize>| -> Vec<usize> {
+            kept.into_iter().filter(|k| k % SIDE + 1 < SIDE && k / SIDE + 1 < SIDE).collect()
+        };
+        assert_eq!(inner(kept(plane, |_, _| 0)), [0, 16, 16 * SIDE, 16 * SIDE + 16]);
+        let bump = inner(kept(|i, j| plane(i, j) + if (i, j) == (21, 9) { 1.0 } else { 0.0 }, |_, _| 0));
+        assert!(bump.contains(&(9 * SIDE + 21)), "{bump:?}");
+        assert!(bump.len() < 40, "{bump:?}");
+    }
+
+    #[test]
+    fn nodes_stand_close_where_sub_domains_meet_and_none_where_there_is_none() {
+        let plane = |i: usize, j: usize| (i + 2 * j) as f32;
+        let halves = kept(plane, |i, _| match i {
+            0..16 => 0,
+            16 => NONE,
+            _ => 1,
+        });
+        assert!(halves.iter().all(|k| k % SIDE != 16));
+        assert!((0..SIDE).all(|j| halves.contains(&(j * SIDE + 15)) && halves.contains(&(j * SIDE + 17))));
+    }
+
+    #[test]
+    fn nodes_near_a_segment_are_those_within_the_clearance() {
+        let size = [9, 9];
+        for (a, b) in
+            [((0.3, 0.2), (8.4, 5.1)), ((2.0, 7.5), (2.0, 1.0)), ((-4.0, 3.4), (20.0, 3.4)), ((5.0, 5.5), (5.0, 5.5))]
+        {
+            let (a, b) = (DVec2::from(a), DVec2::from(b));
+            let mut found = Vec::new();
+            for_each_near(a, b, size, |k| found.push(k));
+            let distance = |k: usize| {
+                let p = DVec2::new((k % 9) as f64, (k / 9) as f64);
+                let t = (p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE);
+                p.distance(a + (b - a) * t.clamp(0.0, 1.0))
+            };
+            let wanted: Vec<usize> = (0..81).filter(|&k| distance(k) < CLEARANCE).collect();
+            assert!(!wanted.is_empty());
+            assert_eq!(found, wanted, "{a} {b}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Which working grid to use.
+
+use glam::DVec2;
+
+use super::Wanted;
+use crate::dem::Grid;
+use crate::surface::Tiling;
+
+/// Nodes from one contour to the next where they are as far apart as in the mean.
+pub const NODES_A_GAP: f64 = 6.0;
+/// ... but no more than so many to the mean distance between vertices of contours, for what lies between is unknown,
+const NODES_A_SEGMENT: f64 = 2.0;
+/// ... and never fewer from contour to contour than this.
+const FEWEST_A_GAP: f64 = 3.0;
+/// A grid that heights are wanted on is used itself if it is at most so many times finer than it need be.
+const FINER: f64 = 8.0;
+/// ... and its cells are at most so many mean gaps wide: all contours that cross the edges between its nodes count.
+const COARSER: f64 = 2.0;
+/// Most nodes: each takes about 150 bytes while the surface is found.
+const MOST_NODES: f64 = 40e6;
+
+/// Mean distance between neighbouring contours: area over length of contour, map units.
+pub fn mean_gap(tiled: &Tiling) -> f64 {
+    let tin = &tiled.tin;
+    let doubled = |t: u32| {
+        let [a, b, c] = tin.corners(t);
+        (b - a).perp_dot(c - a)
+    };
+    let area = (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>() / 2.0;
+    let length: f64 = tiled.map.contours.iter().map(|c| c.length()).sum();
+    area / length.max(f64::MIN_POSITIVE)
+}
+
+/// Mean distance between neighbouring vertices of contours, map units.
+fn vertex_spacing(tiled: &Tiling) -> f64 {
+    let contours = &tiled.map.contours;
+    let length: f64 = contours.iter().map(|c| c.length()).sum();
+    let segments: usize = contours.iter().map(|c| c.points.len().saturating_sub(1)).sum();
+    length / segments.max(1) as f64
+}
+
+/// The working grid: fine enough for the contours, and sharing its nodes with the grid that heights are wanted on.
+///
+/// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
+/// each of its cells, or with every so many of them. Without one, cells on multiples of their size.
+pub fn working_grid(tiled: &Tiling, wanted: Option<Wanted>) -> Grid {
+    let (lo, hi) = tiled
+        .frame
+        .rings()
+        .flatten()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let gap = mean_gap(tiled);
+    let cell = (gap / NODES_A_GAP).max((vertex_spacing(tiled) / NODES_A_SEGMENT).min(gap / FEWEST_A_GAP));
+    let size = hi - lo;
+    let least = (size.x * size.y / MOST_NODES).sqrt();
+    let cell = cell.max(least).max(1e-6 * size.max_element());
+    let wanted = match wanted {
+        Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
+        Some(Wanted::Cell(cell)) => Grid::on_multiples(lo, hi, cell),
+        _ => return with_border(&Grid::on_multiples(lo, hi, cell)),
+    };
+    let is = (wanted.cell.x * wanted.cell.y).sqrt();
+    let cut = clipped(&wanted, lo, hi);
+    if is > COARSER * gap {
+        divided(&cut, odd_above(is / gap, cut.len() as f64))
+    } else if is >= cell / FINER && (cut.len() as f64) <= MOST_NODES {
+        cut
+    } else {
+        thinned(&cut, (cell / is).ceil() as usize)
+    }
+}
+
+/// One cell more on each side.
+fn with_border(grid: &Grid) -> Grid {
+    let corner = grid.corner + DVec2::new(-grid.cell.x, grid.cell.y);
+    Grid { corner, cols: grid.cols + 2, rows: grid.rows + 2, ..*grid }
+}
+
+/// The part of a grid that covers the box, with a cell around; at least two by two cells.
+fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
+    let limit = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
+    let west = limit(((lo.x - grid.corner.x) / grid.cell.x).floor() - 1.0, grid.cols.saturating_sub(2));
+    let east = limit(((hi.x - grid.corner.x) / grid.cell.x).ceil() + 1.0, grid.cols).max((west + 2).min(grid.cols));
+    let north = limit(((grid.corner.y - hi.y) / grid.cell.y).floor() - 1.0, grid.rows.saturating_sub(2));
+    let south = limit(((grid.corner.y - lo.y) / grid.cell.y).ceil() + 1.0, grid.rows).max((north + 2).min(grid.rows));
+    let corner = grid.corner + DVec2::new(west as f64 * grid.cell.x, -(north as f64) * grid.cell.y);
+    Grid { corner, cols: east - west, rows: south - north, ..*grid }
+}
+
+/// The least odd whole number from `ratio` on that keeps the number of nodes bearable.
+fn odd_above(ratio: f64, cells: f64) -> usize {
+    let most = (MOST_NODES / cells).sqrt().max(1.0);
+    let whole = ratio.min(most).ceil() as usize;
+    whole | 1
+}
+
+/// Every cell in `by` times `by` cells, `by` odd: the centres stay nodes.
+fn divided(grid: &Grid, by: usize) -> Grid {
+    Grid { cell: grid.cell / by as f64, cols: grid.cols * by, rows: grid.rows * by, ..*grid }
+}
+
+/// The centre of every `by`th cell, from the first one on until all are covered.
+fn thinned(grid: &Grid, by: usize) -> Grid {
+    let cell = grid.cell * by as f64;
+    let first = grid.center(0, 0);
+    let corner = first + DVec2::new(-cell.x / 2.0, cell.y / 2.0);
+    Grid { corner, cell, cols: grid.cols.div_ceil(by) + 1, rows: grid.rows.div_ceil(by) + 1 }
+}

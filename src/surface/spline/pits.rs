@@ -1,0 +1,179 @@
+//! Ways out of pits: water runs off wherever the contours do not say that it stays.
+//!
+//! A surface through contours dams gullies between one contour and the next: strings of pits that nothing in the input
+//! speaks for. From each pit the lowest way to lower ground is searched, over the lowest pass, and cut so that it falls
+//! steadily (breaching, after Lindsay 2016).
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use super::lattice::Lattice;
+
+/// Nodes that are looked at for one way out; a pit that needs more stays.
+const MOST_VISITED: usize = 20_000;
+
+/// Cuts ways out of pits. Heights stay at `lo` or above; NaN is outside the frame and drains. `is_bottom` says where ground
+/// lies in a hollow by the contours: pits there stay.
+pub fn breach(heights: &mut [f32], lattice: &Lattice, lo: &[f32], is_bottom: impl Fn(usize) -> bool) {
+    // Lowest first: a way that one pit was given is there for the pits above.
+    let mut pits: Vec<u32> =
+        (0..heights.len()).filter(|&n| is_pit(heights, lattice, n) && !is_bottom(n)).map(|n| n as u32).collect();
+    pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
+    for pit in pits {
+        if is_pit(heights, lattice, pit as usize)
+            && let Some(way) = way_out(heights, lattice, lo, pit)
+        {
+            cut(heights, lattice, lo, &way);
+        }
+    }
+}
+
+/// Whether all eight neighbours exist and none is lower or at the same height.
+fn is_pit(heights: &[f32], lattice: &Lattice, n: usize) -> bool {
+    let here = heights[n];
+    let mut count = 0;
+    // A comparison with NaN is false: beside the frame there is no pit.
+    neighbours(lattice, n).all(|m| {
+        count += 1;
+        heights[m] > here
+    }) && count == 8
+}
+
+fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<> {
+    let (cols, rows) = (lattice.cols as isize, lattice.rows as isize);
+    let (i, j) = ((n % lattice.cols) as isize, (n / lattice.cols) as isize);
+    let offsets = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
+    offsets
+        .into_iter()
+        .map(move |(di, dj)| (i + di, j + dj))
+        .filter(move |&(i, j)| 0 <= i && i < cols && 0 <= j && j < rows)
+        .map(move |(i, j)| (j * cols + i) as usize)
+}
+
+/// The nodes from a pit over the lowest pass to lower ground, both included. None where the floor of a band is in the way
+/// or the search grows too large.
+fn way_out(heights: &[f32], lattice: &Lattice, lo: &[f32], pit: u32) -> Option<Vec<u32>> {
+    let goal = heights[pit as usize];
+    let mut from: HashMap<u32, u32> = HashMap::from([(pit, pit)]);
+    let mut open = BinaryHeap::from([Reverse((Key(goal), pit))]);
+    while let Some(Reverse((Key(pass), n))) = open.pop() {
+        if from.len() > MOST_VISITED {
+            return None;
+        }
+        for m in neighbours(lattice, n as usize).map(|m| m as u32) {
+            if from.contains_key(&m) {
+                continue;
+            }
+            let height = heights[m as usize];
+            let lower = height < goal || height.is_nan();
+            // Ground that may not be cut below the pit is no way out.
+            if !lower && lo[m as usize] >= goal {
+                continue;
+            }
+            from.insert(m, n);
+            if lower {
+                let mut way = vec![m];
+                let mut at = m;
+                while at != pit {
+                    at = from[&at];
+                    way.push(at);
+                }
+                way.reverse();
+                return Some(way);
+            }
+            open.push(Reverse((Key(pass.max(height)), m)));
+        }
+    }
+    None
+}
+
+/// Lowers the nodes between the ends of a way to a steady fall, where they are above it.
+fn cut(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
+    let step = |a: u32, b: u32| {
+        let (a, b) = (a as usize, b as usize);
+        let dx = (a % lattice.cols).abs_diff(b % lattice.cols) as f64 * lattice.step.x;
+        let dy = (a / lattice.cols).abs_diff(b / lattice.cols) as f64 * lattice.step.y;
+        dx.hypot(dy)
+    };
+    let length: f64 = way.windows(2).map(|w| step(w[0], w[1])).sum();
+    let top = heights[way[0] as usize];
+    let end = heights[way[way.len() - 1] as usize];
+    // Off the frame: level ground that only just falls.
+    let end = if end.is_nan() { top - f32::EPSILON * top.abs() * way.len() as f32 } else { end };
+    let mut gone = 0.0;
+    for w in way.windows(2) {
+        gone += step(w[0], w[1]);
+        let n = w[1] as usize;
+        let fall = top + (end - top) * (gone / length) as f32;
+        if heights[n] > fall {
+            heights[n] = fall.max(lo[n]);
+        }
+    }
+}
+
+/// A height that sorts.
+#[derive(PartialEq)]
+struct Key(f32);
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    fn grid(cols: usize, rows: usize) -> Lattice {
+        Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows }
+    }
+
+    fn pits(heights: &[f32], lattice: &Lattice) -> usize {
+        (0..heights.len()).filter(|&n| is_pit(heights, lattice, n)).count()
+    }
+
+    /// A valley that falls to the east, with dams across.
+    fn dammed(cols: usize, rows: usize) -> Vec<f32> {
+        let at = |n: usize| {
+            let (i, j) = ((n % cols) as f32, (n / cols) as f32);
+            let dam = if (n % cols) % 7 == 3 { 3.0 } else { 0.0 };
+            100.0 - 0.3 * i + 2.0 * (j - (rows / 2) as f32).abs() + dam
+        };
+        (0..cols * rows).map(at).collect()
+    }
+
+    #[test]
+    fn dams_across_a_valley_are_cut() {
+        let grid = grid(40, 9);
+        let mut heights = dammed(40, 9);
+        let before = heights.clone();
+        assert!(pits(&heights, &grid) > 3);
+        breach(&mut heights, &grid, &[0.0; 360], |_| false);
+        assert_eq!(pits(&heights, &grid), 0);
+        assert!(heights.iter().zip(&before).all(|(now, then)| now <= then));
+        // Most ground is as it was.
+        assert!(heights.iter().zip(&before).filter(|(now, then)| now != then).count() < 40);
+    }
+
+    #[test]
+    fn the_floor_of_the_band_and_hollows_are_kept() {
+        let grid = grid(40, 9);
+        let before = dammed(40, 9);
+        let mut heights = before.clone();
+        breach(&mut heights, &grid, &before, |_| false);
+        assert_eq!(heights, before, "nothing may be cut");
+        breach(&mut heights, &grid, &[0.0; 360], |_| true);
+        assert_eq!(heights, before, "all are hollows");
+    }
+}

@@ -1,0 +1,58 @@
+//! Moves a smoothed surface so that it meets the contours.
+//!
+//! Contours that jitter would roughen a surface that follows them everywhere. One that was found with little regard for
+//! them misses them by a little; what is missing is spread from the contours over their surroundings by a membrane that
+//! is drawn to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where contours cross the lattice.
+
+use rayon::prelude::*;
+
+use super::energy::{EdgeTerms, Energy};
+use super::minimise::{Effort, minimise};
+use super::stages::{Problem, grown};
+
+/// How far beyond the band a surface may go before it is moved, as a share of the contour interval.
+pub const SLACK: f64 = 0.5;
+/// How far a difference reaches, nodes.
+const REACH: f32 = 20.0;
+/// Weight of a crossing against a first difference.
+const WEIGHT: f64 = 100.0;
+/// Most steps.
+const STEPS: usize = 100;
+/// Heights are found to this share of the contour interval.
+const TOLERANCE: f64 = 1e-3;
+
+/// Adds to `heights` what they miss the contours by.
+pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
+    let lattice = &problem.lattice;
+    let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
+    let between = |node: u32, step: usize, along: f64| {
+        let n = node as usize;
+        f64::from(heights[n]) * (1.0 - along) + f64::from(heights[n + step]) * along
+    };
+    let (mut east, mut south) = (Vec::new(), Vec::new());
+    for &(level, points) in &problem.contours {
+        lattice.cross(
+            points,
+            |c| east.push((c, level - between(c.node, 1, c.along))),
+            |c| south.push((c, level - between(c.node, cols, c.along))),
+        );
+    }
+    east.extend(problem.spots.iter().map(|&(c, level)| (c, level - between(c.node, 1, c.along))));
+    let inside = grown(&problem.bounds[0], cols, rows);
+    let ratio = (lattice.step.y / lattice.step.x) as f32;
+    let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
+    let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
+    let nothing = || vec![0.0; count];
+    let energy = Energy {
+        size: [cols, rows],
+        bending: [nothing(), nothing(), nothing()],
+        tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
+        guide: vec![f32::NAN; count],
+        contours: [EdgeTerms::new(&east, WEIGHT, lattice), EdgeTerms::new(&south, WEIGHT, lattice)],
+        pull: 1.0 / (REACH * REACH),
+    };
+    let mut missing = vec![0.0; count];
+    let (lo, hi) = (vec![f32::NEG_INFINITY; count], vec![f32::INFINITY; count]);
+    minimise(&energy, &lo, &hi, &mut missing, Effort { steps: STEPS, tolerance: TOLERANCE * problem.interval });
+    heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
+}

@@ -1,0 +1,81 @@
+//! Weights that follow the surface: creases may bend, and a surface that presses against its bounds is drawn to the guide.
+
+use rayon::prelude::*;
+
+use super::energy::Energy;
+
+/// Second differences much larger than the mean count with their size, not with its square.
+const KNEE: f64 = 1.0;
+/// On ridge and canyon lines that begins this much earlier.
+const CREASE_KNEE: f64 = 0.1;
+/// Factor on the tension where a bound is met, each time that it is.
+const TIGHTEN: f32 = 16.0;
+/// ... which comes to this at most.
+const TIGHTEST: f32 = 1000.0;
+/// How far tightening spreads, nodes.
+const SPREAD: usize = 10;
+/// Nearer than this to a bound, as a share of the contour interval, is on it.
+const AT_BOUND: f64 = 1e-3;
+
+/// Lowers the bending weights where the surface bends much.
+///
+/// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
+/// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
+/// (iteratively reweighted least squares). `weights` are those before, `creases` marks differences across ridge and canyon lines.
+pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<bool>; 3], z: &[f64]) {
+    for kind in 0..3 {
+        let bent = |n: usize| (weights[kind][n] > 0.0).then(|| energy.second_difference(kind, n, z));
+        let differences: Vec<Option<f64>> = (0..z.len()).into_par_iter().map(bent).collect();
+        let (sum, count) = differences.iter().flatten().fold((0.0, 0.0), |(s, c), d| (s + d.abs(), c + 1.0));
+        if sum == 0.0 {
+            continue;
+        }
+        let mean: f64 = sum / count;
+        let all = energy.bending[kind].par_iter_mut().zip(&weights[kind]).zip(&differences).zip(&creases[kind]);
+        all.for_each(|(((now, &before), difference), &crease)| {
+            if let Some(difference) = difference {
+                let knee = mean * if crease { KNEE * CREASE_KNEE } else { KNEE };
+                *now = before / (1.0 + (difference / knee).powi(2)).sqrt() as f32;
+            }
+        });
+    }
+}
+
+/// Raises the factor on the tension around nodes that lie at a bound away from the contours.
+///
+/// There slopes are carried over from steep ground that ends, and the surface would be a shelf at the bound.
+pub fn tighten(factors: &mut [f32], energy: &Energy, [lo, hi]: [&[f32]; 2], z: &[f64], interval: f64) {
+    let [cols, rows] = energy.size;
+    let mut near_contour = vec![false; z.len()];
+    for (side, step) in [1, cols].into_iter().enumerate() {
+        for n in energy.contours[side].nodes() {
+            for end in [n, n + step] {
+                for m in [end.wrapping_sub(1), end, end + 1, end.wrapping_sub(cols), end + cols] {
+                    if let Some(near) = near_contour.get_mut(m) {
+                        *near = true;
+                    }
+                }
+            }
+        }
+    }
+    let slack = AT_BOUND * interval;
+    let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
+    let pressed = |n: usize| !near_contour[n] && at_bound(n);
+    let mut share: Vec<f32> = (0..z.len()).map(|n| if pressed(n) { 1.0 } else { 0.0 }).collect();
+    if share.iter().all(|&s| s == 0.0) {
+        return;
+    }
+    for _ in 0..SPREAD {
+        let before = share.clone();
+        share.par_chunks_mut(cols).enumerate().skip(1).take(rows.saturating_sub(2)).for_each(|(j, row)| {
+            for (i, share) in row.iter_mut().enumerate().take(cols - 1).skip(1) {
+                let n = j * cols + i;
+                let around = before[n - 1] + before[n + 1] + before[n - cols] + before[n + cols];
+                *share = share.max(around / 4.0);
+            }
+        });
+    }
+    factors.par_iter_mut().zip(&share).filter(|(_, s)| **s > 0.0).for_each(|(factor, &share)| {
+        *factor = (*factor * TIGHTEN.powf(share)).min(TIGHTEST);
+    });
+}

@@ -1,0 +1,311 @@
+//! From coarse to fine: each lattice starts from the solution on one with half as many rows and columns.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::energy::{EdgeTerms, Energy};
+use super::lattice::{Crossing, Lattice};
+use super::minimise::{Effort, minimise};
+use super::pits::breach;
+use super::reweight::{let_crease, tighten};
+use crate::progress::Progress;
+
+/// The coarsest lattice has at most so many rows and columns.
+const COARSEST: usize = 12;
+/// Rounds of weights that follow the surface.
+const ROUNDS: usize = 2;
+/// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
+/// are bridged there.
+const STEPS: [usize; 3] = [60, 150, 300];
+/// A stage is done when heights change by less than this share of the contour interval.
+const TOLERANCE: f64 = 1e-3;
+/// Weight of bending across a ridge or canyon line.
+const CREASE: f32 = 0.7;
+/// Rounds of cutting ways out of pits.
+const DRAININGS: usize = 2;
+/// How far beyond the frame the surface goes, nodes, so that every place inside lies between nodes.
+const MARGIN: usize = 2;
+/// On coarse lattices contours weigh at most so much, or as much as on the finest: what lies between nodes is averaged.
+const COARSE_WEIGHT: f64 = 20.0;
+
+/// What the surface has to meet, on the finest lattice. NaN marks nodes outside the frame.
+pub struct Problem<'a> {
+    /// The finest lattice.
+    pub lattice: Lattice,
+    /// Level and vertices of the contours.
+    pub contours: Vec<(f64, &'a [DVec2])>,
+    /// Single crossings with heights, for spot heights.
+    pub spots: Vec<(Crossing, f64)>,
+    /// Ridge and canyon lines.
+    pub creases: Vec<Vec<DVec2>>,
+    /// Lowest and highest heights.
+    pub bounds: [Vec<f32>; 2],
+    /// Heights whose slopes the tension draws to.
+    pub guide: Vec<f32>,
+    /// Tension at each node, per square of the step eastwards.
+    pub tension: Vec<f32>,
+    /// Weight of a crossing against a second difference on the finest lattice.
+    pub contour_weight: f64,
+    /// Contour interval, metres.
+    pub interval: f64,
+    /// Nodes where water may stay.
+    pub hollows: Vec<bool>,
+}
+
+/// Values at the nodes of one lattice.
+struct Stage {
+    lattice: Lattice,
+    /// 0 for the finest.
+    depth: i32,
+    bounds: [Vec<f32>; 2],
+    guide: Vec<f32>,
+    tension: Vec<f32>,
+}
+
+/// The heights at the nodes of the finest lattice; those outside the frame mean nothing.
+pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
+    let mut stages = vec![Stage {
+        lattice: problem.lattice,
+        depth: 0,
+        bounds: problem.bounds.clone(),
+        guide: problem.guide.clone(),
+        tension: problem.tension.clone(),
+    }];
+    while let Some(coarse) = stages.last().and_then(Stage::coarser) {
+        stages.push(coarse);
+    }
+    let all: usize = stages.iter().map(|s| s.lattice.len()).sum();
+    progress.start("smooth surface", all as u64);
+    let levels = problem.contours.iter().map(|c| c.0);
+    let mean = levels.clone().sum::<f64>() / levels.count().max(1) as f64;
+    let mut coarse: Option<(Lattice, Vec<f64>, Vec<f32>)> = None;
+    while let Some(stage) = stages.pop() {
+        let (mut z, mut factors) = match coarse {
+            None => (vec![mean; stage.lattice.len()], vec![1.0; stage.lattice.len()]),
+            Some((lattice, z, factors)) => {
+                (refined(&z, &lattice, &stage.lattice), spread(&factors, &lattice, &stage.lattice))
+            }
+        };
+        stage.solve(problem, &mut z, &mut factors);
+        progress.advance(stage.lattice.len() as u64);
+        coarse = Some((stage.lattice, z, factors));
+    }
+    progress.finish();
+    coarse.map(|(_, z, _)| z).unwrap_or_default()
+}
+
+impl Stage {
+    /// Every second row and column, until there are few.
+    fn coarser(&self) -> Option<Self> {
+        if self.lattice.cols.max(self.lattice.rows) <= COARSEST {
+            return None;
+        }
+        let lattice = self.lattice.coarser();
+        let take = |values: &[f32]| {
+            let at = |i: usize| {
+                let (col, row) = (2 * (i % lattice.cols), 2 * (i / lattice.cols));
+                let inside = col < self.lattice.cols && row < self.lattice.rows;
+                if inside { values[row * self.lattice.cols + col] } else { f32::NAN }
+            };
+            (0..lattice.len()).map(at).collect::<Vec<f32>>()
+        };
+        // Steps are twice as long, so that first differences count four times as much against second ones.
+        let tension = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
+        let bounds = [take(&self.bounds[0]), take(&self.bounds[1])];
+        Some(Self { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide), tension })
+    }
+
+    /// Improves `z`, and `factors` on the tension.
+    fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32]) {
+        let open = |values: &[f32], free: f32| -> Vec<f32> {
+            values.iter().map(|v| if v.is_nan() { free } else { *v }).collect()
+        };
+        let lo = open(&self.bounds[0], f32::NEG_INFINITY);
+        let hi = open(&self.bounds[1], f32::INFINITY);
+        let (mut energy, creases) = self.energy(problem);
+        let effort = Effort { steps: STEPS[(self.depth as usize).min(2)], tolerance: TOLERANCE * problem.interval };
+        let later = Effort { steps: effort.steps / 2, ..effort };
+        let weights = energy.bending.clone();
+        let tension = energy.tension.clone();
+        apply(&mut energy, &tension, factors);
+        minimise(&energy, &lo, &hi, z, effort);
+        for _ in 0..ROUNDS {
+            let_crease(&mut energy, &weights, &creases, z);
+            tighten(factors, &energy, [&lo, &hi], z, problem.interval);
+            apply(&mut energy, &tension, factors);
+            minimise(&energy, &lo, &hi, z, later);
+        }
+        if self.depth == 0 {
+            self.drain(problem, &energy, [&lo, &hi], z, later);
+        }
+    }
+
+    /// Cuts ways out of pits and lets the surface follow: a cut is a bound, and the ground beside it falls towards it.
+    fn drain(&self, problem: &Problem<'_>, energy: &Energy, [lo, hi]: [&[f32]; 2], z: &mut [f64], effort: Effort) {
+        let mut upper = hi.to_vec();
+        for _ in 0..DRAININGS {
+            let before: Vec<f32> =
+                z.iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
+            let mut after = before.clone();
+            breach(&mut after, &self.lattice, lo, |n| problem.hollows[n]);
+            let mut count = 0;
+            for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
+                upper[n] = upper[n].min(after[n]).max(lo[n]);
+                count += 1;
+            }
+            if count == 0 {
+                break;
+            }
+            minimise(energy, lo, &upper, z, effort);
+        }
+    }
+
+    /// The energy with its first weights, and which second differences are across ridge and canyon lines.
+    fn energy(&self, problem: &Problem<'_>) -> (Energy, [Vec<bool>; 3]) {
+        let lattice = &self.lattice;
+        let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
+        let (mut east, mut south) = (Vec::new(), Vec::new());
+        for &(level, points) in &problem.contours {
+            lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
+        }
+        if self.depth == 0 {
+            east.extend(&problem.spots);
+        }
+        let full = problem.contour_weight;
+        let weight = (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT));
+        let contours = [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)];
+        drop((east, south));
+
+        let mut cut = [vec![false; count], vec![false; count]];
+        for line in &problem.creases {
+            let [east, south] = &mut cut;
+            lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
+        }
+        let inside = grown(&self.bounds[0], cols, rows);
+        let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
+        // Cells that are not square: second differences over squared steps, the mixed one over their product.
+        let ratio = (lattice.step.y / lattice.step.x) as f32;
+        let bending = |n: usize| {
+            let (i, j) = (n % cols, n / cols);
+            let xx = i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]);
+            let yy = j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]);
+            let xy = i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]);
+            let [east, south] = &cut;
+            let crease = [
+                xx && (east[n - 1] || east[n]),
+                yy && (south[n - cols] || south[n]),
+                xy && (east[n] || south[n] || south[n + 1] || east[n + cols]),
+            ];
+            let weight = [(xx, ratio * ratio), (yy, 1.0 / (ratio * ratio)), (xy, 2.0)];
+            let weight = std::array::from_fn::<f32, 3, _>(|k| match weight[k] {
+                (false, _) => 0.0,
+                (true, w) => {
+                    if crease[k] {
+                        CREASE * w
+                    } else {
+                        w
+                    }
+                }
+            });
+            (weight, crease)
+        };
+        let tension = |n: usize| {
+            let (i, j) = (n % cols, n / cols);
+            let here = self.tension[n];
+            let mean = |m: usize| {
+                let product = here * self.tension[m];
+                if product.is_nan() { 0.0 } else { product.sqrt() }
+            };
+            let east = if i + 1 < cols && all_inside(&[n, n + 1]) { mean(n + 1) * ratio } else { 0.0 };
+            let south = if j + 1 < rows && all_inside(&[n, n + cols]) { mean(n + cols) / ratio } else { 0.0 };
+            [east, south]
+        };
+        let (weights, creases): (Vec<[f32; 3]>, Vec<[bool; 3]>) = (0..count).into_par_iter().map(bending).unzip();
+        let tensions: Vec<[f32; 2]> = (0..count).into_par_iter().map(tension).collect();
+        let energy = Energy {
+            size: [cols, rows],
+            bending: std::array::from_fn(|k| weights.iter().map(|w| w[k]).collect()),
+            tension: std::array::from_fn(|k| tensions.iter().map(|t| t[k]).collect()),
+            guide: self.guide.clone(),
+            contours,
+            pull: 0.0,
+        };
+        (energy, std::array::from_fn(|k| creases.iter().map(|c| c[k]).collect()))
+    }
+}
+
+/// Sets the tension to `tension` times the factors of both ends.
+fn apply(energy: &mut Energy, tension: &[Vec<f32>; 2], factors: &[f32]) {
+    let steps = [1, energy.size[0]];
+    for (side, step) in steps.into_iter().enumerate() {
+        energy.tension[side].par_iter_mut().enumerate().for_each(|(n, now)| {
+            let before = tension[side][n];
+            if before > 0.0 {
+                *now = before * (factors[n] * factors[n + step]).sqrt();
+            }
+        });
+    }
+}
+
+/// The nodes inside the frame and those around them.
+pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
+    let mut inside: Vec<bool> = bound.iter().map(|v| !v.is_nan()).collect();
+    for _ in 0..MARGIN {
+        let before = inside.clone();
+        inside.par_chunks_mut(cols).enumerate().for_each(|(j, row)| {
+            for (i, inside) in row.iter_mut().enumerate() {
+                let n = j * cols + i;
+                *inside |= (i > 0 && before[n - 1])
+                    || (i + 1 < cols && before[n + 1])
+                    || (j > 0 && before[n - cols])
+                    || (j + 1 < rows && before[n + cols]);
+            }
+        });
+    }
+    inside
+}
+
+/// Cubic interpolation in the middle between nodes, in a straight line beyond the ends.
+fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
+    let at = |i: usize, offset: isize| -> f64 {
+        let i = i as isize + offset;
+        if i < 0 {
+            2.0 * value(0) - value(1)
+        } else if i as usize >= count {
+            let beyond = (i as usize - count + 1) as f64;
+            value(count - 1) + beyond * (value(count - 1) - value(count - 2))
+        } else {
+            value(i as usize)
+        }
+    };
+    (9.0 * (at(k, 0) + at(k, 1)) - at(k, -1) - at(k, 2)) / 16.0
+}
+
+/// Heights on a finer lattice.
+fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
+    let mut wide = vec![0.0; coarse.rows * fine.cols];
+    wide.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+        let node = |i: usize| z[j * coarse.cols + i];
+        for (i, out) in row.iter_mut().enumerate() {
+            *out = if i % 2 == 0 { node(i / 2) } else { middle(i / 2, coarse.cols, node) };
+        }
+    });
+    let mut out = vec![0.0; fine.len()];
+    out.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+        for (i, out) in row.iter_mut().enumerate() {
+            let node = |j: usize| wide[j * fine.cols + i];
+            *out = if j % 2 == 0 { node(j / 2) } else { middle(j / 2, coarse.rows, node) };
+        }
+    });
+    out
+}
+
+/// Factors on a finer lattice, linear between nodes.
+fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
+    let at = |n: usize| {
+        let (i, j) = (n % fine.cols, n / fine.cols);
+        let row = |j: usize| factors[j * coarse.cols + i / 2] + factors[j * coarse.cols + i.div_ceil(2)];
+        (row(j / 2) + row(j.div_ceil(2))) / 4.0
+    };
+    (0..fine.len()).into_par_iter().map(at).collect()
+}

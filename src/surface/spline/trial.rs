@@ -1,0 +1,170 @@
+//! A part of a map with every second level hidden, and how far a surface from the other levels misses the hidden ones.
+
+use glam::DVec2;
+
+use super::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
+use crate::contour::{Contour, ContourMap, clip};
+use crate::dem::{Grid, locate};
+use crate::skeleton::BreakLine;
+use crate::surface::build::with_skeleton;
+use crate::surface::{SurfaceParams, Tiling, tiling};
+use crate::tin::{Frame, NONE};
+
+/// Most nodes of one grid of the whole map; above that, squares are cut out.
+const WHOLE: f64 = 150e3;
+/// Nodes of a square.
+const SQUARE: f64 = 40e3;
+/// Number of squares.
+const SQUARES: usize = 4;
+/// Limits of the distance between levels at a place against the mean.
+const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
+/// The interval of the levels that are left may differ from twice the map's by this share.
+const INTERVAL_SHARE: f64 = 1e-3;
+
+/// A map with a part of its levels hidden.
+pub struct Trial {
+    tiled: Tiling,
+    break_lines: Vec<BreakLine>,
+    places: Vec<Place>,
+    grid: Grid,
+}
+
+/// The middle of a segment of a hidden contour.
+struct Place {
+    at: DVec2,
+    level: f64,
+    length: f64,
+}
+
+/// How far a surface misses a place on a hidden contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Missed {
+    /// Height of the surface above the contour, metres.
+    pub by: f64,
+    /// Area of ground that the place stands for, square map units.
+    pub weight: f64,
+}
+
+/// The trials of a map, the odd and the even levels hidden in turn. Parts that no surface can be drawn over are left out.
+pub fn trials(tiled: &Tiling, params: &SurfaceParams) -> Vec<Trial> {
+    let cell = working_grid(tiled, params.spline.wanted).cell;
+    // Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
+    let cell = 2.0 * (cell.x * cell.y).sqrt().max(grid::mean_gap(tiled) / grid::NODES_A_GAP);
+    let parts = parts(tiled, &params.frame, cell);
+    let both = parts.iter().flat_map(|(map, frame)| [0, 1].map(|parity| (map, frame, parity)));
+    both.filter_map(|(map, frame, parity)| trial(map, frame, parity, tiled, params.resolution, cell)).collect()
+}
+
+/// The whole map, or squares of a large one.
+fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
+    let points = || tiled.map.contours.iter().flat_map(|c| c.points.iter().copied());
+    let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let size = hi - lo;
+    if size.x * size.y / (cell * cell) <= WHOLE {
+        return vec![(tiled.map.clone(), frame.clone())];
+    }
+    let side = SQUARE.sqrt() * cell;
+    let count = (size / side).floor().max(DVec2::ONE);
+    let step = size / count;
+    // No more of them than vertices, however long and narrow the map.
+    let mut vertices = std::collections::BTreeMap::<[u32; 2], usize>::new();
+    for p in points() {
+        let place = ((p - lo) / step).floor().min(count - 1.0);
+        *vertices.entry([place.x as u32, place.y as u32]).or_default() += 1;
+    }
+    // From those with few contours to those with many, so that level ground and steep ground both have their say.
+    let mut squares: Vec<(usize, [u32; 2])> = vertices.into_iter().map(|(at, count)| (count, at)).collect();
+    squares.sort_unstable();
+    let take = squares.len().min(SQUARES);
+    let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
+    chosen.map(|[col, row]| square(tiled, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
+}
+
+/// The part of the map in a rectangle.
+fn square(tiled: &Tiling, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
+    let hi = lo + size;
+    let touches = |c: &&Contour| {
+        let (a, b) = c.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+        a.cmple(hi).all() && b.cmpge(lo).all()
+    };
+    let contours = tiled.map.contours.iter().filter(touches).cloned().collect();
+    let map = ContourMap { contours, spots: tiled.map.spots.clone(), ..ContourMap::default() };
+    let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
+    let cut = clip(map, &area);
+    (cut.map, Frame::Polygon(cut.area))
+}
+
+fn trial(map: &ContourMap, frame: &Frame, parity: i64, of: &Tiling, resolution: f64, cell: f64) -> Option<Trial> {
+    let interval = of.interval;
+    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(2) == parity;
+    // Auxiliary contours are hidden without being asked for: they are where they help most.
+    let (left, hidden): (Vec<&Contour>, Vec<&Contour>) =
+        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
+    let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
+    let places = places
+        .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
+        .collect();
+    let map =
+        ContourMap { contours: left.into_iter().cloned().collect(), spots: map.spots.clone(), ..ContourMap::default() };
+    let tiled = tiling(map, frame, &()).ok()?.value;
+    if (tiled.interval.step / (2.0 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+        return None;
+    }
+    let (tiled, break_lines, _) = with_skeleton(tiled, resolution, &()).ok()?;
+    let grid = working_grid(&tiled, Some(Wanted::Cell(cell)));
+    Some(Trial { tiled, break_lines, places, grid })
+}
+
+impl Trial {
+    /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
+    /// places are the same for all.
+    pub fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+        let grid = &self.grid;
+        let triangles = locate(&self.tiled.tin, grid, &());
+        let draft = draft(&self.tiled, &self.break_lines, grid);
+        let slopes = slopes(&draft.guide, grid);
+        let gap = draft.gap;
+        let asked = |place: &Place| {
+            let (col, row) = node(grid, place.at);
+            let (col, row) = (col.round(), row.round());
+            if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
+                return None;
+            }
+            let n = row as usize * grid.cols + col as usize;
+            let region = if triangles[n] == NONE { None } else { self.tiled.regions.region(triangles[n]) }?;
+            let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
+            let local = self.tiled.interval.step / f64::from(slopes[n]) / gap;
+            let local = if local.is_nan() { 1.0 } else { local.clamp(GAP_LIMITS.0, GAP_LIMITS.1) };
+            inside.then_some(place.length * local * gap)
+        };
+        let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
+        knobs.map(|knobs| {
+            let surface = spline(&draft, &knobs, &());
+            let all = self.places.iter().zip(&weights);
+            let missed = |(place, weight): (&Place, &Option<f64>)| {
+                let by = f64::from(bilinear(&surface, place.at)?) - place.level;
+                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| Missed { by, weight })
+            };
+            all.filter_map(missed).collect()
+        })
+    }
+}
+
+/// Column and row of a map position, as fractions.
+fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
+    let first = grid.center(0, 0);
+    ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y)
+}
+
+/// The height between four nodes; `None` off the grid.
+fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
+    let grid = &surface.grid;
+    let (x, y) = node(grid, p);
+    if x < 0.0 || y < 0.0 || x >= grid.cols as f64 - 1.0 || y >= grid.rows as f64 - 1.0 {
+        return None;
+    }
+    let (u, v) = (x.fract() as f32, y.fract() as f32);
+    let n = y as usize * grid.cols + x as usize;
+    let row = |n: usize| surface.heights[n] * (1.0 - u) + surface.heights[n + 1] * u;
+    Some(row(n) * (1.0 - v) + row(n + grid.cols) * v)
+}
