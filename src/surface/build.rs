@@ -11,8 +11,8 @@ use super::{Surface, SurfaceKind, SurfaceParams, Triangles};
 use crate::contour::ContourMap;
 use crate::error::{Error, Report, Result};
 use crate::progress::Progress;
-use crate::skeleton::{Axis, BreakLine, skeleton};
-use crate::tin::{Gaps, Regions, Side, Tin};
+use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
+use crate::tin::{Gaps, Regions, Side, Tin, triangulate};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
@@ -34,12 +34,16 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
-    let chosen = match params.kind {
-        SurfaceKind::Spline => Some(choose(&tiled, params, progress)),
-        SurfaceKind::Linear | SurfaceKind::Skeleton => None,
-    };
+    let mut chosen = None;
     if params.kind != SurfaceKind::Linear {
-        (tiled, break_lines, axis) = with_skeleton(tiled, params.resolution, progress)?;
+        progress.start("ridge and canyon lines", 0);
+        // A triangulation keeps one thread busy; the choice is made beside it.
+        let wants_choice = params.kind == SurfaceKind::Spline;
+        let (choice, finer) =
+            rayon::join(|| wants_choice.then(|| choose(&tiled, params)), || finer(&tiled, params.resolution));
+        chosen = choice;
+        (tiled, break_lines, axis) = with_skeleton(tiled, finer?);
+        progress.finish();
     }
     let working = chosen.as_ref().map(|chosen| {
         let grid = working_grid(&tiled, params.spline.wanted);
@@ -57,21 +61,17 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     Ok(Report { value: surface, findings })
 }
 
-/// The triangulation with ridge and canyon lines, these lines, and the axis that they follow.
-pub(super) fn with_skeleton(
-    tiled: Tiling,
-    resolution: f64,
-    progress: &dyn Progress,
-) -> Result<(Tiling, Vec<BreakLine>, Axis)> {
-    progress.start("ridge and canyon lines", 0);
+/// The ridge and canyon lines, and the triangulation of what was triangulated and of them.
+pub(super) fn finer(tiled: &Tiling, resolution: f64) -> Result<(Skeleton, Tin)> {
     let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
-    progress.finish();
-    progress.start("triangulating with them", 0);
     let mut input = tiled.input();
     push_axis(&mut input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
-    let tiled = tiled.retriangulated(input, None)?;
-    progress.finish();
-    Ok((tiled, skeleton.lines, skeleton.axis))
+    Ok((skeleton, triangulate(input)?))
+}
+
+/// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.
+pub(super) fn with_skeleton(tiled: Tiling, (skeleton, tin): (Skeleton, Tin)) -> (Tiling, Vec<BreakLine>, Axis) {
+    (tiled.retriangulated(tin, None), skeleton.lines, skeleton.axis)
 }
 
 /// The bridges as lines, higher ground on their right.

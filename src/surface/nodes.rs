@@ -15,7 +15,7 @@ use super::tiling::Tiling;
 use crate::dem::locate;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
-use crate::tin::{NONE, TinInput, VertexKind};
+use crate::tin::{NONE, TinInput, VertexKind, triangulate};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
@@ -50,7 +50,8 @@ pub(super) fn with_nodes(tiled: Tiling, mut axis: Axis, working: &WorkingGrid) -
         input.push_local(place, band.strictly_inside(f64::from(working.heights[node])), VertexKind::Axis);
     }
     drop((regions, axis, flow));
-    Ok((tiled.retriangulated(input, Some(working))?, lines))
+    let tin = triangulate(input)?;
+    Ok((tiled.retriangulated(tin, Some(working)), lines))
 }
 
 /// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the

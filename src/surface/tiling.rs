@@ -115,15 +115,15 @@ impl Tiling {
         self.map.spots.iter().zip(&self.parts.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
     }
 
-    /// The same with the triangulation of an [`input`](Self::input) that more points and edges were added to.
+    /// The same with the triangulation `tin` of an [`input`](Self::input) that more points and edges were added to.
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
-    pub(super) fn retriangulated(self, input: TinInput, working: Option<&WorkingGrid>) -> Result<Self> {
+    pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
         let Self { map, tin, regions, frame, interval, gaps, parts } = self;
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
         drop(regions);
-        let tin = parts.within_frame(triangulate(input)?, &frame).with_gaps(&gaps);
+        let tin = parts.within_frame(finer, &frame).with_gaps(&gaps);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
@@ -131,7 +131,7 @@ impl Tiling {
         let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
         let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
         let tin = with_frame_heights(tin, &regions, working);
-        Ok(Self { map, tin, regions, frame, interval, gaps, parts })
+        Self { map, tin, regions, frame, interval, gaps, parts }
     }
 }
 

@@ -16,7 +16,6 @@
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
 use super::{Knobs, SplineParams};
-use crate::progress::Progress;
 use crate::surface::{SurfaceParams, Tiling};
 
 /// Tension that suits most terrain; taken where the contours do not tell.
@@ -83,7 +82,7 @@ pub struct Accuracy {
 ///
 /// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
 /// the surface itself, or less.
-pub fn choose(tiled: &Tiling, params: &SurfaceParams, progress: &dyn Progress) -> Chosen {
+pub fn choose(tiled: &Tiling, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
     let growth = growth(tiled);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
@@ -96,16 +95,7 @@ pub fn choose(tiled: &Tiling, params: &SurfaceParams, progress: &dyn Progress) -
     if levels(tiled) < FEWEST_LEVELS {
         return fallback;
     }
-    let trials = trials(tiled, params);
-    progress.start("choosing the tension", trials.len() as u64);
-    let mut missed: [Vec<Missed>; TRIED.len()] = Default::default();
-    for trial in &trials {
-        for (all, more) in missed.iter_mut().zip(trial.missed(TRIED.map(knobs))) {
-            all.extend(more);
-        }
-        progress.advance(1);
-    }
-    progress.finish();
+    let mut missed = trials(tiled, params, TRIED.map(knobs));
     if missed[0].len() < FEWEST_PLACES {
         return fallback;
     }

@@ -10,6 +10,8 @@ use super::lattice::{Crossing, Lattice};
 
 /// Rows that one task works on.
 const BLOCK: usize = 32;
+/// Sums that are built side by side.
+pub const LANES: usize = 8;
 
 /// Single or double precision.
 pub trait Real:
@@ -17,6 +19,7 @@ pub trait Real:
     + Send
     + Sync
     + From<f32>
+    + Into<f64>
     + std::ops::Add<Output = Self>
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<Output = Self>
@@ -59,8 +62,8 @@ impl EdgeTerms {
                 q: weight * v * level,
             }
         };
-        let mut all: Vec<EdgeTerm> = crossings.iter().map(term).collect();
-        all.sort_by_key(|t| t.node);
+        let mut all: Vec<EdgeTerm> = crossings.par_iter().map(term).collect();
+        all.par_sort_by_key(|t| t.node);
         let mut terms: Vec<EdgeTerm> = Vec::with_capacity(all.len());
         for t in all {
             match terms.last_mut() {
@@ -107,19 +110,25 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Half the energy's gradient, without its constant part.
-    pub fn apply<T: Real>(&self, z: &[T], out: &mut [T]) {
+    /// Half the energy's gradient, without its constant part. Gives the product of `z` with it.
+    pub fn apply<T: Real>(&self, z: &[T], out: &mut [T]) -> f64 {
         let cols = self.size[0];
-        out.par_chunks_mut(cols * BLOCK).enumerate().for_each(|(k, block)| self.apply_block(z, k * BLOCK, block));
+        let blocks = out.par_chunks_mut(cols * BLOCK).zip(z.par_chunks(cols * BLOCK)).enumerate();
+        let products = blocks.map(|(k, (out, own))| {
+            self.apply_block(z, k * BLOCK, out);
+            dot(own, out)
+        });
+        products.collect::<Vec<f64>>().into_iter().sum()
     }
 
-    /// ... for some rows. Differences are formed once a row and kept while a row below needs them.
+    /// ... for some rows. Differences are formed once a row and kept while a row below needs them; a row of them has a 0 at
+    /// either end, for those beyond the lattice, so that all nodes of a row are alike.
     fn apply_block<T: Real>(&self, z: &[T], first: usize, block: &mut [T]) {
         let [cols, rows] = self.size;
         let zero = T::from(0.0);
         let row_of = |j: usize| j * cols..(j + 1) * cols;
-        let blank = || vec![zero; cols];
-        let mut xx = blank();
+        let blank = || vec![zero; cols + 2];
+        let (mut xx, mut east) = (blank(), blank());
         let mut yy = [blank(), blank(), blank()];
         let mut mixed = [blank(), blank()];
         let mut south = [blank(), blank()];
@@ -128,10 +137,9 @@ impl Energy {
             if j < 2 || j > rows - 1 {
                 return out.fill(zero);
             }
-            let (n, m, s) = (&z[row_of(j - 2)], &z[row_of(j - 1)], &z[row_of(j)]);
-            let w = &self.bending[1][row_of(j - 1)];
-            for i in 0..cols {
-                out[i] = T::from(w[i]) * (n[i] - m[i] - m[i] + s[i]);
+            let rows = z[row_of(j - 2)].iter().zip(&z[row_of(j - 1)]).zip(&z[row_of(j)]);
+            for (out, (((&n, &m), &s), &w)) in out[1..].iter_mut().zip(rows.zip(&self.bending[1][row_of(j - 1)])) {
+                *out = T::from(w) * (n - m - m + s);
             }
         };
         let fill_pairs = |j: usize, mixed: &mut [T], south: &mut [T]| {
@@ -140,38 +148,44 @@ impl Energy {
                 return south.fill(zero);
             }
             let (n, s) = (&z[row_of(j - 1)], &z[row_of(j)]);
-            let (w, t) = (&self.bending[2][row_of(j - 1)], &self.tension[1][row_of(j - 1)]);
-            for i in 0..cols - 1 {
-                mixed[i] = T::from(w[i]) * (n[i] - n[i + 1] - s[i] + s[i + 1]);
+            let pairs = n.windows(2).zip(s.windows(2)).zip(&self.bending[2][row_of(j - 1)]);
+            for (out, ((n, s), &w)) in mixed[1..].iter_mut().zip(pairs) {
+                *out = T::from(w) * (n[0] - n[1] - s[0] + s[1]);
             }
-            for i in 0..cols {
-                south[i] = T::from(t[i]) * (n[i] - s[i]);
+            let pairs = n.iter().zip(s).zip(&self.tension[1][row_of(j - 1)]);
+            for (out, ((&n, &s), &t)) in south[1..].iter_mut().zip(pairs) {
+                *out = T::from(t) * (n - s);
             }
         };
         fill_yy(first, &mut yy[0]);
         fill_yy(first + 1, &mut yy[1]);
         fill_pairs(first, &mut mixed[0], &mut south[0]);
+        let pull = T::from(self.pull);
         for (dj, out) in block.chunks_exact_mut(cols).enumerate() {
             let j = first + dj;
             fill_yy(j + 2, &mut yy[2]);
             fill_pairs(j + 1, &mut mixed[1], &mut south[1]);
             let m = &z[row_of(j)];
             let (w, t) = (&self.bending[0][row_of(j)], &self.tension[0][row_of(j)]);
-            for i in 1..cols - 1 {
-                xx[i] = T::from(w[i]) * (m[i - 1] - m[i] - m[i] + m[i + 1]);
+            for (out, (m, &w)) in xx[2..].iter_mut().zip(m.windows(3).zip(&w[1..])) {
+                *out = T::from(w) * (m[0] - m[1] - m[1] + m[2]);
             }
+            for (out, (m, &t)) in east[1..].iter_mut().zip(m.windows(2).zip(t)) {
+                *out = T::from(t) * (m[0] - m[1]);
+            }
+            let rows = (&yy[0][1..], &yy[1][1..], &yy[2][1..], &south[0][1..], &south[1][1..]);
+            let (y0, y1, y2) = (&rows.0[..cols], &rows.1[..cols], &rows.2[..cols]);
+            let (s0, s1) = (&rows.3[..cols], &rows.4[..cols]);
+            let (x0, x1, x2) = (&xx[..cols], &xx[1..=cols], &xx[2..cols + 2]);
+            let (a0, a1) = (&mixed[0][..cols], &mixed[0][1..=cols]);
+            let (b0, b1) = (&mixed[1][..cols], &mixed[1][1..=cols]);
+            let (e0, e1) = (&east[..cols], &east[1..=cols]);
+            let m = &m[..cols];
+            let out = &mut out[..cols];
             for i in 0..cols {
-                let bend = yy[0][i] - yy[1][i] - yy[1][i] + yy[2][i] - xx[i] - xx[i] + T::from(self.pull) * m[i];
-                out[i] = bend + mixed[1][i] - mixed[0][i] + south[1][i] - south[0][i];
-            }
-            for i in 1..cols {
-                out[i] += xx[i - 1] - mixed[1][i - 1] + mixed[0][i - 1];
-                out[i - 1] += xx[i];
-            }
-            for i in 0..cols - 1 {
-                let east = T::from(t[i]) * (m[i] - m[i + 1]);
-                out[i] += east;
-                out[i + 1] -= east;
+                let bend = y0[i] - y1[i] - y1[i] + y2[i] + x0[i] - x1[i] - x1[i] + x2[i];
+                let twist = b1[i] - b0[i] - a1[i] + a0[i];
+                out[i] = bend + twist + s1[i] - s0[i] + e1[i] - e0[i] + pull * m[i];
             }
             for e in self.contours[0].of_row(j) {
                 let i = e.node as usize - j * cols;
@@ -197,9 +211,27 @@ impl Energy {
     /// The constant part of half the gradient, and one over the diagonal of the linear part (0 where that is 0).
     pub fn constant_and_inverse_diagonal(&self) -> (Vec<f64>, Vec<f32>) {
         let cols = self.size[0];
-        let count = self.guide.len();
-        let mut constant = vec![0.0; count];
-        let mut diagonal = vec![self.pull; count];
+        // A difference that would leave the lattice has no weight, so that neighbours in the row before or after do no harm.
+        let of = |weights: &[f32], n: usize, back: usize| n.checked_sub(back).map_or(0.0, |m| weights[m]);
+        let after = |weights: &[f32], m: usize| weights.get(m).copied().unwrap_or(0.0);
+        let pull = |side: usize, n: usize, step: usize| {
+            let weight = self.tension[side][n];
+            let fall = if weight > 0.0 { f64::from(self.guide[n]) - f64::from(self.guide[n + step]) } else { 0.0 };
+            if fall.is_nan() { 0.0 } else { f64::from(weight) * fall }
+        };
+        let of_node = |n: usize| {
+            let (mut constant, mut diagonal) = (0.0, self.pull);
+            for (side, step) in [1, cols].into_iter().enumerate() {
+                constant += pull(side, n, step) - n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
+                let (tension, bending) = (&self.tension[side], &self.bending[side]);
+                diagonal += tension[n] + of(tension, n, step);
+                diagonal += 4.0 * bending[n] + of(bending, n, step) + after(bending, n + step);
+            }
+            let mixed = &self.bending[2];
+            (constant, diagonal + mixed[n] + of(mixed, n, 1) + of(mixed, n, cols) + of(mixed, n, cols + 1))
+        };
+        let (mut constant, mut diagonal): (Vec<f64>, Vec<f32>) =
+            (0..self.guide.len()).into_par_iter().map(of_node).unzip();
         for (side, step) in [1, cols].into_iter().enumerate() {
             for e in &self.contours[side].terms {
                 let (u, v) = (e.node as usize, e.node as usize + step);
@@ -208,29 +240,9 @@ impl Energy {
                 diagonal[u] += e.a;
                 diagonal[v] += e.c;
             }
-            for n in (0..count).filter(|&n| self.tension[side][n] > 0.0) {
-                let (t, m) = (self.tension[side][n], n + step);
-                let fall = f64::from(self.guide[n]) - f64::from(self.guide[m]);
-                let pull = if fall.is_nan() { 0.0 } else { f64::from(t) * fall };
-                constant[n] += pull;
-                constant[m] -= pull;
-                diagonal[n] += t;
-                diagonal[m] += t;
-            }
-            for n in (0..count).filter(|&n| self.bending[side][n] > 0.0) {
-                let w = self.bending[side][n];
-                diagonal[n] += 4.0 * w;
-                diagonal[n - step] += w;
-                diagonal[n + step] += w;
-            }
         }
-        for n in (0..count).filter(|&n| self.bending[2][n] > 0.0) {
-            for m in [n, n + 1, n + cols, n + cols + 1] {
-                diagonal[m] += self.bending[2][n];
-            }
-        }
-        let inverse = diagonal.into_iter().map(|d| if d > 0.0 { 1.0 / d } else { 0.0 }).collect();
-        (constant, inverse)
+        diagonal.par_iter_mut().for_each(|d| *d = if *d > 0.0 { 1.0 / *d } else { 0.0 });
+        (constant, diagonal)
     }
 
     /// The second difference of `z` that a bending weight at `node` belongs to; the weight must not be 0.
@@ -242,6 +254,18 @@ impl Energy {
             _ => z[node] - z[node + 1] - z[node + cols] + z[node + cols + 1],
         }
     }
+}
+
+/// The product of two rows of numbers, in double precision; in lanes, which the processor adds side by side.
+pub fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (a, b) = (a.chunks(LANES), b.chunks(LANES));
+    for (a, b) in a.zip(b) {
+        for (lane, (&a, &b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a.into() * b.into();
+        }
+    }
+    lanes.iter().sum()
 }
 
 #[cfg(test)]

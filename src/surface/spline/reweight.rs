@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::energy::Energy;
 
-/// Second differences much larger than the mean count with their size, not with its square.
-const KNEE: f64 = 1.0;
+/// Second differences larger than so many times the mean count with their size, not with its square.
+const KNEE: f64 = 2.0;
 /// On ridge and canyon lines that begins this much earlier.
 const CREASE_KNEE: f64 = 0.1;
 /// Factor on the tension where a bound is met, each time that it is.
@@ -14,6 +14,8 @@ const TIGHTEN: f32 = 16.0;
 const TIGHTEST: f32 = 1000.0;
 /// How far tightening spreads, nodes.
 const SPREAD: usize = 10;
+/// Nodes that one task works on.
+const CHUNK: usize = 1 << 14;
 /// Nearer than this to a bound, as a share of the contour interval, is on it.
 const AT_BOUND: f64 = 1e-3;
 
@@ -24,20 +26,24 @@ const AT_BOUND: f64 = 1e-3;
 /// (iteratively reweighted least squares). `weights` are those before, `creases` marks differences across ridge and canyon lines.
 pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<bool>; 3], z: &[f64]) {
     for kind in 0..3 {
-        let bent = |n: usize| (weights[kind][n] > 0.0).then(|| energy.second_difference(kind, n, z));
-        let differences: Vec<Option<f64>> = (0..z.len()).into_par_iter().map(bent).collect();
-        let (sum, count) = differences.iter().flatten().fold((0.0, 0.0), |(s, c), d| (s + d.abs(), c + 1.0));
+        let difference = |n: usize| energy.second_difference(kind, n, z).abs();
+        // Added up in this order whatever the number of threads.
+        let sums = weights[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
+            let bent = (0..weights.len()).filter(|&i| weights[i] > 0.0).map(|i| difference(k * CHUNK + i));
+            bent.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0))
+        });
+        let sums: Vec<(f64, f64)> = sums.collect();
+        let (sum, count) = sums.into_iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
         if sum == 0.0 {
             continue;
         }
         let mean: f64 = sum / count;
-        let all = energy.bending[kind].par_iter_mut().zip(&weights[kind]).zip(&differences).zip(&creases[kind]);
-        all.for_each(|(((now, &before), difference), &crease)| {
-            if let Some(difference) = difference {
-                let knee = mean * if crease { KNEE * CREASE_KNEE } else { KNEE };
-                *now = before / (1.0 + (difference / knee).powi(2)).sqrt() as f32;
-            }
+        let all = weights[kind].par_iter().zip(&creases[kind]).enumerate();
+        let bent = all.map(|(n, (&before, &crease))| {
+            let knee = mean * if crease { KNEE * CREASE_KNEE } else { KNEE };
+            if before > 0.0 { before / (1.0 + (difference(n) / knee).powi(2)).sqrt() as f32 } else { 0.0 }
         });
+        energy.bending[kind] = bent.collect();
     }
 }
 

@@ -16,13 +16,11 @@ const COARSEST: usize = 12;
 const ROUNDS: usize = 2;
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
-const STEPS: [usize; 3] = [60, 150, 300];
+const STEPS: [usize; 3] = [40, 100, 200];
 /// A stage is done when heights change by less than this share of the contour interval.
 const TOLERANCE: f64 = 1e-3;
 /// Weight of bending across a ridge or canyon line.
 const CREASE: f32 = 0.7;
-/// Rounds of cutting ways out of pits.
-const DRAININGS: usize = 2;
 /// How far beyond the frame the surface goes, nodes, so that every place inside lies between nodes.
 const MARGIN: usize = 2;
 /// On coarse lattices contours weigh at most so much, or as much as on the finest: what lies between nodes is averaged.
@@ -143,31 +141,27 @@ impl Stage {
     /// Cuts ways out of pits and lets the surface follow: a cut is a bound, and the ground beside it falls towards it.
     fn drain(&self, problem: &Problem<'_>, energy: &Energy, [lo, hi]: [&[f32]; 2], z: &mut [f64], effort: Effort) {
         let mut upper = hi.to_vec();
-        for _ in 0..DRAININGS {
-            let before: Vec<f32> =
-                z.iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
-            let mut after = before.clone();
-            breach(&mut after, &self.lattice, lo, |n| problem.hollows[n]);
-            let mut count = 0;
-            for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
-                upper[n] = upper[n].min(after[n]).max(lo[n]);
-                count += 1;
-            }
-            if count == 0 {
-                break;
-            }
-            minimise(energy, lo, &upper, z, effort);
+        let before: Vec<f32> =
+            z.iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
+        let mut after = before.clone();
+        breach(&mut after, &self.lattice, lo, |n| problem.hollows[n]);
+        for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
+            upper[n] = upper[n].min(after[n]).max(lo[n]);
         }
+        minimise(energy, lo, &upper, z, effort);
     }
 
     /// The energy with its first weights, and which second differences are across ridge and canyon lines.
     fn energy(&self, problem: &Problem<'_>) -> (Energy, [Vec<bool>; 3]) {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
-        let (mut east, mut south) = (Vec::new(), Vec::new());
-        for &(level, points) in &problem.contours {
+        let crossings = |&(level, points): &(f64, &[DVec2])| {
+            let (mut east, mut south) = (Vec::new(), Vec::new());
             lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
-        }
+            (east, south)
+        };
+        let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
+        let (mut east, south) = (east.concat(), south.concat());
         if self.depth == 0 {
             east.extend(&problem.spots);
         }
@@ -224,13 +218,13 @@ impl Stage {
         let tensions: Vec<[f32; 2]> = (0..count).into_par_iter().map(tension).collect();
         let energy = Energy {
             size: [cols, rows],
-            bending: std::array::from_fn(|k| weights.iter().map(|w| w[k]).collect()),
-            tension: std::array::from_fn(|k| tensions.iter().map(|t| t[k]).collect()),
+            bending: std::array::from_fn(|k| weights.par_iter().map(|w| w[k]).collect()),
+            tension: std::array::from_fn(|k| tensions.par_iter().map(|t| t[k]).collect()),
             guide: self.guide.clone(),
             contours,
             pull: 0.0,
         };
-        (energy, std::array::from_fn(|k| creases.iter().map(|c| c[k]).collect()))
+        (energy, std::array::from_fn(|k| creases.par_iter().map(|c| c[k]).collect()))
     }
 }
 

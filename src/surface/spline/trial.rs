@@ -1,12 +1,13 @@
 //! A part of a map with every second level hidden, and how far a surface from the other levels misses the hidden ones.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
 use crate::contour::{Contour, ContourMap, clip};
 use crate::dem::{Grid, locate};
 use crate::skeleton::BreakLine;
-use crate::surface::build::with_skeleton;
+use crate::surface::build::{finer, with_skeleton};
 use crate::surface::{SurfaceParams, Tiling, tiling};
 use crate::tin::{Frame, NONE};
 
@@ -22,7 +23,7 @@ const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
 const INTERVAL_SHARE: f64 = 1e-3;
 
 /// A map with a part of its levels hidden.
-pub struct Trial {
+struct Trial {
     tiled: Tiling,
     break_lines: Vec<BreakLine>,
     places: Vec<Place>,
@@ -45,14 +46,21 @@ pub struct Missed {
     pub weight: f64,
 }
 
-/// The trials of a map, the odd and the even levels hidden in turn. Parts that no surface can be drawn over are left out.
-pub fn trials(tiled: &Tiling, params: &SurfaceParams) -> Vec<Trial> {
+/// What the surfaces with these knobs miss the hidden contours by, the odd and the even levels hidden in turn. Parts that no
+/// surface can be drawn over are left out.
+///
+/// The parts are small, so that each is one task.
+pub fn trials<const N: usize>(tiled: &Tiling, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
     let cell = working_grid(tiled, params.spline.wanted).cell;
     // Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
     let cell = 2.0 * (cell.x * cell.y).sqrt().max(grid::mean_gap(tiled) / grid::NODES_A_GAP);
     let parts = parts(tiled, &params.frame, cell);
-    let both = parts.iter().flat_map(|(map, frame)| [0, 1].map(|parity| (map, frame, parity)));
-    both.filter_map(|(map, frame, parity)| trial(map, frame, parity, tiled, params.resolution, cell)).collect()
+    let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|parity| (map, frame, parity))).collect();
+    let missed = both.into_par_iter().filter_map(|(map, frame, parity)| {
+        Some(trial(map, frame, parity, tiled, params.resolution, cell)?.missed(knobs))
+    });
+    let each: Vec<[Vec<Missed>; N]> = missed.collect();
+    std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
 }
 
 /// The whole map, or squares of a large one.
@@ -110,7 +118,8 @@ fn trial(map: &ContourMap, frame: &Frame, parity: i64, of: &Tiling, resolution: 
     if (tiled.interval.step / (2.0 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let (tiled, break_lines, _) = with_skeleton(tiled, resolution, &()).ok()?;
+    let finer = finer(&tiled, resolution).ok()?;
+    let (tiled, break_lines, _) = with_skeleton(tiled, finer);
     let grid = working_grid(&tiled, Some(Wanted::Cell(cell)));
     Some(Trial { tiled, break_lines, places, grid })
 }
@@ -118,7 +127,7 @@ fn trial(map: &ContourMap, frame: &Frame, parity: i64, of: &Tiling, resolution: 
 impl Trial {
     /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
     /// places are the same for all.
-    pub fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+    fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
         let grid = &self.grid;
         let triangles = locate(&self.tiled.tin, grid, &());
         let draft = draft(&self.tiled, &self.break_lines, grid);
