@@ -72,6 +72,10 @@ pub enum FindingKind {
     SkippedFeature,
     /// The coordinate reference system is not known.
     UnknownCrs,
+    /// Files in several coordinate reference systems were taken as being in one.
+    MixedCrs,
+    /// A square of a height map is there twice.
+    RepeatedMesh,
     /// A coordinate was NaN or infinite; the point was left out.
     NonFinitePoint,
     /// The same point twice or more in a row; kept once.
@@ -112,6 +116,8 @@ impl FindingKind {
         match self {
             Self::SkippedFeature => "features left out",
             Self::UnknownCrs => "coordinate reference system unknown",
+            Self::MixedCrs => "coordinate reference systems taken as one",
+            Self::RepeatedMesh => "squares of the height map that are there twice",
             Self::NonFinitePoint => "points without coordinates left out",
             Self::RepeatedPoint => "repeated points",
             Self::PointLine => "lines without length left out",

@@ -11,6 +11,7 @@ mod depression;
 mod elevation;
 mod geojson;
 mod gpkg;
+pub mod gsi;
 pub mod layer;
 pub mod mesh;
 pub mod raster;
