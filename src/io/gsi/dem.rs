@@ -27,7 +27,6 @@ pub(super) struct Tile {
     /// When the heights were published, as year-month-day.
     pub date: String,
     pub cols: usize,
-    pub rows: usize,
     /// Number of the cell that the first height is of, counted row by row from the north-west.
     pub start: usize,
     /// Heights of the cells from the first one on, metres; NaN where there is none.
@@ -75,7 +74,8 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                     datums.note(path, name)?;
                 }
                 if let Some(order) = xml.attribute("order").filter(|order| *order != "+x-y") {
-                    let message = format!("its cells are in the order {order:?}; only +x-y is known, row by row southwards");
+                    let message =
+                        format!("its cells are in the order {order:?}; only +x-y is known, row by row southwards");
                     return Err(xml.error(message));
                 }
                 if xml.name() == "tupleList" {
@@ -198,7 +198,7 @@ impl Draft {
             return Err(wrong(message));
         }
         let (code, date, path) = (self.code, self.date, path.to_owned());
-        Ok(Tile { path, code, mesh, product, date, cols, rows, start, heights: self.heights })
+        Ok(Tile { path, code, mesh, product, date, cols, start, heights: self.heights })
     }
 }
 

@@ -40,7 +40,8 @@ impl<R: BufRead> BufRead for Metered<R> {
         let bytes = self.inner.fill_buf()?;
         let limit = self.document.min(self.item);
         if limit == 0 && !bytes.is_empty() {
-            let what = if self.document == 0 { "it unpacks to more than is allowed" } else { "a text in it is too long" };
+            let what =
+                if self.document == 0 { "it unpacks to more than is allowed" } else { "a text in it is too long" };
             return Err(io::Error::other(what));
         }
         let length = usize::try_from(limit).map_or(bytes.len(), |limit| limit.min(bytes.len()));

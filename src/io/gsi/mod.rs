@@ -19,6 +19,7 @@
 mod archive;
 mod datum;
 mod dem;
+mod features;
 mod mesh;
 mod meter;
 mod mosaic;
@@ -28,12 +29,18 @@ mod xml;
 
 use std::path::Path;
 
+pub(super) use features::read;
 pub use product::Product;
 
 use crate::dem::Dem;
 use crate::error::{Error, Report, Result};
-use archive::{Seen, each_document};
+use archive::{Seen, each_document, has_extension};
 use datum::Datums;
+
+/// Whether a path is read as files of 基盤地図情報: a folder, a `.zip` or a `.xml`.
+pub(super) fn is_source(path: &Path) -> bool {
+    ["xml", "zip"].iter().any(|extension| has_extension(path, extension)) || path.is_dir()
+}
 
 /// A height map with the product it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,14 +75,17 @@ pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
 fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
     if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
         let message = match path.is_dir() {
-            true => format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file"),
+            true => {
+                format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file")
+            }
             false => format!("the archive holds a .{foreign} file; unpack it and name that file"),
         };
         return Error::file(path, message);
     }
     let mut found: Vec<String> = seen.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
     if seen.visited > 0 {
-        found.push(format!("{} documents without one", seen.visited));
+        let noun = if seen.visited == 1 { "document" } else { "documents" };
+        found.push(format!("{} {noun} without one", seen.visited));
     }
     let found = if found.is_empty() {
         "no file FG-GML-….xml or FG-GML-….zip is in it".to_owned()

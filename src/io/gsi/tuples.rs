@@ -90,7 +90,7 @@ impl TupleList {
 }
 
 /// A finite decimal number.
-fn number(text: &[u8]) -> Option<f64> {
+pub(super) fn number(text: &[u8]) -> Option<f64> {
     let digits = match text {
         [b'-' | b'+', digits @ ..] => digits,
         digits => digits,
@@ -149,7 +149,15 @@ mod tests {
 
     #[test]
     fn what_is_no_cell_is_told_with_its_line() {
-        for text in ["\na,1\nb\n", "\na,1\nb,\n", "\na,1\nb,x\n", "\na,1\nb,nan\n", "\na,1\nb,inf\n", "\na,1\nb,1.2.3\n", "\na,1\nb,-"] {
+        for text in [
+            "\na,1\nb\n",
+            "\na,1\nb,\n",
+            "\na,1\nb,x\n",
+            "\na,1\nb,nan\n",
+            "\na,1\nb,inf\n",
+            "\na,1\nb,1.2.3\n",
+            "\na,1\nb,-",
+        ] {
             for piece in [1, 3, 100] {
                 let message = list(text.as_bytes(), piece, 9).unwrap_err();
                 assert!(message.starts_with("line 2 of the tuple list is \"b"), "{message}");
@@ -161,7 +169,8 @@ mod tests {
 
     #[test]
     fn numbers_are_the_nearest_ones() {
-        for text in ["0.1", "-0.10", "2385.50", "+3.", ".5", "123456789.012345", "1e3", "0.30000000000000004", "-9999."] {
+        for text in ["0.1", "-0.10", "2385.50", "+3.", ".5", "123456789.012345", "1e3", "0.30000000000000004", "-9999."]
+        {
             assert_eq!(number(text.as_bytes()), text.parse().ok(), "{text}");
         }
         for text in ["", "-", ".", "+.", "--1", "1-", " 1", "nan", "1e999", "１"] {
