@@ -118,10 +118,10 @@ fn shore(kind: &str, positions: &str) -> String {
 fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
-        archive.start_file(*name, SimpleFileOptions::default()).unwrap();
-        archive.write_all(bytes).unwrap();
+        archive.start_file(*name, SimpleFileOptions::default()).expect("a new file in the archive");
+        archive.write_all(bytes).expect("memory");
     }
-    archive.finish().unwrap().into_inner()
+    archive.finish().expect("memory").into_inner()
 }
 
 /// A folder that tests write files to.
@@ -129,7 +129,7 @@ struct Folder(tempfile::TempDir);
 
 impl Folder {
     fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
+        Self(tempfile::tempdir().expect("a folder for temporary files"))
     }
 
     fn path(&self) -> &Path {
@@ -138,14 +138,14 @@ impl Folder {
 
     fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path().join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, bytes).unwrap();
+        fs::create_dir_all(path.parent().expect("a file in the folder")).expect("a folder that can be written");
+        fs::write(&path, bytes).expect("a folder that can be written");
         path
     }
 }
 
 fn contours(path: &Path) -> Report<ContourMap> {
-    read_contours(path, &ReadOptions::default()).unwrap()
+    read_contours(path, &ReadOptions::default()).expect("contours")
 }
 
 fn kinds<T>(report: &Report<T>) -> Vec<FindingKind> {
@@ -154,7 +154,7 @@ fn kinds<T>(report: &Report<T>) -> Vec<FindingKind> {
 
 /// The cells with a height, by column and row.
 fn cells(path: &Path) -> Vec<(usize, usize, f32)> {
-    let dem = read_dem(path).unwrap().value.dem;
+    let dem = read_dem(path).expect("a height map").value.dem;
     let cells = dem.values.iter().enumerate().filter(|(_, height)| !height.is_nan());
     cells.map(|(i, &height)| (i % dem.grid.cols, i / dem.grid.cols, height)).collect()
 }
