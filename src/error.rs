@@ -76,6 +76,8 @@ pub enum FindingKind {
     MixedCrs,
     /// A square of a height map is there twice.
     RepeatedMesh,
+    /// A file is there twice, for instance in an archive and beside it; it was read once.
+    RepeatedFile,
     /// A coordinate was NaN or infinite; the point was left out.
     NonFinitePoint,
     /// The same point twice or more in a row; kept once.
@@ -118,6 +120,7 @@ impl FindingKind {
             Self::UnknownCrs => "coordinate reference system unknown",
             Self::MixedCrs => "coordinate reference systems taken as one",
             Self::RepeatedMesh => "squares of the height map that are there twice",
+            Self::RepeatedFile => "files that are there twice",
             Self::NonFinitePoint => "points without coordinates left out",
             Self::RepeatedPoint => "repeated points",
             Self::PointLine => "lines without length left out",

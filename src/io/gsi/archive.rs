@@ -3,7 +3,8 @@
 //! Documents are told by their names, `FG-GML-MESH-ITEM-DATE-NUMBER.xml`, so that those of other items are not unpacked.
 //! They are visited one at a time, in the order of their names; archives may lie in archives.
 
-use std::collections::BTreeMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -12,16 +13,17 @@ use zip::ZipArchive;
 
 use super::meter::{LARGEST_DOCUMENT, Metered, Source};
 use super::xml::unreadable;
-use crate::error::{Error, Result};
+use crate::error::{Error, Finding, FindingKind, Result};
 
 /// Archives lie in archives at most so deep, and folders in folders.
 const DEEPEST: usize = 3;
 
-/// All that is unpacked may be so many times as large as the archive; what is published is packed 20 times at most.
-const UNPACKED_RATIO: u64 = 200;
+/// All that is unpacked may be so many times as large as the archive. Height maps that are mostly sea are packed 200
+/// times, all else less.
+const UNPACKED_RATIO: u64 = 500;
 
 /// So much may be unpacked whatever the archive's size, in bytes.
-const UNPACKED_FREELY: u64 = 256 << 20;
+const UNPACKED_FREELY: u64 = 64 << 20;
 
 /// An archive in an archive is unpacked in memory up to this size, in bytes, else into a temporary file.
 const INNER_IN_MEMORY: usize = 32 << 20;
@@ -37,6 +39,20 @@ pub(super) struct Seen {
     pub others: BTreeMap<String, u64>,
     /// The extension of files of another vector format.
     pub foreign: Option<String>,
+    /// Where the documents with a proper name are, by that name.
+    documents: HashMap<String, PathBuf>,
+    /// Documents that were passed by because one of the same name had been visited.
+    repeated: Vec<[PathBuf; 2]>,
+}
+
+impl Seen {
+    /// Tells of documents that are there twice, as in a folder with an archive and what was unpacked from it.
+    pub fn note_repeated(&self, findings: &mut Vec<Finding>) {
+        for [read, passed] in &self.repeated {
+            let message = format!("{} left out: {} has the same name", passed.display(), read.display());
+            findings.push(Finding::general(FindingKind::RepeatedFile, message));
+        }
+    }
 }
 
 /// What is done with a document, whose name for messages is a path.
@@ -94,9 +110,30 @@ impl Walk<'_> {
             let mut budget = UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO));
             return self.archive(path, BufReader::with_capacity(BUFFER, file), 0, &mut budget);
         }
+        if self.is_repeated(path, &path.file_name().unwrap_or_default().to_string_lossy()) {
+            return Ok(());
+        }
         let mut file = BufReader::with_capacity(BUFFER, file);
         self.seen.visited += 1;
         (self.visit)(path, &mut Metered::new(&mut file, LARGEST_DOCUMENT))
+    }
+
+    /// Whether a document of this name was visited before; if so, it is noted. Names that are not as they are served say
+    /// nothing.
+    fn is_repeated(&mut self, path: &Path, name: &str) -> bool {
+        if !is_served(name) {
+            return false;
+        }
+        match self.seen.documents.entry(name.to_ascii_lowercase()) {
+            Entry::Occupied(entry) => {
+                self.seen.repeated.push([entry.get().clone(), path.to_owned()]);
+                true
+            }
+            Entry::Vacant(entry) => {
+                entry.insert(path.to_owned());
+                false
+            }
+        }
     }
 
     /// Visits the documents of an archive; `budget` is the number of bytes that may still be unpacked.
@@ -125,6 +162,9 @@ impl Walk<'_> {
                 continue;
             }
             let inner = PathBuf::from(format!("{}!{name}", path.display()));
+            if has_extension(Path::new(&short), "xml") && self.is_repeated(&inner, &short) {
+                continue;
+            }
             let entry = archive
                 .by_index(index)
                 .map_err(|e| Error::file_cause(&inner, "it cannot be unpacked; unpack the archive first", e))?;

@@ -86,6 +86,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     if reading.number == 0 {
         return Err(nothing(path, &seen, words));
     }
+    seen.note_repeated(&mut reading.table.findings);
     Ok(reading.finish())
 }
 

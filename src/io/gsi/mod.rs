@@ -66,6 +66,7 @@ pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
     if tiles.is_empty() {
         return Err(nothing(path, &seen, "height map (DEM1A, DEM5A, DEM5B, DEM5C, DEM10A, DEM10B)"));
     }
+    seen.note_repeated(&mut findings);
     let (mut dem, product) = mosaic::mosaic(path, tiles, &mut findings)?;
     dem.crs = datums.crs(&mut findings);
     Ok(Report { value: GsiDem { dem, product }, findings })
