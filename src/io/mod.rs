@@ -78,7 +78,7 @@ impl VectorFormat {
             _ => Err(Error::file(
                 path,
                 "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage) and .shp (shapefile)",
+                 .gpkg (GeoPackage) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
             )),
         }
     }
