@@ -72,6 +72,12 @@ pub enum FindingKind {
     SkippedFeature,
     /// The coordinate reference system is not known.
     UnknownCrs,
+    /// Files in several coordinate reference systems were taken as being in one.
+    MixedCrs,
+    /// A square of a height map is there twice.
+    RepeatedMesh,
+    /// A file is there twice, for instance in an archive and beside it; it was read once.
+    RepeatedFile,
     /// A coordinate was NaN or infinite; the point was left out.
     NonFinitePoint,
     /// The same point twice or more in a row; kept once.
@@ -112,6 +118,9 @@ impl FindingKind {
         match self {
             Self::SkippedFeature => "features left out",
             Self::UnknownCrs => "coordinate reference system unknown",
+            Self::MixedCrs => "coordinate reference systems taken as one",
+            Self::RepeatedMesh => "squares of the height map that are there twice",
+            Self::RepeatedFile => "files that are there twice",
             Self::NonFinitePoint => "points without coordinates left out",
             Self::RepeatedPoint => "repeated points",
             Self::PointLine => "lines without length left out",

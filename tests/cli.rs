@@ -161,7 +161,12 @@ fn files_that_hold_no_contours() {
     let folder = Folder::new();
     let noise: Vec<u8> = (0..5000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     folder.put("empty.geojson", "").put("empty.gpkg", "").put("empty.shp", "").put("noise.geojson", &noise);
-    folder.put("noise.gpkg", &noise).put("noise.shp", &noise).put("text.txt", "contours");
+    folder
+        .put("noise.zip", &noise)
+        .put("noise.xml", &noise)
+        .put("noise.gpkg", &noise)
+        .put("noise.shp", &noise)
+        .put("text.txt", "contours");
     folder.put("picture.gpkg", fs::read(sample("shapes.png")).unwrap());
     folder.put("half.geojson", &hill()[..400]).put("other.geojson", r#"{"type":"Topology"}"#);
     folder.put("points.geojson", r#"{"type":"Point","coordinates":[1000,2000]}"#);
@@ -180,7 +185,9 @@ fn files_that_hold_no_contours() {
         ("houses.gpkg", "there is no layer of lines; its layers are \"houses\""),
         ("text.txt", "known are .geojson"),
         ("missing.gpkg", "cannot read"),
-        (".", "extension does not tell its format"),
+        (".", "is a folder without files of 基盤地図情報"),
+        ("noise.zip", "no zip archive"),
+        ("noise.xml", "noise.xml"),
     ] {
         folder.fails(&format!("densify {name} -i 5 -o out.gpkg"), FAILED, &[name, words]);
         folder.fails(&format!("dem {name} --cell 5 -o out.tif"), FAILED, &[name, words]);

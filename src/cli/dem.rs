@@ -50,7 +50,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let output = DemOutput::new(staged, &args.grid, input.map.crs.as_ref())?;
-    let params = args.surface.params(&input.map, Some(&output.choice), Triangles::Guide)?;
+    let params = args.surface.params(&input.map, Some(&output.choice), Triangles::Guide, &mut input.findings)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;

@@ -104,8 +104,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let crs = input.map.crs.clone();
     let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, crs.as_ref())).transpose()?;
-    let params =
-        args.surface.params(&input.map, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
+    let choice = dem_output.as_ref().map(|output| &output.choice);
+    let params = args.surface.params(&input.map, choice, Triangles::Smooth, &mut input.findings)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;

@@ -57,7 +57,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let params = args.surface.params(&input.map, None, Triangles::Smooth)?;
+    let params = args.surface.params(&input.map, None, Triangles::Smooth, &mut input.findings)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;

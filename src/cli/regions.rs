@@ -57,7 +57,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let frame = args.frame.read(&input.map)?;
-    let water = args.water.read(&input.map)?;
+    let water = args.water.read(&input.map, &mut input.findings)?;
     let tiled = tiling_with_water(input.map, &frame, &water, console);
     let tiled = summary::or_tell(tiled, &input.findings, console)?.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;

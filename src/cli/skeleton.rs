@@ -78,7 +78,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let crs = input.map.crs.clone();
     let frame = args.frame.read(&input.map)?;
-    let water = args.water.read(&input.map)?;
+    let water = args.water.read(&input.map, &mut input.findings)?;
     let tiled = summary::or_tell(tiling_with_water(input.map, &frame, &water, console), &input.findings, console)?;
     let tiled = tiled.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;

@@ -62,12 +62,14 @@ impl SurfaceArgs {
         self.frame.file().into_iter().chain(self.water.file())
     }
 
-    /// The library's parameters; reads the boundary polygon and the lakes if there are any.
+    /// The library's parameters; reads the boundary polygon and the lakes if there are any, and adds what was
+    /// noticed about them to `findings`.
     pub fn params(
         &self,
         map: &ContourMap,
         grid: Option<&GridChoice>,
         triangles: Triangles,
+        findings: &mut Vec<Finding>,
     ) -> Result<SurfaceParams, Failure> {
         let spline = SplineParams { wanted: grid.map(GridChoice::wanted), tension: self.tension, noise: self.noise };
         let kind = match self.surface {
@@ -79,7 +81,7 @@ impl SurfaceArgs {
             kind,
             frame: self.frame.read(map)?,
             resolution: self.resolution,
-            water: self.water.read(map)?,
+            water: self.water.read(map, findings)?,
             spline,
             triangles,
         })

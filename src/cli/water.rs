@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::contour::ContourMap;
-use tokosen::error::Error;
+use tokosen::error::{Error, Finding};
 use tokosen::io::{ReadOptions, read_water};
 use tokosen::surface::Water;
 
@@ -28,13 +28,13 @@ impl WaterArgs {
         self.water.as_deref()
     }
 
-    /// The water; reads the lakes if there are any.
-    pub fn read(&self, map: &ContourMap) -> Result<Water, Failure> {
+    /// The water; reads the lakes if there are any, and adds what was noticed about them to `findings`.
+    pub fn read(&self, map: &ContourMap, findings: &mut Vec<Finding>) -> Result<Water, Failure> {
         if let Some(sea) = self.sea.filter(|sea| !sea.is_finite()) {
             return Err(Failure::Usage(format!("--sea is {sea}, which is no elevation")));
         }
         let Some(path) = &self.water else { return Ok(Water { lakes: Vec::new(), sea: self.sea }) };
-        let (lakes, crs) = read_water(path, &ReadOptions::default())?;
+        let (lakes, crs) = read_water(path, &ReadOptions::default())?.collect(findings);
         if let (Some(a), Some(b)) = (&map.crs, &crs)
             && !a.matches(b)
         {

@@ -40,7 +40,7 @@ pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
     let members = members(path, table)?;
     let pairs = common_pairs(path, &members)?;
     check_all(path, &members)?;
-    Ok(united(members, &pairs))
+    Ok(MultiPolygon::new(united(members, &pairs).into_iter().map(|member| member.polygon).collect()))
 }
 
 /// The polygons of a table one by one, each of them sound.
@@ -49,6 +49,16 @@ pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> 
     common_pairs(path, &members)?;
     check_all(path, &members)?;
     Ok(members)
+}
+
+/// The polygons of a table, those that overlap or share an edge united if their features `may_unite`. A united polygon
+/// goes by the first of its features.
+pub(super) fn united_polygons(path: &Path, table: Table, may_unite: impl Fn(u64, u64) -> bool) -> Result<Vec<Member>> {
+    let members = members(path, table)?;
+    let mut pairs = common_pairs(path, &members)?;
+    check_all(path, &members)?;
+    pairs.retain(|&[m, n]| may_unite(members[m].feature, members[n].feature));
+    Ok(united(members, &pairs))
 }
 
 /// The polygons of a table, with rings that are closed.
@@ -179,7 +189,7 @@ fn nested_pairs(members: &[Member]) -> impl Iterator<Item = [usize; 2]> {
 }
 
 /// All polygons, each group of those that have something in common as one.
-fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> MultiPolygon<f64> {
+fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> Vec<Member> {
     let mut group: Vec<usize> = (0..members.len()).collect();
     let root = |group: &[usize], mut m: usize| {
         while group[m] != m {
@@ -191,20 +201,20 @@ fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> MultiPolygon<f6
         let (a, b) = (root(&group, m), root(&group, n));
         group[a.max(b)] = a.min(b);
     }
-    let mut groups: BTreeMap<usize, Vec<Polygon<f64>>> = BTreeMap::new();
-    for (m, member) in members.into_iter().enumerate() {
-        groups.entry(root(&group, m)).or_default().push(member.polygon);
+    let mut groups: BTreeMap<usize, (u64, Vec<Polygon<f64>>)> = BTreeMap::new();
+    for (m, Member { feature, polygon }) in members.into_iter().enumerate() {
+        groups.entry(root(&group, m)).or_insert((feature, Vec::new())).1.push(polygon);
     }
     let mut area = Vec::new();
-    for mut polygons in groups.into_values() {
+    for (feature, mut polygons) in groups.into_values() {
         if polygons.len() > 1 {
             // The union takes holes by their direction.
             let oriented: Vec<Polygon<f64>> = polygons.iter().map(|p| p.orient(Direction::Default)).collect();
             polygons = unary_union(&oriented).0;
         }
-        area.extend(polygons);
+        area.extend(polygons.into_iter().map(|polygon| Member { feature, polygon }));
     }
-    MultiPolygon::new(area)
+    area
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Vector files in and out: GeoJSON, GeoPackage, shapefile, chosen by the file's extension.
+//! Vector files in and out: GeoJSON, GeoPackage, shapefile, chosen by the file's extension; files of 基盤地図情報 in.
 //!
 //! Reading goes file → table of features → elevations: each format has a file that fills the table, and
 //! one place decides what the elevation is. Writing goes lines → layers of features → file. Every
@@ -11,6 +11,7 @@ mod depression;
 mod elevation;
 mod geojson;
 mod gpkg;
+pub mod gsi;
 pub mod layer;
 pub mod mesh;
 pub mod raster;
@@ -77,7 +78,7 @@ impl VectorFormat {
             _ => Err(Error::file(
                 path,
                 "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage) and .shp (shapefile)",
+                 .gpkg (GeoPackage) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
             )),
         }
     }
@@ -86,6 +87,8 @@ impl VectorFormat {
 /// Reads contour lines, and the spot heights that come with them.
 ///
 /// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
+/// A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]), whose contours are cut at the edges of
+/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them.
 ///
 /// # Errors
 /// If the file cannot be read, has no lines, or leaves in doubt where the elevations are.
@@ -121,24 +124,27 @@ pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64
 /// system if the file names one.
 ///
 /// The height is an attribute that is known to hold elevations, else the z that all vertices of a feature have. Features
-/// without either have none.
+/// without either have none. Files of 基盤地図情報 give their water areas (`WA`) without the rivers, pieces of one lake
+/// united, else the closed shores of lakes (`WL`); what of them is not taken is a finding.
 ///
 /// # Errors
 /// As [`read_area`], and if the file leaves in doubt where the heights are.
-pub fn read_water(path: &Path, options: &ReadOptions) -> Result<(Vec<Lake>, Option<Crs>)> {
+pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake>, Option<Crs>)>> {
     let mut table = read_table(path, options, Purpose::Water)?;
     let crs = table.crs.take();
-    Ok((water::lakes(path, table, options.elevation_field.as_deref())?, crs))
+    let findings = std::mem::take(&mut table.findings);
+    let lakes = water::lakes(path, table, options.elevation_field.as_deref())?;
+    Ok(Report { value: (lakes, crs), findings })
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
-    let format = VectorFormat::from_path(path)?;
     let request =
         Request { elevation_field: options.elevation_field.as_deref(), layer: options.layer.as_deref(), purpose };
-    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
-    if meta.is_dir() {
-        return Err(Error::file(path, "is a folder; name a file in it"));
+    if gsi::is_source(path) {
+        return gsi::read(path, &request);
     }
+    let format = VectorFormat::from_path(path)?;
+    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_file() && meta.len() == 0 {
         return Err(Error::file(path, "the file is empty"));
     }

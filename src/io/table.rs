@@ -127,6 +127,8 @@ pub(super) struct Table {
     wants_marks: bool,
     /// Whether polygons are kept.
     pub wants_polygons: bool,
+    /// Whether areas are cut at the edges of the map's squares, so that those that share an edge are one.
+    pub in_pieces: bool,
     pub features: Vec<Feature>,
     pub crs: Option<Crs>,
     /// Why there is no coordinate reference system, if there is more to say than that the file names none.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::area::single_polygons;
+use super::area::{single_polygons, united_polygons};
 use super::elevation::polygon_heights;
 use super::table::{NO_GEOMETRY, Table};
 use crate::contour::Lake;
@@ -20,7 +20,11 @@ pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Ve
         return Err(Error::file(path, format!("there is no polygon in it{found}; water needs polygons")));
     }
     let heights = polygon_heights(path, &table, named)?;
-    let members = single_polygons(path, table)?;
+    let members = if table.in_pieces {
+        united_polygons(path, table, |a, b| heights.get(&a) == heights.get(&b))?
+    } else {
+        single_polygons(path, table)?
+    };
     let lake = |m: super::area::Member| Lake {
         height: heights.get(&m.feature).copied(),
         polygon: m.polygon,

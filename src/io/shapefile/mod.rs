@@ -7,6 +7,7 @@ mod polygon;
 mod read;
 mod write;
 
+pub(super) use polygon::grouped;
 pub(super) use read::read;
 pub(super) use write::write;
 

@@ -11,7 +11,7 @@ use glam::DVec2;
 use crate::io::table::Rings;
 
 /// Groups the rings of one shape into polygons, in the order of their exterior rings.
-pub(super) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
+pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
     if rings.len() == 1 {
         return vec![rings];
     }

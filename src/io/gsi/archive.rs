@@ -1,0 +1,271 @@
+//! The documents of a path: an XML file, a zip archive as it is served, or a folder of both.
+//!
+//! Documents are told by their names, `FG-GML-MESH-ITEM-DATE-NUMBER.xml`, so that those of other items are not unpacked.
+//! They are visited one at a time, in the order of their names; archives may lie in archives.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+
+use zip::ZipArchive;
+
+use super::meter::{LARGEST_DOCUMENT, Metered, Source};
+use super::xml::unreadable;
+use crate::error::{Error, Finding, FindingKind, Result};
+
+/// Archives lie in archives at most so deep, and folders in folders.
+const DEEPEST: usize = 3;
+
+/// All that is unpacked may be so many times as large as the archive. Height maps that are mostly sea are packed 200
+/// times, all else less.
+const UNPACKED_RATIO: u64 = 500;
+
+/// So much may be unpacked whatever the archive's size, in bytes.
+const UNPACKED_FREELY: u64 = 64 << 20;
+
+/// An archive in an archive is unpacked in memory up to this size, in bytes, else into a temporary file.
+const INNER_IN_MEMORY: usize = 32 << 20;
+
+const BUFFER: usize = 1 << 17;
+
+/// What was met on the way.
+#[derive(Default)]
+pub(super) struct Seen {
+    /// Number of documents that were visited.
+    pub visited: u64,
+    /// Items that were passed by, and how many documents of each.
+    pub others: BTreeMap<String, u64>,
+    /// The extension of files of another vector format.
+    pub foreign: Option<String>,
+    /// Where the documents with a proper name are, by that name.
+    documents: HashMap<String, PathBuf>,
+    /// Documents that were passed by because one of the same name had been visited.
+    repeated: Vec<[PathBuf; 2]>,
+}
+
+impl Seen {
+    /// Tells of documents that are there twice, as in a folder with an archive and what was unpacked from it.
+    pub fn note_repeated(&self, findings: &mut Vec<Finding>) {
+        for [read, passed] in &self.repeated {
+            let message = format!("{} left out: {} has the same name", passed.display(), read.display());
+            findings.push(Finding::general(FindingKind::RepeatedFile, message));
+        }
+    }
+}
+
+/// What is done with a document, whose name for messages is a path.
+pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut Source<'_>) -> Result<()>;
+
+struct Walk<'v> {
+    wanted: &'v dyn Fn(&str) -> bool,
+    visit: Visit<'v>,
+    seen: Seen,
+}
+
+/// Visits the documents of a path whose item is `wanted`, or whose name does not tell the item. A document that the path
+/// itself names is always visited.
+pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<Seen> {
+    let mut walk = Walk { wanted, visit, seen: Seen::default() };
+    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
+    if meta.is_dir() {
+        walk.folder(path, 0)?;
+    } else {
+        walk.file(path)?;
+    }
+    Ok(walk.seen)
+}
+
+impl Walk<'_> {
+    fn folder(&mut self, path: &Path, depth: usize) -> Result<()> {
+        let failed = |e| Error::io("read", path, e);
+        let mut entries = Vec::new();
+        for entry in std::fs::read_dir(path).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let is_folder = entry.file_type().map_err(failed)?.is_dir();
+            entries.push((entry.file_name(), is_folder));
+        }
+        entries.sort();
+        for (name, is_folder) in entries {
+            let inner = path.join(&name);
+            let name = name.to_string_lossy();
+            if is_folder {
+                if depth < DEEPEST {
+                    self.folder(&inner, depth + 1)?;
+                }
+            } else if !is_served(&name) {
+                self.note_foreign(&name);
+            } else if self.is_wanted(&name) {
+                self.file(&inner)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn file(&mut self, path: &Path) -> Result<()> {
+        let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+        let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+        if has_extension(path, "zip") {
+            let mut budget = UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO));
+            return self.archive(path, BufReader::with_capacity(BUFFER, file), 0, &mut budget);
+        }
+        if self.is_repeated(path, &path.file_name().unwrap_or_default().to_string_lossy()) {
+            return Ok(());
+        }
+        let mut file = BufReader::with_capacity(BUFFER, file);
+        self.seen.visited += 1;
+        (self.visit)(path, &mut Metered::new(&mut file, LARGEST_DOCUMENT))
+    }
+
+    /// Whether a document of this name was visited before; if so, it is noted. Names that are not as they are served say
+    /// nothing.
+    fn is_repeated(&mut self, path: &Path, name: &str) -> bool {
+        if !is_served(name) {
+            return false;
+        }
+        match self.seen.documents.entry(name.to_ascii_lowercase()) {
+            Entry::Occupied(entry) => {
+                self.seen.repeated.push([entry.get().clone(), path.to_owned()]);
+                true
+            }
+            Entry::Vacant(entry) => {
+                entry.insert(path.to_owned());
+                false
+            }
+        }
+    }
+
+    /// Visits the documents of an archive; `budget` is the number of bytes that may still be unpacked.
+    fn archive<R: Read + Seek>(&mut self, path: &Path, file: R, depth: usize, budget: &mut u64) -> Result<()> {
+        let mut archive = ZipArchive::new(file)
+            .map_err(|e| Error::file_cause(path, "the file is no zip archive, or it is not complete", e))?;
+        let mut names: Vec<(String, usize)> = Vec::new();
+        for index in 0..archive.len() {
+            match archive.name_for_index(index) {
+                Some(Ok(name)) => names.push((name.into_owned(), index)),
+                _ => return Err(Error::file(path, format!("the name of file {index} in the archive cannot be read"))),
+            }
+        }
+        names.sort();
+        let file_name = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+        let is_document = |name: &str| has_extension(Path::new(name), "xml") || has_extension(Path::new(name), "zip");
+        // Renamed documents are looked into where nothing has a proper name.
+        let any_served = names.iter().any(|(name, _)| is_served(&file_name(name)));
+        for (name, index) in names {
+            let short = file_name(&name);
+            if !is_document(&short) || (any_served && !is_served(&short)) {
+                self.note_foreign(&short);
+                continue;
+            }
+            if !self.is_wanted(&short) {
+                continue;
+            }
+            let inner = PathBuf::from(format!("{}!{name}", path.display()));
+            if has_extension(Path::new(&short), "xml") && self.is_repeated(&inner, &short) {
+                continue;
+            }
+            let entry = archive
+                .by_index(index)
+                .map_err(|e| Error::file_cause(&inner, "it cannot be unpacked; unpack the archive first", e))?;
+            let limit = LARGEST_DOCUMENT.min(*budget);
+            let mut entry = BufReader::with_capacity(BUFFER, entry);
+            let mut source: Source<'_> = Metered::new(&mut entry, limit);
+            if has_extension(Path::new(&short), "zip") {
+                if depth >= DEEPEST {
+                    return Err(Error::file(&inner, "archives lie in each other too deep; unpack them first"));
+                }
+                let mut unpacked = tempfile::SpooledTempFile::new(INNER_IN_MEMORY);
+                unlimited_copy(&mut source, &mut unpacked).map_err(|e| unreadable(&inner, e))?;
+                *budget = budget.saturating_sub(limit - source.left());
+                unpacked.rewind().map_err(|e| unreadable(&inner, e))?;
+                self.archive(&inner, BufReader::with_capacity(BUFFER, unpacked), depth + 1, budget)?;
+            } else {
+                self.seen.visited += 1;
+                (self.visit)(&inner, &mut source)?;
+                *budget = budget.saturating_sub(limit - source.left());
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a document may be of use by its name; counts it if not.
+    fn is_wanted(&mut self, name: &str) -> bool {
+        let Some(item) = item_of(name).filter(|item| item != "ALL") else { return true };
+        if (self.wanted)(&item) {
+            return true;
+        }
+        *self.seen.others.entry(item).or_default() += 1;
+        false
+    }
+
+    fn note_foreign(&mut self, name: &str) {
+        let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if ["shp", "geojson", "json", "gpkg", "kml", "gml"].contains(&extension.as_str()) {
+            self.seen.foreign.get_or_insert(extension);
+        }
+    }
+}
+
+/// Copies with a new allowance for every piece: an archive is no single item.
+fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
+    let mut buffer = vec![0; BUFFER];
+    loop {
+        source.next_item();
+        let length = source.read(&mut buffer)?;
+        if length == 0 {
+            return Ok(());
+        }
+        target.write_all(&buffer[..length])?;
+    }
+}
+
+/// Whether a file has a name as they are served: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
+fn is_served(name: &str) -> bool {
+    let path = Path::new(name);
+    let upper = name.to_ascii_uppercase();
+    let is_zip = has_extension(path, "zip");
+    (upper.starts_with("FG-GML-") && (is_zip || has_extension(path, "xml")))
+        || (upper.starts_with("PACKDLMAP") && is_zip)
+}
+
+/// Whether the path has this extension, in any letter case.
+pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().and_then(|e| e.to_str()).is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// The item that a document's name tells: `Cntr`, `DEM10B`, `ALL`.
+pub(super) fn item_of(name: &str) -> Option<String> {
+    let stem = Path::new(name).file_stem()?.to_str()?;
+    let rest = stem.get(..7).filter(|start| start.eq_ignore_ascii_case("FG-GML-")).map(|_| &stem[7..])?;
+    let item = rest.split(['-', '_']).find(|part| part.starts_with(|c: char| c.is_ascii_alphabetic()))?;
+    let is_dem = item.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("dem"));
+    Some(if is_dem { item.to_ascii_uppercase() } else { item.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_the_item() {
+        for (name, item) in [
+            ("FG-GML-5437-45-dem10b-20161001.xml", Some("DEM10B")),
+            ("FG-GML-3624-30-DEM5B.zip", Some("DEM5B")),
+            ("FG-GML-5238-74-00-DEM5A-20161001.xml", Some("DEM5A")),
+            ("FG-GML-543745-Cntr-20160401-0001.xml", Some("Cntr")),
+            ("fg-gml-543745-ALL-20160401.zip", Some("ALL")),
+            ("FG-GML-543745.xml", None),
+            ("fmdid15-3101.xml", None),
+            ("等高線図面.xml", None),
+        ] {
+            assert_eq!(item_of(name).as_deref(), item, "{name}");
+        }
+    }
+
+    #[test]
+    fn served_names() {
+        assert!(is_served("FG-GML-543745-Cntr-20160401-0001.XML") && is_served("PackDLMap.zip"));
+        assert!(!is_served("FGD_GMLSchema.xsd") && !is_served("fmdid15-3101.xml") && !is_served("FG-GML-1.txt"));
+    }
+}

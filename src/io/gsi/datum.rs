@@ -1,0 +1,77 @@
+//! The coordinate reference systems of the documents.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::crs::Crs;
+use crate::error::{Error, Finding, FindingKind, Result};
+
+const JGD2000: u32 = 4612;
+/// Also the code of JGD2024, which changed heights and no longitude or latitude.
+const JGD2011: u32 = 6668;
+
+/// The EPSG code of the system that a `srsName` stands for; all are latitude and longitude in degrees.
+fn code(name: &str) -> Option<u32> {
+    match name.to_ascii_lowercase().strip_prefix("fguuid:")? {
+        "jgd2000.bl" => Some(JGD2000),
+        "jgd2011.bl" | "jgd2024.bl" => Some(JGD2011),
+        _ => None,
+    }
+}
+
+/// The systems that documents name, with the first document of each.
+#[derive(Default)]
+pub(super) struct Datums(BTreeMap<u32, PathBuf>);
+
+impl Datums {
+    /// Notes the system that a `srsName` of a document stands for.
+    pub fn note(&mut self, path: &Path, name: &str) -> Result<()> {
+        let Some(code) = code(name) else {
+            let message = format!(
+                "the coordinate reference system {name:?} is not known; known are fguuid:jgd2000.bl, fguuid:jgd2011.bl \
+                 and fguuid:jgd2024.bl"
+            );
+            return Err(Error::file(path, message));
+        };
+        self.0.entry(code).or_insert_with(|| path.to_owned());
+        Ok(())
+    }
+
+    /// The system of all documents together. Files of one delivery name the older or the newer one by their date.
+    pub fn crs(self, findings: &mut Vec<Finding>) -> Option<Crs> {
+        if let (Some(old), Some(new)) = (self.0.get(&JGD2000), self.0.get(&JGD2011)) {
+            let message = format!(
+                "{} is in JGD2000 and {} in JGD2011: all is taken as JGD2011; the two differ where the ground moved before \
+                 2011, by up to 5 m in the north-east of Honshu",
+                old.display(),
+                new.display()
+            );
+            findings.push(Finding::general(FindingKind::MixedCrs, message));
+        }
+        self.0.into_keys().next_back().map(Crs::from_epsg)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(names: &[&str]) -> (Option<u32>, usize) {
+        let mut datums = Datums::default();
+        names.iter().try_for_each(|name| datums.note(Path::new("a.xml"), name)).unwrap();
+        let mut findings = Vec::new();
+        (datums.crs(&mut findings).and_then(|crs| crs.epsg), findings.len())
+    }
+
+    #[test]
+    fn systems() {
+        assert_eq!(of(&["fguuid:jgd2000.bl"]), (Some(4612), 0));
+        assert_eq!(of(&["fguuid:jgd2024.bl", "fguuid:jgd2011.bl"]), (Some(6668), 0));
+        assert_eq!(of(&["fguuid:jgd2011.bl", "fguuid:jgd2000.bl"]), (Some(6668), 1));
+        assert_eq!(of(&[]), (None, 0));
+        for name in ["", "fguuid:tokyo.bl", "fguuid:jgd2011.xy", "EPSG:6668"] {
+            let error = Datums::default().note(Path::new("a.xml"), name).unwrap_err().to_string();
+            assert!(error.starts_with("a.xml: ") && error.contains("jgd2024.bl"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! One document of a height map: its mesh, its grid and the heights of its cells.
+//!
+//! A document's list of cells begins at its start point, which comes after the list, and may end early: the cells before
+//! and behind it are void, as in squares that are mostly sea.
+
+use std::path::{Path, PathBuf};
+
+use super::archive::item_of;
+use super::datum::Datums;
+use super::mesh::{Mesh, cells_per_degree};
+use super::meter::Source;
+use super::product::Product;
+use super::tuples::TupleList;
+use super::xml::{Step, Xml};
+use crate::error::{Error, Result};
+
+/// The name of the root element of every document.
+const ROOT: &str = "Dataset";
+
+/// The heights of one square.
+pub(super) struct Tile {
+    /// Name of the document, for messages.
+    pub path: PathBuf,
+    pub code: String,
+    pub mesh: Mesh,
+    pub product: Product,
+    /// When the heights were published, as year-month-day.
+    pub date: String,
+    pub cols: usize,
+    /// Number of the cell that the first height is of, counted row by row from the north-west.
+    pub start: usize,
+    /// Heights of the cells from the first one on, metres; NaN where there is none.
+    pub heights: Vec<f32>,
+}
+
+/// What a document has told so far about a height map.
+#[derive(Default)]
+struct Draft {
+    kind: String,
+    code: String,
+    date: String,
+    corners: [String; 2],
+    low: String,
+    high: String,
+    start: String,
+    frame: Option<Frame>,
+    heights: Vec<f32>,
+}
+
+/// What has to be known before the heights are read.
+#[derive(Clone, Copy)]
+struct Frame {
+    mesh: Mesh,
+    product: Product,
+    cols: usize,
+    rows: usize,
+}
+
+/// Appends the height maps of a document.
+pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, tiles: &mut Vec<Tile>) -> Result<()> {
+    let mut xml = Xml::new(path, source)?;
+    let mut draft: Option<Draft> = None;
+    let mut text = String::new();
+    loop {
+        match xml.next()? {
+            Step::Start => {
+                check_root(&xml)?;
+                text.clear();
+                if xml.depth() == 2 && xml.name() == "DEM" {
+                    draft = Some(Draft::default());
+                }
+                let Some(draft) = &mut draft else { continue };
+                if let Some(name) = xml.attribute("srsName") {
+                    datums.note(path, name)?;
+                }
+                if let Some(order) = xml.attribute("order").filter(|order| *order != "+x-y") {
+                    let message =
+                        format!("its cells are in the order {order:?}; only +x-y is known, row by row southwards");
+                    return Err(xml.error(message));
+                }
+                if xml.name() == "tupleList" {
+                    let frame = draft.frame(path)?;
+                    draft.frame = Some(frame);
+                    draft.heights = tuple_list(&mut xml, frame.cols * frame.rows)?;
+                }
+            }
+            // Only short texts are of use here.
+            Step::Text if draft.is_some() && text.len() < 1000 => text.push_str(xml.text()),
+            Step::Text => {}
+            Step::End if xml.depth() == 1 && xml.name() == "DEM" => {
+                tiles.extend(draft.take().map(|draft| draft.tile(path)).transpose()?);
+            }
+            Step::End => {
+                if let Some(field) = draft.as_mut().and_then(|draft| draft.field(xml.name())) {
+                    text.trim().clone_into(field);
+                }
+                text.clear();
+            }
+            Step::Over => return Ok(()),
+        }
+    }
+}
+
+/// Refuses other kinds of XML.
+pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
+    if xml.depth() == 1 && xml.name() != ROOT {
+        let message = format!("its root element is {:?}, that of 基盤地図情報 is {ROOT:?}", xml.name());
+        return Err(xml.error(message));
+    }
+    Ok(())
+}
+
+/// Reads the list that has just begun.
+fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
+    let path = xml.path();
+    let wrong = |message: String| Error::file(path, message);
+    let mut list = TupleList::new(cells);
+    xml.raw_text(|bytes| list.read(bytes).map_err(wrong))?;
+    loop {
+        match xml.next()? {
+            // Behind a comment the text goes on.
+            Step::Text => list.read(xml.text().as_bytes()).map_err(wrong)?,
+            Step::End => break,
+            Step::Start | Step::Over => return Err(xml.error("there is an element among the cells of the tuple list")),
+        }
+    }
+    list.finish().map_err(wrong)?;
+    Ok(list.heights)
+}
+
+impl Draft {
+    fn field(&mut self, name: &str) -> Option<&mut String> {
+        Some(match name {
+            "type" => &mut self.kind,
+            "mesh" => &mut self.code,
+            "timePosition" if self.date.is_empty() => &mut self.date,
+            "lowerCorner" => &mut self.corners[0],
+            "upperCorner" => &mut self.corners[1],
+            "low" => &mut self.low,
+            "high" => &mut self.high,
+            "startPoint" => &mut self.start,
+            _ => return None,
+        })
+    }
+
+    fn frame(&self, path: &Path) -> Result<Frame> {
+        let wrong = |message: String| Error::file(path, message);
+        let mesh = Mesh::of_code(&self.code)
+            .ok_or_else(|| wrong(format!("the mesh code {:?} is not known; one has 4, 6 or 8 digits", self.code)))?;
+        if self.low != "0 0" {
+            return Err(wrong(format!("its grid begins at {:?} instead of 0 0", self.low)));
+        }
+        let size = pair::<u64>(&self.high).filter(|high| high.iter().all(|&high| high < 1 << 20));
+        let [cols, rows] = size.ok_or_else(|| wrong(format!("its grid ends at {:?}, which is no cell", self.high)))?;
+        let [cols, rows] = [cols + 1, rows + 1];
+        let item = path.to_str().and_then(|name| item_of(name.rsplit(['/', '\\', '!']).next().unwrap_or(name)));
+        let product = cells_per_degree(&mesh, cols, rows).and_then(|n| Product::of(item.as_deref(), &self.kind, n));
+        let product = product.ok_or_else(|| {
+            wrong(format!("{cols} x {rows} cells in the mesh {} are none of the known products", self.code))
+        })?;
+        let tolerance = 0.5 / product.cells_per_degree() as f64;
+        for (stated, expected) in self.corners.iter().zip(mesh.corners()) {
+            let agrees = pair::<f64>(stated)
+                .is_some_and(|found| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < tolerance));
+            if !agrees {
+                let [lat, lon] = expected;
+                let message = format!(
+                    "it states the corner {stated:?}, but that of its mesh {} is {lat:.9} {lon:.9}; one of the two is wrong",
+                    self.code
+                );
+                return Err(wrong(message));
+            }
+        }
+        // Both are below the limit above.
+        Ok(Frame { mesh, product, cols: cols as usize, rows: rows as usize })
+    }
+
+    fn tile(self, path: &Path) -> Result<Tile> {
+        let wrong = |message: String| Error::file(path, message);
+        let Some(Frame { mesh, product, cols, rows }) = self.frame else {
+            return Err(wrong("there is no tuple list in it".to_owned()));
+        };
+        let (cells, count) = (cols * rows, self.heights.len());
+        let start = match pair::<usize>(&self.start) {
+            Some([x, y]) if x < cols && y < rows => y * cols + x,
+            None if self.start.is_empty() && count == cells => 0,
+            _ => {
+                let message = format!("its start point {:?} is no cell of its {cols} x {rows} cells", self.start);
+                return Err(wrong(message));
+            }
+        };
+        if start + count > cells {
+            let message = format!(
+                "the tuple list has {count} cells; from its start point {:?} on the grid has {}",
+                self.start,
+                cells - start
+            );
+            return Err(wrong(message));
+        }
+        let (code, date, path) = (self.code, self.date, path.to_owned());
+        Ok(Tile { path, code, mesh, product, date, cols, start, heights: self.heights })
+    }
+}
+
+/// Two numbers with white space between.
+fn pair<T: std::str::FromStr>(text: &str) -> Option<[T; 2]> {
+    let mut numbers = text.split_ascii_whitespace().map(str::parse);
+    match (numbers.next(), numbers.next(), numbers.next()) {
+        (Some(Ok(a)), Some(Ok(b)), None) => Some([a, b]),
+        _ => None,
+    }
+}

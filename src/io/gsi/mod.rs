@@ -1,0 +1,97 @@
+//! 基盤地図情報, the base map that the Geospatial Information Authority of Japan (GSI) serves as XML: contours, spot
+//! heights, water edges and height maps.
+//!
+//! Every function takes a `.xml` document, a `.zip` archive as it is served (archives in archives too) or a folder of
+//! them, and reads all documents of use as one map. Coordinates come as longitude and latitude in JGD2000 (EPSG:4612) or in
+//! JGD2011 (EPSG:6668); the latter code also stands for JGD2024, which changed no coordinates but heights.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `archive` | the documents of a path |
+//! | `meter` | limits on what an archive unpacks to |
+//! | `xml` | the events of a document |
+//! | `datum` | coordinate reference systems |
+//! | `mesh` | mesh codes |
+//! | `dem`, `tuples` | a height map of one square |
+//! | `mosaic` | squares side by side |
+//! | `features` | contours, spot heights, water |
+
+mod archive;
+mod datum;
+mod dem;
+mod features;
+mod mesh;
+mod meter;
+mod mosaic;
+mod product;
+mod tuples;
+mod xml;
+
+use std::path::Path;
+
+pub(super) use features::read;
+pub use product::Product;
+
+use crate::dem::Dem;
+use crate::error::{Error, Report, Result};
+use archive::{Seen, each_document, has_extension};
+use datum::Datums;
+
+/// Whether a path is read as files of 基盤地図情報: a folder, a `.zip` or a `.xml`.
+pub(super) fn is_source(path: &Path) -> bool {
+    ["xml", "zip"].iter().any(|extension| has_extension(path, extension)) || path.is_dir()
+}
+
+/// A height map with the product it comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GsiDem {
+    /// The heights, in degrees of longitude and latitude.
+    pub dem: Dem,
+    /// What it was made from.
+    pub product: Product,
+}
+
+/// Reads all height maps of a path as one, squares side by side; NaN where a square has no height or is missing.
+///
+/// Cells with a height keep it, also those of inland water. Where a square is there twice, the newer one is laid on top,
+/// with a finding.
+///
+/// # Errors
+/// If a document cannot be read or contradicts itself, if there is no height map, if there are several products, or if
+/// the box around all squares has more than 2^30 cells.
+pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
+    let (mut datums, mut tiles, mut findings) = (Datums::default(), Vec::new(), Vec::new());
+    let wanted = |item: &str| item.starts_with("DEM");
+    let seen = each_document(path, &wanted, &mut |path, source| dem::read(path, source, &mut datums, &mut tiles))?;
+    if tiles.is_empty() {
+        return Err(nothing(path, &seen, "height map (DEM1A, DEM5A, DEM5B, DEM5C, DEM10A, DEM10B)"));
+    }
+    seen.note_repeated(&mut findings);
+    let (mut dem, product) = mosaic::mosaic(path, tiles, &mut findings)?;
+    dem.crs = datums.crs(&mut findings);
+    Ok(Report { value: GsiDem { dem, product }, findings })
+}
+
+/// An error that tells what was looked for and what was met.
+fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
+    if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
+        let message = match path.is_dir() {
+            true => {
+                format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file")
+            }
+            false => format!("the archive holds a .{foreign} file; unpack it and name that file"),
+        };
+        return Error::file(path, message);
+    }
+    let mut found: Vec<String> = seen.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
+    if seen.visited > 0 {
+        let noun = if seen.visited == 1 { "document" } else { "documents" };
+        found.push(format!("{} {noun} without one", seen.visited));
+    }
+    let found = if found.is_empty() {
+        "no file FG-GML-….xml or FG-GML-….zip is in it".to_owned()
+    } else {
+        format!("found: {}", found.join(", "))
+    };
+    Error::file(path, format!("there is no {wanted} of 基盤地図情報 in it ({found})"))
+}
