@@ -30,6 +30,27 @@ pub trait Real:
 impl Real for f32 {}
 impl Real for f64 {}
 
+/// Weight of a crossing against a second difference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossingWeight {
+    /// Where a vertex of the line lies on the edge.
+    pub at_vertex: f64,
+    /// Where a chord between vertices crosses it.
+    pub on_chord: f64,
+}
+
+impl CrossingWeight {
+    /// The same wherever the line crosses.
+    pub fn even(weight: f64) -> Self {
+        Self { at_vertex: weight, on_chord: weight }
+    }
+
+    /// Both, changed alike.
+    pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        Self { at_vertex: change(self.at_vertex), on_chord: change(self.on_chord) }
+    }
+}
+
 /// What the crossings on one edge ask of its ends u and v: `a u² + 2 b u v + c v² - 2 p u - 2 q v`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct EdgeTerm {
@@ -49,9 +70,10 @@ pub struct EdgeTerms {
 }
 
 impl EdgeTerms {
-    /// Sums up crossings with their levels. Every crossing has the same weight.
-    pub fn new(crossings: &[(Crossing, f64)], weight: f64, lattice: &Lattice) -> Self {
+    /// Sums up crossings with their levels.
+    pub fn new(crossings: &[(Crossing, f64)], weight: CrossingWeight, lattice: &Lattice) -> Self {
         let term = |&(crossing, level): &(Crossing, f64)| {
+            let weight = if crossing.at_vertex { weight.at_vertex } else { weight.on_chord };
             let (v, u) = (crossing.along, 1.0 - crossing.along);
             EdgeTerm {
                 node: crossing.node,
@@ -292,10 +314,15 @@ mod tests {
         let tension = [weights(&|i, _| i + 1 < cols), weights(&|_, j| j + 1 < rows)];
         let guide = weights(&|_, _| true);
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
-        let crossing = |node: usize, along: f64| (Crossing { node: node as u32, along }, 100.0 * along);
+        let crossing =
+            |node: usize, along: f64| (Crossing { node: node as u32, along, at_vertex: false }, 100.0 * along);
         let contours = [
-            EdgeTerms::new(&[crossing(cols, 0.25), crossing(cols, 0.5), crossing(0, 1.0)], 3.0, &lattice),
-            EdgeTerms::new(&[crossing(cols + 1, 0.75), crossing(1, 0.1)], 3.0, &lattice),
+            EdgeTerms::new(
+                &[crossing(cols, 0.25), crossing(cols, 0.5), crossing(0, 1.0)],
+                CrossingWeight::even(3.0),
+                &lattice,
+            ),
+            EdgeTerms::new(&[crossing(cols + 1, 0.75), crossing(1, 0.1)], CrossingWeight::even(3.0), &lattice),
         ];
         Energy { size: [cols, rows], bending, tension, guide, contours, pull: 0.25 }
     }

@@ -7,6 +7,9 @@ use crate::dem::Grid;
 /// Nearer than this to a node, as a share of the edge, a crossing is at the node.
 const AT_NODE: f64 = 1e-7;
 
+/// Nearer than this to an edge, in steps between nodes, a vertex is on it.
+const AT_VERTEX: f64 = 1e-3;
+
 /// A place on an edge between two neighbouring nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossing {
@@ -14,6 +17,8 @@ pub struct Crossing {
     pub node: u32,
     /// Share of the edge from there, 0 to 1.
     pub along: f64,
+    /// A vertex of the line lies on the edge; elsewhere the line is a chord of what it stands for.
+    pub at_vertex: bool,
 }
 
 /// Rows of nodes, from the north-west: the centres of a grid's cells, or every 2nd, 4th, ... of them.
@@ -65,17 +70,18 @@ impl Lattice {
     /// A vertex exactly on a row or column of nodes counts as beyond it, so that a line through it crosses once.
     pub fn cross(&self, line: &[DVec2], mut east: impl FnMut(Crossing), mut south: impl FnMut(Crossing)) {
         let Some((&first, rest)) = line.split_first() else { return };
+        let is_near = |k: usize, a: f64, b: f64| (k as f64 - a).abs().min((k as f64 - b).abs()) < AT_VERTEX;
         let mut a = self.place(first);
         for &p in rest {
             let b = self.place(p);
             for_each_whole(a.x, b.x, self.cols, |col, t| {
                 if let Some((row, along)) = edge(a.y + t * (b.y - a.y), self.rows) {
-                    south(Crossing { node: (row * self.cols + col) as u32, along });
+                    south(Crossing { node: (row * self.cols + col) as u32, along, at_vertex: is_near(col, a.x, b.x) });
                 }
             });
             for_each_whole(a.y, b.y, self.rows, |row, t| {
                 if let Some((col, along)) = edge(a.x + t * (b.x - a.x), self.cols) {
-                    east(Crossing { node: (row * self.cols + col) as u32, along });
+                    east(Crossing { node: (row * self.cols + col) as u32, along, at_vertex: is_near(row, a.y, b.y) });
                 }
             });
             a = b;
@@ -141,6 +147,15 @@ mod tests {
         assert_eq!(south, [(1, 0.5)]);
         let (_, touched) = crossings(&[(11.0, 19.5), (12.0, 19.5), (11.0, 19.4)]);
         assert!(touched.len() % 2 == 0, "there and back: {touched:?}");
+    }
+
+    #[test]
+    fn vertices_on_edges_are_told_from_chords() {
+        let mut found = Vec::new();
+        // Vertices on the column at x = 12 and off all others.
+        let line = [(11.0, 19.5), (12.0, 19.7), (15.0, 19.6)].map(DVec2::from);
+        NINE.cross(&line, |_| (), |c| found.push((c.node, c.at_vertex)));
+        assert_eq!(found, [(1, true), (2, false)]);
     }
 
     #[test]

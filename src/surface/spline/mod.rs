@@ -39,13 +39,14 @@ use crate::dem::{Grid, locate, rasterise};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
 use crate::tin::{NONE, Side};
+use energy::CrossingWeight;
 use lattice::Crossing;
 use pits::breach;
 use stages::{Problem, solve};
 
-/// Weight of a crossing against a second difference. Contours that lie on the terrain say all about it where they are denser
-/// than the nodes; with much more, the steps to the solution become small.
-const CONTOUR_WEIGHT: f64 = 1000.0;
+/// Weights of crossings against second differences: the contours are met within a thousandth of the interval, and where their
+/// vertices lie on the lattice, which they were cut from then, as exactly as they can be found in so many steps.
+const CONTOUR_WEIGHT: CrossingWeight = CrossingWeight { at_vertex: 1000.0, on_chord: 200.0 };
 /// ... and where the noise is 1, on a grid with as many nodes a gap as it should have.
 const NOISY_WEIGHT: f64 = 0.1;
 /// Rounds of averaging over neighbours that smooth the tension.
@@ -182,10 +183,10 @@ fn is_hollow(tiled: &Tiling) -> Vec<bool> {
 }
 
 /// Weight of a crossing against a second difference: a contour's weight for its length is the same on every grid.
-fn contour_weight(noise: f64, grid: &Grid, gap: f64) -> f64 {
+fn contour_weight(noise: f64, grid: &Grid, gap: f64) -> CrossingWeight {
     let cell = (grid.cell.x * grid.cell.y).sqrt();
     let noisy = NOISY_WEIGHT / (noise * noise) * (grid::NODES_A_GAP * cell / gap).powi(3);
-    noisy.min(CONTOUR_WEIGHT)
+    CONTOUR_WEIGHT.map(|weight| noisy.min(weight))
 }
 
 /// Tension at each node, per square of the eastward step: `k / (mean gap · local gap)`, the local gap being the interval
@@ -270,8 +271,8 @@ fn spots(tiled: &Tiling, lattice: &Lattice, guide: &[f32]) -> Vec<(Crossing, f64
         let here = north * (1.0 - v) + south * v;
         if here.is_finite() {
             // The guide passes through the spot itself; its slope carries the height to the edges north and south.
-            found.push((Crossing { node: node as u32, along: u }, spot.z + north - here));
-            found.push((Crossing { node: below as u32, along: u }, spot.z + south - here));
+            found.push((Crossing { node: node as u32, along: u, at_vertex: false }, spot.z + north - here));
+            found.push((Crossing { node: below as u32, along: u, at_vertex: false }, spot.z + south - here));
         }
     }
     found

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::energy::{EdgeTerms, Energy};
+use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::minimise::{Effort, minimise};
 use super::stages::{Problem, grown};
 
@@ -42,13 +42,14 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
     let ratio = (lattice.step.y / lattice.step.x) as f32;
     let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
     let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
+    let weight = CrossingWeight::even(WEIGHT);
     let nothing = || vec![0.0; count];
     let energy = Energy {
         size: [cols, rows],
         bending: [nothing(), nothing(), nothing()],
         tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
         guide: vec![f32::NAN; count],
-        contours: [EdgeTerms::new(&east, WEIGHT, lattice), EdgeTerms::new(&south, WEIGHT, lattice)],
+        contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (REACH * REACH),
     };
     let mut missing = vec![0.0; count];

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::energy::{EdgeTerms, Energy};
+use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, minimise};
 use super::pits::breach;
@@ -43,7 +43,7 @@ pub struct Problem<'a> {
     /// Tension at each node, per square of the step eastwards.
     pub tension: Vec<f32>,
     /// Weight of a crossing against a second difference on the finest lattice.
-    pub contour_weight: f64,
+    pub contour_weight: CrossingWeight,
     /// Contour interval, metres.
     pub interval: f64,
     /// Nodes where water may stay.
@@ -165,8 +165,7 @@ impl Stage {
         if self.depth == 0 {
             east.extend(&problem.spots);
         }
-        let full = problem.contour_weight;
-        let weight = (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT));
+        let weight = problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT)));
         let contours = [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)];
         drop((east, south));
 
