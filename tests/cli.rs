@@ -246,19 +246,19 @@ fn elevations_that_are_none() {
 }
 
 #[test]
-fn degrees_are_refused() {
+fn degrees_of_no_known_system_are_refused() {
     let folder = Folder::new();
     let degrees = |half: f64| ring(half).iter().map(|[x, y]| [x / 1e5 + 138.0, y / 1e5 + 36.0]).collect::<Vec<_>>();
     let file = contours(&[("10", degrees(60.0)), ("20", degrees(40.0))]);
-    folder.put("named.geojson", file.replace("EPSG:6677", "EPSG:6668"));
-    folder.put("unnamed.geojson", file.replace(r#""crs":{"type":"name","properties":{"name":"EPSG:6677"}},"#, ""));
     folder.put("unknown.geojson", file.replace("EPSG:6677", "my own grid"));
-    for name in ["named.geojson", "unnamed.geojson", "unknown.geojson"] {
-        folder.fails(
-            &format!("densify {name} -i 5 -o out.gpkg"),
-            FAILED,
-            &[name, "degrees", "ogr2ogr -t_srs EPSG:6677"],
-        );
+    folder.fails(
+        "densify unknown.geojson -i 5 -o out.gpkg",
+        FAILED,
+        &["unknown.geojson", "look like degrees", "--crs EPSG:4326"],
+    );
+    folder.succeeds("densify unknown.geojson -i 5 -o out.gpkg --crs EPSG:6668");
+    for flag in ["--crs EPSG:1", "--crs here", "--work-crs EPSG:6668", "--work-crs EPSG:2229", "--to-crs 0"] {
+        folder.fails(&format!("densify unknown.geojson -i 5 -o out2.gpkg {flag}"), USAGE, &["-crs"]);
     }
 }
 

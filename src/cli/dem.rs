@@ -49,8 +49,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let output = DemOutput::new(staged, &args.grid, input.map.crs.as_ref())?;
-    let params = args.surface.params(&input.map, Some(&output.choice), Triangles::Guide)?;
+    let output = DemOutput::new(staged, &args.grid, &input.places)?;
+    let params = args.surface.params(&input, Some(&output.choice), Triangles::Guide)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;

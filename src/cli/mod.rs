@@ -8,6 +8,7 @@ mod densify;
 mod input;
 mod mesh;
 mod output;
+mod plane;
 mod preview;
 mod regions;
 mod skeleton;

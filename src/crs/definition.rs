@@ -109,7 +109,7 @@ impl Definition {
     }
 
     /// Whether longitudes count from Greenwich.
-    pub fn from_greenwich(&self) -> bool {
+    pub fn counts_from_greenwich(&self) -> bool {
         self.get("pm").is_none_or(|meridian| meridian == "greenwich")
     }
 

@@ -3,10 +3,11 @@
 //! A projection and its inverse do not give back the last bits. So every vertex of the input is remembered with its place
 //! on the plane, and on the way out it gets its own coordinates again; only new vertices come from the inverse.
 //!
-//! On the plane coordinates are whole micrometres. The last digits of a projection are noise, which would otherwise decide
-//! between triangulations that are equally good, and coordinates that were projected before and come back to where they
-//! were would not be quite the same.
+//! On the plane coordinates are whole micrometres, also those of maps that are in a plane system already. Digits below are
+//! noise of a projection or of a sum, which would otherwise decide between surfaces that are equally good; so a map that
+//! was brought to degrees and comes back to where it was gives the same lines again.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use geo::{Coord, LineString, MapCoords, MultiPolygon, Polygon};
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 
 use super::definition::label;
 use super::{Crs, Transform};
-use crate::contour::ContourMap;
+use crate::contour::{Contour, ContourMap};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 
 /// Steps of coordinates on the plane to the metre.
@@ -57,9 +58,11 @@ impl Places {
         Self { input: crs.clone(), working: crs, ..Self::default() }
     }
 
-    /// Brings a map to the plane of another system.
+    /// Brings a map to the plane of a projected system: coordinates are transformed, if it is another one than the map's,
+    /// and brought to whole micrometres.
     ///
-    /// Vertices less than a micrometre apart on the plane become one, with a finding.
+    /// Vertices that would fall together by that keep all their digits. Those that fall together all the same become one,
+    /// with a finding.
     ///
     /// # Errors
     /// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on
@@ -69,51 +72,59 @@ impl Places {
             return Err(Error::Data("the coordinate reference system of the contours is not known".to_owned()));
         };
         let way = Transform::between(&input, working)?;
-        if way.is_identity() {
-            let places = Self::unmoved(map.crs.clone());
-            return Ok(Report { value: (map, places), findings: Vec::new() });
-        }
         let mut map = map;
-        let forward = |p: DVec2| way.forward(p).map(on_steps).ok_or_else(|| no_place(p, &input, working));
-        let project = |line: &mut crate::contour::Contour| -> Result<Vec<(Place, DVec2)>> {
-            let pair = |p: &mut DVec2| -> Result<(Place, DVec2)> {
-                let original = std::mem::replace(p, forward(*p)?);
-                Ok((key(*p), original))
-            };
-            line.points.iter_mut().map(pair).collect()
-        };
-        let pairs = map.contours.par_iter_mut().map(project).collect::<Result<Vec<_>>>()?;
-        let mut originals: Vec<(Place, DVec2)> = pairs.into_iter().flatten().collect();
-        for spot in &mut map.spots {
-            *spot = forward(spot.truncate())?.extend(spot.z);
-        }
+        let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, &input, working));
+        let pair = |p: &DVec2| Ok((key(on_steps(forward(*p)?)), *p));
+        let pairs = |line: &Contour| line.points.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
+        let pairs = map.contours.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
+        let mut originals = in_order(pairs.into_iter().flatten().collect());
         check_way(&way, &originals, &input, working)?;
-        let order = |(k, p): &(Place, DVec2)| (*k, p.x.to_bits(), p.y.to_bits());
-        originals.par_sort_unstable_by_key(order);
-        originals.dedup_by_key(|pair| order(pair));
-        let before = originals.len();
-        originals.dedup_by_key(|(k, _)| *k);
-        originals.shrink_to_fit();
+        let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let crowded: HashSet<Place> = same_place.map(|pair| pair[0].0).collect();
+        let place = |p: DVec2| -> Result<DVec2> {
+            let exact = forward(p)?;
+            let place = on_steps(exact);
+            Ok(if crowded.contains(&key(place)) { exact } else { place })
+        };
+        map.contours.par_iter_mut().flat_map_iter(|line| &mut line.points).try_for_each(|p| {
+            *p = place(*p)?;
+            Ok::<(), Error>(())
+        })?;
+        for spot in &mut map.spots {
+            *spot = place(spot.truncate())?.extend(spot.z);
+        }
         let mut findings = Vec::new();
-        let lost = before - originals.len();
-        if lost > 0 {
-            let message =
-                format!("{lost} vertices lie less than a micrometre from another one and come out at its place");
-            findings.push(Finding::general(FindingKind::RepeatedPoint, message));
+        if !crowded.is_empty() {
+            for (k, original) in &mut originals {
+                *k = if crowded.contains(k) { key(forward(*original)?) } else { *k };
+            }
+            originals = in_order(originals);
+            let before = originals.len();
+            originals.dedup_by_key(|(k, _)| *k);
+            let lost = before - originals.len();
+            if lost > 0 {
+                let message = format!("{lost} vertices fall together with another one and come out at its place");
+                findings.push(Finding::general(FindingKind::RepeatedPoint, message));
+            }
         }
         let around = input.is_geographic().then(|| beyond(&originals)).flatten();
+        if way.is_identity() {
+            // Most coordinates have no more digits than micrometres.
+            originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
+        }
+        originals.shrink_to_fit();
         map.crs = Some(working.clone());
         let places = Self {
             input: Some(input),
             working: Some(working.clone()),
-            way: Some(way),
+            way: (!way.is_identity()).then_some(way),
             originals: Arc::new(originals),
             around,
         };
         Ok(Report { value: (map, places), findings })
     }
 
-    /// Whether the map is worked on in the coordinates of its file.
+    /// Whether the map is worked on in the system of its file.
     pub fn are_unmoved(&self) -> bool {
         self.way.is_none()
     }
@@ -131,15 +142,20 @@ impl Places {
     /// The place in the file's coordinates: those that a vertex had, else by the inverse projection. `None` where there is
     /// none.
     pub fn in_input(&self, p: DVec2) -> Option<DVec2> {
-        let Some(way) = &self.way else { return Some(p) };
         if let Some(original) = self.original(p) {
             return Some(original);
         }
+        let Some(way) = &self.way else { return Some(p) };
         let found = way.inverse(p)?;
         Some(match self.around {
             Some(middle) => DVec2::new(middle + (found.x - middle + 180.0).rem_euclid(360.0) - 180.0, found.y),
             None => found,
         })
+    }
+
+    /// The place on the plane of a place in the file's coordinates.
+    pub fn on_plane(&self, p: DVec2) -> Option<DVec2> {
+        self.way.as_ref().map_or(Some(p), |way| way.forward(p))
     }
 
     fn original(&self, p: DVec2) -> Option<DVec2> {
@@ -184,6 +200,13 @@ impl Places {
         };
         Ok(Returner { places: self.clone(), onwards, crs: Some(to.clone()) })
     }
+}
+
+/// Sorted by place; coordinates that are the same at the same place are there once.
+fn in_order(mut pairs: Vec<(Place, DVec2)>) -> Vec<(Place, DVec2)> {
+    pairs.par_sort_unstable_by_key(|(k, p)| (*k, p.x.to_bits(), p.y.to_bits()));
+    pairs.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
+    pairs
 }
 
 fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {
@@ -312,8 +335,8 @@ impl Returner {
     /// Whether places on the plane are those of the output.
     pub fn is_identity(&self) -> bool {
         match &self.onwards {
-            Onwards::Input => self.places.are_unmoved(),
-            Onwards::Other { from_working, .. } => self.places.are_unmoved() && from_working.is_identity(),
+            Onwards::Input => self.places.are_unmoved() && self.places.originals.is_empty(),
+            Onwards::Other { from_working, .. } => from_working.is_identity(),
         }
     }
 
@@ -332,7 +355,6 @@ impl Returner {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::Contour;
 
     fn map(crs: u32, points: &[[f64; 2]]) -> ContourMap {
         let points = points.iter().map(|p| DVec2::from(*p)).collect();
@@ -378,10 +400,33 @@ mod tests {
     }
 
     #[test]
-    fn vertices_that_fall_together_are_told() {
-        let near = [[138.7, 35.3], [138.7 + 3e-14, 35.3], [138.8, 35.3]];
+    fn vertices_that_fall_together_keep_their_digits_or_are_told() {
+        // Three hundred nanometres apart.
+        let near = [[138.7, 35.3], [138.7 + 3e-12, 35.3], [138.8, 35.3]];
         let report = Places::project(map(6668, &near), &Crs::from_epsg(6676)).unwrap();
+        assert!(report.findings.is_empty(), "{:?}", report.findings);
+        let (flat, places) = report.value;
+        for (p, q) in near.iter().zip(&flat.contours[0].points) {
+            assert_eq!(places.in_input(*q).map(|p| p.to_array()), Some(*p));
+        }
+        // Near the meridian of Greenwich degrees have more digits than metres far from the equator.
+        let nearest = [[1e-18, 60.0], [2e-18, 60.0], [0.1, 60.0]];
+        let report = Places::project(map(4326, &nearest), &Crs::from_epsg(32631)).unwrap();
         assert_eq!(report.findings.len(), 1, "{:?}", report.findings);
+    }
+
+    #[test]
+    fn noise_in_metres_is_taken_off_and_given_back() {
+        let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
+        let (flat, places) = Places::project(map(25832, &noisy), &Crs::from_epsg(25832)).unwrap().value;
+        assert_eq!(flat.contours[0].points[0], DVec2::new(436_203.79, 6_444_375.56));
+        assert!(places.are_unmoved() && places.originals.len() == 1);
+        let back = places.give_back(None).unwrap();
+        assert!(!back.is_identity());
+        for (p, q) in noisy.iter().zip(&flat.contours[0].points) {
+            assert_eq!(back.place(*q).map(|p| p.to_array()), Some(*p));
+        }
+        assert_eq!(back.place(DVec2::new(0.1, 0.2)), Some(DVec2::new(0.1, 0.2)));
     }
 
     #[test]

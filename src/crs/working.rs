@@ -74,7 +74,7 @@ fn extent(points: impl Iterator<Item = DVec2> + Clone) -> (DVec2, DVec2) {
 /// The zone with a code, if there is one for the datum and the place.
 fn zone(degrees: &Definition, lo: DVec2, hi: DVec2) -> Option<Crs> {
     // Grads, and longitudes that do not count from Greenwich.
-    if degrees.angle != Some(DEGREE) || !degrees.from_greenwich() {
+    if degrees.angle != Some(DEGREE) || !degrees.counts_from_greenwich() {
         return None;
     }
     let datum = degrees.datum.as_deref().unwrap_or("");
