@@ -345,7 +345,7 @@ fn numbers_out_of_range() {
 fn rasters_whose_grid_cannot_be_taken() {
     let folder = with_hill();
     folder.put("notes.tif", "no raster").put("empty.tif", "");
-    folder.put("elsewhere.geojson", hill().replace("EPSG:6677", "EPSG:6678"));
+    folder.put("elsewhere.geojson", hill().replace("EPSG:6677", "EPSG:26718"));
     folder.succeeds("dem elsewhere.geojson --cell 5 -o elsewhere.tif -q");
     folder.succeeds("dem hill.geojson --cell 5 -o like.tif -q");
     for (raster, words) in [
@@ -353,7 +353,7 @@ fn rasters_whose_grid_cannot_be_taken() {
         ("empty.tif", "is not a TIFF file"),
         ("missing.tif", "cannot read"),
         ("hill.geojson", "is not a TIFF file"),
-        ("elsewhere.tif", "another coordinate reference system than the contours"),
+        ("elsewhere.tif", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a file"),
     ] {
         folder.fails(&format!("dem hill.geojson --like {raster} -o d.tif"), FAILED, &[raster, words]);
         folder.fails(&format!("densify hill.geojson -i 5 -o o.gpkg --dem d.tif --like {raster}"), FAILED, &[words]);
@@ -374,11 +374,14 @@ fn frames() {
     let square = area(&ring(50.0));
     folder.put("half.geojson", &square).put("far.geojson", area(&ring(50.0).map_by(5000.0)));
     folder.put("bow.geojson", area(&[[0.0, 0.0], [9.0, 9.0], [9.0, 0.0], [0.0, 9.0], [0.0, 0.0]]));
-    folder.put("elsewhere.geojson", square.replace("6677", "6678"));
+    folder
+        .put("elsewhere.geojson", square.replace("6677", "26718"))
+        .put("zone.geojson", square.replace("6677", "6678"));
     for (frame, words) in [
         ("hill.geojson", "there is no polygon in it (found: 3 lines)"),
         ("bow.geojson", "crosses itself at 4.500 4.500"),
-        ("elsewhere.geojson", "another coordinate reference system than the contours"),
+        ("elsewhere.geojson", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a file"),
+        ("zone.geojson", "there is no contour line inside the frame polygon"),
         ("far.geojson", "there is no contour line inside the frame polygon"),
         ("missing.geojson", "cannot read"),
         ("convex", "extension does not tell its format"),
@@ -742,11 +745,11 @@ fn water_that_cannot_be_used() {
         FAILED,
         &["w.geojson", "deep", "not a number"],
     );
-    folder.put("w.geojson", lakes(&[("", ring(5.0))]).replace("6677", "6678"));
+    folder.put("w.geojson", lakes(&[("", ring(5.0))]).replace("6677", "26718"));
     folder.fails(
         "dem hill.geojson --cell 5 -o d.tif --water w.geojson",
         FAILED,
-        &["another coordinate reference system"],
+        &["w.geojson", "the shift from the datum of"],
     );
     folder.fails("dem hill.geojson --cell 5 -o d.tif --water hill.geojson", FAILED, &["no polygon"]);
     folder.fails("dem hill.geojson --cell 5 -o d.tif --water none.gpkg", FAILED, &["none.gpkg"]);

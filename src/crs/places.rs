@@ -34,6 +34,8 @@ pub struct Places {
     /// The system of the plane.
     working: Option<Crs>,
     way: Option<Transform>,
+    /// Whether coordinates on the plane are whole micrometres.
+    in_steps: bool,
     /// Places on the plane with the coordinates they had in the file, by place.
     originals: Arc<Vec<(Place, DVec2)>>,
     /// The middle of the longitudes of the file, if some of them are beyond 180 degrees.
@@ -118,6 +120,7 @@ impl Places {
             input: Some(input),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
+            in_steps: true,
             originals: Arc::new(originals),
             around,
         };
@@ -170,11 +173,11 @@ impl Places {
     pub fn bring(&self, crs: Option<&Crs>) -> Result<Bringer> {
         let (from, to) = match (crs.or(self.input.as_ref()), &self.working) {
             (Some(from), Some(to)) => (from, to),
-            _ => return Ok(Bringer { way: None, names: String::new() }),
+            _ => return Ok(Bringer { way: None, in_steps: self.in_steps, names: String::new() }),
         };
         let way = Transform::between(from, to)?;
         let names = format!("{} and {}", label(from), label(to));
-        Ok(Bringer { way: (!way.is_identity()).then_some(way), names })
+        Ok(Bringer { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
     }
 
     /// The way out, to the coordinates of the file or to those of another system.
@@ -244,14 +247,15 @@ fn beyond(originals: &[(Place, DVec2)]) -> Option<f64> {
 #[derive(Debug, Clone)]
 pub struct Bringer {
     way: Option<Transform>,
+    in_steps: bool,
     names: String,
 }
 
 impl Bringer {
     fn place(&self, p: DVec2) -> Result<DVec2> {
-        let Some(way) = &self.way else { return Ok(p) };
         let wrong = || Error::Data(format!("{} {} is a place in only one of {}", p.x, p.y, self.names));
-        way.forward(p).map(on_steps).ok_or_else(wrong)
+        let place = self.way.as_ref().map_or(Some(p), |way| way.forward(p)).ok_or_else(wrong)?;
+        Ok(if self.in_steps { on_steps(place) } else { place })
     }
 
     /// A point with its height.
@@ -277,7 +281,7 @@ impl Bringer {
     /// [`Error::Data`] if a vertex has no place on the plane.
     pub fn boundary(&self, area: &MultiPolygon<f64>) -> Result<MultiPolygon<f64>> {
         if self.way.is_none() {
-            return Ok(area.clone());
+            return area.try_map_coords(|c| self.place(DVec2::new(c.x, c.y)).map(|p| Coord { x: p.x, y: p.y }));
         }
         let ring = |ring: &LineString<f64>| -> Result<LineString<f64>> {
             let mut out = Vec::with_capacity(ring.0.len());
