@@ -317,7 +317,10 @@ fn numbers_out_of_range() {
         ("densify hill.geojson -i 5 --levels 12 -o out.gpkg", "cannot be used with"),
         ("densify hill.geojson --levels nan -o out.gpkg", "NaN is no elevation"),
         ("densify hill.geojson -i 5 --base inf -o out.gpkg", "inf is no elevation"),
-        ("densify hill.geojson -i 5 -o out.gpkg --dem d.tif", "needs --cell SIZE or --like RASTER"),
+        (
+            "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",
+            "needs --cell SIZE, --cell-degrees SIZE or --like RASTER",
+        ),
         ("densify hill.geojson -i 5 -o out.gpkg --cell 5", "add --dem FILE"),
         ("dem hill.geojson -o d.tif", "needs --cell SIZE or --like RASTER"),
         ("dem hill.geojson --cell 0 -o d.tif", "--cell is 0, it must be more than 0"),

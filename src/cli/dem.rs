@@ -15,7 +15,8 @@ use super::{Failure, summary};
 
 /// A height map (DEM) from contour lines
 ///
-/// Heights are those of the surface at the cell centres; cells outside the frame are nodata.
+/// Heights are those of the surface at the cell centres; cells outside the frame are nodata. The map is in the working CRS,
+/// with --cell-degrees in degrees, with --like in the CRS of that raster.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DemArgs {
@@ -36,6 +37,7 @@ pub struct DemArgs {
 const EXAMPLES: &str = "\
 Examples:
   tokosen dem contours.gpkg --cell 10 -o dem.tif
+  tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
 

@@ -77,6 +77,8 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg
   tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
+  tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
+  tokosen densify feet.gpkg --unit ft -i 5 -o dense.gpkg
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
 
 /// Runs the verb.

@@ -66,6 +66,10 @@ pub fn flat(
              with --crs, for instance --crs EPSG:4326 (WGS 84) or --crs EPSG:6668 (JGD2011)",
         )));
     }
+    if work.is_some() && map.crs.is_none() {
+        let message = "--work-crs needs contours whose coordinate reference system is known; name it with --crs";
+        return Err(Failure::Usage(message.into()));
+    }
     let about = |e: Error| Error::file(path, e.to_string());
     let working = match (work, &map.crs) {
         (Some(work), _) => work.clone(),
