@@ -190,7 +190,7 @@ fn other_verbs_go_back_to_degrees_too() {
     folder.succeeds("skeleton hill.geojson -o lines.gpkg --curve-mesh --triangles");
     // A model stays in metres.
     let said = folder.succeeds("mesh hill.geojson -o model.ply");
-    assert!(said.contains("worked on in WGS 84 / UTM zone 32N"), "{said}");
+    assert!(said.contains("worked on in ETRS89 / UTM zone 32N"), "{said}");
 }
 
 #[test]

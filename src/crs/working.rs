@@ -24,7 +24,9 @@ const JAPAN_REACH: f64 = 2.0;
 ///   which near the border of two zones may be the neighbour of the official one. Nothing depends on it but the name and
 ///   a ten-thousandth of scale.
 /// - elsewhere the UTM zone of the middle of the data: of ETRS89 (EPSG:258xx), NAD83 (269xx) or NAD27 (267xx) where the data
-///   are on these, else of WGS 84 (EPSG:326xx, 327xx).
+///   are on these, else of WGS 84 (EPSG:326xx, 327xx). Europe's data on WGS 84 go to the zone of ETRS89, for that is what
+///   they were surveyed in, and formats that know WGS 84 only are given ETRS89 under its name: back in their plane system
+///   they are where they were.
 /// - a transverse Mercator projection about the middle of the data, on their own datum, where they reach further than four
 ///   degrees of longitude (two in Japan) from the zone's meridian, beyond the latitudes of UTM, or where the datum is an
 ///   older one without zones above.
@@ -101,12 +103,19 @@ fn zone(degrees: &Definition, lo: DVec2, hi: DVec2) -> Option<Crs> {
     let north = middle.y >= 0.0;
     let code = match datum {
         "etrs89" if north && (28..=38).contains(&zone) => 25800 + zone,
+        "wgs84" if in_europe(middle) => 25800 + zone,
         "northamericandatum1983" if north && (1..=23).contains(&zone) => 26900 + zone,
         "northamericandatum1927" if north && (1..=22).contains(&zone) => 26700 + zone,
         _ if null => (if north { 32600 } else { 32700 }) + zone,
         _ => return None,
     };
     within.then(|| Crs::from_epsg(code))
+}
+
+/// Whether a place lies in Europe or near it, without Africa and Iceland.
+fn in_europe(place: DVec2) -> bool {
+    let africa = place.y < 37.5 && (-2.0..11.7).contains(&place.x);
+    (36.0..72.0).contains(&place.y) && (-11.0..32.0).contains(&place.x) && !africa
 }
 
 /// The UTM zone of a place, with the wider one on Norway's west coast.
@@ -343,7 +352,8 @@ mod tests {
     #[test]
     fn elsewhere_it_is_utm() {
         for (code, place, expected) in [
-            (4326, [8.0, 58.15], 32632),
+            (4326, [8.0, 58.15], 25832),
+            (4326, [3.0, 36.7], 32631),
             (4258, [8.0, 58.15], 25832),
             (4258, [5.3, 60.4], 25832),
             (4326, [129.08, 35.18], 32652),
