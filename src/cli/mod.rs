@@ -8,6 +8,7 @@ mod densify;
 mod input;
 mod mesh;
 mod output;
+mod plane;
 mod preview;
 mod regions;
 mod skeleton;
@@ -37,6 +38,7 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
+  tokosen densify degrees.shp --crs EPSG:6668 -i 2 -o dense.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg

@@ -3,6 +3,7 @@
 mod rasterise;
 pub mod shade;
 
+pub(crate) use rasterise::height;
 pub use rasterise::{locate, rasterise};
 
 use glam::DVec2;
