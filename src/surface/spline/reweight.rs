@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::energy::Energy;
 
 /// Second differences larger than so many times the mean count with their size, not with its square.
-const KNEE: f64 = 1.5;
+const KNEE: f64 = 2.0;
 /// On ridge and canyon lines that begins this much earlier.
 const CREASE_KNEE: f64 = 0.1;
 /// Factor on the tension where a bound is met, each time that it is.
