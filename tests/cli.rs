@@ -352,7 +352,7 @@ fn rasters_whose_grid_cannot_be_taken() {
         ("notes.tif", "is not a TIFF file"),
         ("empty.tif", "is not a TIFF file"),
         ("missing.tif", "cannot read"),
-        ("hill.geojson", "is not a TIFF file"),
+        ("hill.geojson", "not a height map format"),
         ("elsewhere.tif", "another coordinate reference system than the contours"),
     ] {
         folder.fails(&format!("dem hill.geojson --like {raster} -o d.tif"), FAILED, &[raster, words]);

@@ -113,8 +113,7 @@ struct Header {
 fn open(path: &Path) -> Result<(Header, Words)> {
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-    let mut words =
-        Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
+    let mut words = Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
     let (mut cols, mut rows, mut west, mut south, mut dx, mut dy) = (None, None, None, None, None, None);
     let mut nodata = USUAL_NODATA;
     loop {
@@ -177,16 +176,16 @@ fn open(path: &Path) -> Result<(Header, Words)> {
 
 impl Header {
     fn grid(&self, path: &Path) -> Result<Grid> {
-        let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
         let (cell, rows) = (self.cell, self.rows as f64);
+        if cell.is_nan() || cell.min_element() <= 0.0 {
+            return Err(Error::file(path, format!("has cells of {} x {}, which is no grid", cell.x, cell.y)));
+        }
+        let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
         let origin = DVec2::new(half(self.west, cell.x), half(self.south, cell.y) + rows * cell.y);
         let size = (self.cols as usize, self.rows as usize);
-        let placed = sidecar::north_up(origin, DVec2::new(cell.x, 0.0), DVec2::new(0.0, -cell.y), size);
-        let placed = placed.and_then(|placed| match cell.min_element() > 0.0 {
-            true => Ok(placed),
-            false => Err(format!("has cells of {} x {}, which is no grid", cell.x, cell.y)),
-        });
-        placed.map(|placed| placed.grid).map_err(|message| Error::file(path, message))
+        sidecar::north_up(origin, DVec2::new(cell.x, 0.0), DVec2::new(0.0, -cell.y), size)
+            .map(|placed| placed.grid)
+            .map_err(|message| Error::file(path, message))
     }
 }
 

@@ -16,7 +16,7 @@ use exr::prelude::{
 };
 
 use super::pam::{self, Band};
-use super::read::{Coding, Heights, room};
+use super::read::{Coding, Heights, check_size};
 use super::{Filled, create, geo_transform, sidecar};
 use crate::crs::Crs;
 use crate::dem::Dem;
@@ -80,7 +80,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     for header in &meta.headers {
         let (cols, rows) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
         let channels = header.channels.list.len() as u64;
-        room(path, cols.saturating_mul(channels.max(1)), rows, length).map(drop)?;
+        check_size(path, cols.saturating_mul(channels.max(1)), rows, length)?;
     }
     let image = exr::prelude::read()
         .no_deep_data()
@@ -124,8 +124,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         let message = format!("the file has the channels {}; the first is taken for the heights", names.join(", "));
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
-    let coding =
-        Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
+    let coding = Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
     let mut heights = Heights::new(coding);
     let mut values: Vec<f32> = match channel.sample_data {
         FlatSamples::F32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),

@@ -10,7 +10,7 @@ use tiff::decoder::{ChunkType, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::like::{self, Tiff};
-use super::read::{Coding, Heights, metres_in, room, unit_finding};
+use super::read::{Coding, Heights, check_size, metres_in, room, unit_finding};
 use super::sidecar::{Aux, elements};
 use crate::dem::Dem;
 use crate::error::{Error, Finding, FindingKind, Report, Result};
@@ -30,7 +30,7 @@ const MOST_SUBFILES: usize = 64;
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let mut tiff = like::open(path)?;
     let mut findings = Vec::new();
-    let samples = samples(path, &mut tiff, &mut findings)?;
+    let (samples, sample_bytes) = samples(path, &mut tiff, &mut findings)?;
     let coding = coding(path, &mut tiff, &mut findings)?;
     let chunks = Chunks::of(path, &mut tiff, samples)?;
 
@@ -40,20 +40,25 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let limits = chunks.limits(tiff.length);
     let Tiff { decoder, placement, crs, .. } = tiff;
     let mut decoder = decoder.with_limits(limits);
+    // Tiles at the border are decoded with their padding: that takes one call of the decompressor where skipping the
+    // padding takes one a row, which the LZW decompressor at times answers with an error.
+    let stride = chunks.size.0 * samples;
+    let mut decoded = DecodingResult::U8(Vec::new());
     for index in 0..chunks.count() {
         if chunks.ranges[index as usize] == (0, 0) {
             continue;
         }
         let message = format!("part {} of {} cannot be decoded; the file is broken", index + 1, chunks.count());
-        let decoded = decoder.read_chunk(index).map_err(|e| like::wrong(path, &unsupported(&e, message), e))?;
+        decoder
+            .read_chunk_to_buffer(&mut decoded, index, stride * sample_bytes)
+            .map_err(|e| like::wrong(path, &unsupported(&e, message), e))?;
         let (width, height) = decoder.chunk_data_dimensions(index);
         let (width, height) = (width as usize, height as usize);
         let (left, top) = chunks.origin(index);
         for line in 0..height {
             let row = placement.row(top + line) * grid.cols + left;
             let out = &mut values[row..row + width];
-            let start = line * width * samples;
-            copy(&decoded, start, samples, out, &mut heights);
+            copy(&decoded, line * stride, samples, out, &mut heights);
         }
     }
     findings.extend(heights.findings());
@@ -64,15 +69,17 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
 /// A clearer word for a compression that is not known.
 fn unsupported(error: &tiff::TiffError, message: String) -> String {
     match error {
-        tiff::TiffError::UnsupportedError(_) => "holds its values in a way that cannot be read; rewrite it, for example \
+        tiff::TiffError::UnsupportedError(_) => {
+            "holds its values in a way that cannot be read; rewrite it, for example \
              with 'gdal_translate -co COMPRESS=DEFLATE in.tif out.tif'"
-            .into(),
+                .into()
+        }
         _ => message,
     }
 }
 
-/// Values that stand side by side for one cell. Pictures are refused.
-fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<usize> {
+/// How many values stand side by side for one cell, and how many bytes each has. Pictures are refused.
+fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<(usize, usize)> {
     let picture = || Error::file(path, "is a picture in colour and not a height map");
     let color = tiff.decoder.colortype().map_err(|_| picture())?;
     let white_is_zero = tiff.decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
@@ -84,12 +91,19 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
         ColorType::Multiband { num_samples, .. } => usize::from(num_samples),
         _ => return Err(picture()),
     };
+    let bits = color.bit_depth();
+    if ![8, 16, 32, 64].contains(&bits) {
+        return Err(Error::file(
+            path,
+            format!("has values of {bits} bits, which are not read; heights have 8, 16, 32 or 64"),
+        ));
+    }
     if bands > 1 {
         let message = format!("the raster has {bands} bands; the first one is taken for the heights");
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
     let planar = tiff.decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
-    Ok(if matches!(planar, Ok(Some(2))) { 1 } else { bands })
+    Ok((if matches!(planar, Ok(Some(2))) { 1 } else { bands }, usize::from(bits / 8)))
 }
 
 /// How the stored values become heights: by the file's own tags, else by the `.aux.xml` beside it.
@@ -98,7 +112,8 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
     let mut own = Aux::default();
     if let Some(text) = text_tag(tiff, Tag::GdalNodata) {
         let text = text.trim_matches(['\0', ' ']);
-        own.nodata = Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
+        own.nodata =
+            Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
     }
     if let Some(text) = text_tag(tiff, GDAL_METADATA) {
         for item in elements(&text).unwrap_or_default() {
@@ -157,7 +172,7 @@ impl Chunks {
         };
         let values = u64::from(width).saturating_mul(height).saturating_mul(samples as u64);
         let bytes = values.saturating_mul(size_of::<f64>() as u64);
-        room(path, width.into(), height.saturating_mul(samples as u64), tiff.length).map(drop)?;
+        check_size(path, width.into(), height.saturating_mul(samples as u64), tiff.length)?;
         let across = grid.cols.div_ceil(width as usize);
         let count = across * grid.rows.div_ceil(height as usize);
         let offsets = tiff.decoder.find_tag_unsigned_vec::<u64>(kind_offsets).map_err(wrong)?.unwrap_or_default();

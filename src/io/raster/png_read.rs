@@ -10,7 +10,7 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
-use super::read::{Coding, Heights, metres_in, room, unit_finding};
+use super::read::{Coding, Heights, check_size, metres_in, unit_finding};
 use super::sidecar::{self, Aux, Placement};
 use super::{exr, gsi_tile};
 use crate::crs::Crs;
@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let mut decoder = Decoder::new_with_limits(BufReader::new(file), Limits { bytes: SIDE_MEMORY });
     decoder.set_transformations(Transformations::EXPAND);
     let (width, height) = decoder.read_header_info().map_err(wrong)?.size();
-    room(path, width.into(), height.into(), length).map(drop)?;
+    check_size(path, width.into(), height.into(), length)?;
     decoder.set_limits(Limits { bytes: SIDE_MEMORY.saturating_add(width as usize * 16) });
     let mut reader = decoder.read_info().map_err(wrong)?;
     let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MOST_DEFLATED <= length);
@@ -117,9 +117,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
 fn placed(path: &Path, (width, height): (u32, u32), own: &Aux, beside: &Aux) -> Result<Option<Placement>> {
     let size = (width as usize, height as usize);
     match own.transform.or(beside.transform) {
-        Some(numbers) => {
-            sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message))
-        }
+        Some(numbers) => sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message)),
         None => sidecar::read_world(path, &["pgw", "pngw", "wld"], size),
     }
 }
@@ -149,7 +147,8 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
         None => (beside.scale.unwrap_or(1.0), beside.offset, beside.nodata),
     };
     let mut heights = Heights::new(Coding { nodata, scale: scale * metres, offset: offset.unwrap_or(0.0) * metres });
-    let values = pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
+    let values =
+        pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
     let mut findings: Vec<_> = unit_finding(&unit).into_iter().collect();
     findings.extend(heights.findings());
     let dem = turned(placement, values, system(path, own.crs, beside.crs)?);

@@ -93,14 +93,11 @@ fn check_file(path: &Path) -> Result<()> {
 /// Cells that a height map may have; the memory it takes is four bytes each.
 const MOST_CELLS: u64 = 4_000_000_000;
 
-/// Cells that a byte of a file can stand for. The densest there are, rasters whose empty tiles are left out, have half as
-/// many.
+/// Cells that a byte of a file can stand for. Rasters whose empty tiles are left out come nearest to it.
 const CELLS_A_BYTE: u64 = 16_384;
 
-/// Room for the heights of a raster of which so many bytes are there, all without data.
-///
-/// A header can claim any size. What the file cannot hold is refused before memory is taken for it.
-pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<Vec<f32>> {
+/// Refuses a size that the file cannot hold: a header can claim any, and memory is taken for it.
+pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<u64> {
     let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MOST_CELLS);
     let Some(cells) = cells else {
         return Err(Error::file(
@@ -114,13 +111,20 @@ pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Resul
             format!("claims {cols} x {rows} cells, but is only {file_length} bytes long: the file is broken"),
         ));
     }
+    Ok(cells)
+}
+
+/// Room for the heights of a raster of which so many bytes are there, all without data.
+pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<Vec<f32>> {
+    let cells = check_size(path, cols, rows, file_length)?;
     let mut values = Vec::new();
-    let room = usize::try_from(cells).map_err(|_| ()).and_then(|n| values.try_reserve_exact(n).map(|()| n).map_err(|_| ()));
-    let Ok(count) = room else {
-        return Err(Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory")));
-    };
-    values.resize(count, f32::NAN);
-    Ok(values)
+    match usize::try_from(cells) {
+        Ok(count) if values.try_reserve_exact(count).is_ok() => {
+            values.resize(count, f32::NAN);
+            Ok(values)
+        }
+        _ => Err(Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory"))),
+    }
 }
 
 /// How stored values become heights.
