@@ -12,7 +12,9 @@ use tiff::tags::Tag;
 use tokosen::crs::Crs;
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::{Error, FindingKind};
-use tokosen::io::raster::{read_dem, read_grid, write_dem};
+use tokosen::io::raster::{
+    PngEncoding, Quantity, RasterParams, read_dem, read_grid, write_dem, write_raster, write_shade,
+};
 
 /// Rolling ground with a hole.
 fn sample(cols: usize, rows: usize) -> Dem {
@@ -248,6 +250,38 @@ fn elevation_tiles_lie_where_their_path_says() {
     picture[300] = 99;
     write(&path, &picture);
     assert!(read_dem(&path).unwrap_err().to_string().contains("picture in colour"));
+}
+
+#[test]
+fn elevation_tile_colours_come_back_to_the_centimetre() {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("tile.png");
+    let mut dem = sample(43, 31);
+    let params = RasterParams { png: PngEncoding::Gsi, ..RasterParams::default() };
+    write_raster(&path, &dem, &params).unwrap();
+    let back = read_dem(&path).unwrap().value.dem;
+    assert_eq!((back.grid, back.crs.unwrap().epsg), (dem.grid, Some(6677)));
+    for (a, b) in back.values.iter().zip(&dem.values) {
+        assert!((a - b).abs() <= 0.005_02 || a.is_nan() && b.is_nan(), "{a} {b}");
+    }
+    // The world file alone is enough for the place.
+    assert!(dir.path().join("tile.pgw").exists());
+    let slope = RasterParams { quantity: Quantity::Slope, ..params };
+    assert!(matches!(write_raster(&path, &dem, &slope), Err(Error::Parameter(_))));
+    dem.values[5] = 90_000.0;
+    assert!(write_raster(&path, &dem, &params).unwrap_err().to_string().contains("does not fit"));
+}
+
+#[test]
+fn a_hillshade_is_grey_with_a_place() {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("shade.png");
+    let dem = sample(9, 7);
+    write_shade(&path, &dem).unwrap();
+    let shade = image::open(&path).unwrap().to_luma8();
+    assert_eq!((shade.width(), shade.height(), shade.as_raw()[31], shade.as_raw()[0]), (9, 7, 0, 255));
+    assert!(dir.path().join("shade.pgw").exists() && dir.path().join("shade.png.aux.xml").exists());
+    assert!(read_dem(&path).unwrap_err().to_string().contains("how its values become heights"));
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub struct DensifyArgs {
     /// Every so many levels one is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
     index: u32,
-    /// Also write a height map: .tif, .exr or .png (needs --cell or --like)
+    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell or --like)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -95,7 +95,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let dem_file = match &args.dem {
         Some(path) => {
             args.grid.check()?;
-            Some(output::open_dem(path)?)
+            Some(output::open_dem(path, &args.grid)?)
         }
         None => None,
     };

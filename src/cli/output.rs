@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::DVec2;
 use tokosen::crs::Crs;
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
-use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
+use tokosen::io::raster::{DEM_EXTENSIONS, PngEncoding, RasterParams, read_grid, write_raster};
 use tokosen::surface::{Surface, Wanted, heights};
 use tokosen::tin::FrameRing;
 
@@ -21,9 +21,20 @@ pub struct GridArgs {
     /// Cell size of the height map [map units]; cells lie on multiples of it
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub cell: Option<f64>,
-    /// Take the grid of this GeoTIFF: size, place and cells, square or not
+    /// Take the grid of this height map (.tif, .asc, .exr, .png): size, place and cells, square or not
     #[arg(long, value_name = "RASTER", conflicts_with = "cell")]
     pub like: Option<PathBuf>,
+    /// How a .png keeps heights
+    #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
+    pub png_encoding: PngArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PngArg {
+    /// 16-bit grey with scale and offset beside it, which GDAL and QGIS read as heights
+    Gray16,
+    /// Colours of GSI elevation tiles (地理院 標高タイル), steps of 1 cm; QGIS shows these as colours, not as heights
+    Gsi,
 }
 
 /// A grid that is asked for, before the extent of the surface is known.
@@ -47,8 +58,17 @@ impl GridArgs {
         }
     }
 
+    /// How to write the height map.
+    fn raster(&self) -> RasterParams {
+        let png = match self.png_encoding {
+            PngArg::Gray16 => PngEncoding::Gray16,
+            PngArg::Gsi => PngEncoding::Gsi,
+        };
+        RasterParams { png, ..RasterParams::default() }
+    }
+
     /// The grid that is asked for; reads that of `--like`.
-    fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+    pub fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
         self.check()?;
         match &self.like {
             None => Ok(GridChoice::Cell(self.cell.unwrap_or_default())),
@@ -105,11 +125,21 @@ pub fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
 pub struct DemOutput {
     pub staged: StagedOutput,
     pub choice: GridChoice,
+    raster: RasterParams,
 }
 
 /// Opens the file of a height map.
-pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+pub fn open_dem(path: &Path, grid: &GridArgs) -> Result<StagedOutput, Failure> {
+    if grid.png_encoding == PngArg::Gsi && extension(path) != "png" {
+        let message = format!("{}: --png-encoding is about height maps in .png", path.display());
+        return Err(Failure::Usage(message));
+    }
+    open_raster(path)
+}
+
+/// Opens the file of a raster.
+pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
+    let extension = extension(path);
     if !DEM_EXTENSIONS.contains(&extension.as_str()) {
         return Err(Failure::Usage(format!(
             "{}: height maps are written as {}",
@@ -120,17 +150,22 @@ pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
     open(path)
 }
 
+/// The extension of a file in small letters.
+pub fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 impl DemOutput {
     /// A height map of the grid that is asked for. `crs` is that of the contours.
     pub fn new(staged: StagedOutput, grid: &GridArgs, crs: Option<&Crs>) -> Result<Self, Failure> {
-        Ok(Self { choice: grid.choice(crs)?, staged })
+        Ok(Self { choice: grid.choice(crs)?, staged, raster: grid.raster() })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
         let grid = grid_for(&self.choice, surface)?;
         let dem = heights(surface, &grid, console);
-        let written = console.step("writing", || write_dem(&self.staged.path(), &dem));
+        let written = console.step("writing", || write_raster(&self.staged.path(), &dem, &self.raster));
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)
     }

@@ -7,7 +7,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::Dem;
+use super::{Dem, GroundScale};
 
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,11 +74,20 @@ impl ShadeParams {
 ///
 /// GDAL's 8-bit hillshade is 1 + 254 times this value for a single light.
 pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
+    hillshade_on(dem, params, &GroundScale::Uniform(params.metres_per_unit))
+}
+
+/// The same, the metres of a map unit taken from `scale` and not from `params`.
+pub fn hillshade_on(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Vec<f32> {
     let lights = Lights::new(params);
-    map_gradients(dem, params.metres_per_unit, |gradient| {
-        let slope = gradient * params.exaggeration;
-        lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
-    })
+    map_gradients(
+        dem,
+        |row| scale.row(row),
+        |gradient| {
+            let slope = gradient * params.exaggeration;
+            lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
+        },
+    )
 }
 
 /// The directions towards the lights and their shares of the brightness.
@@ -98,18 +107,23 @@ impl Lights {
 
 /// The steepness of every cell as rise over run, row by row; NaN without a height.
 pub fn steepness(dem: &Dem, metres_per_unit: DVec2) -> Vec<f32> {
-    map_gradients(dem, metres_per_unit, |gradient| gradient.length() as f32)
+    map_gradients(dem, |_| metres_per_unit, |gradient| gradient.length() as f32)
 }
 
-/// Calls `value` with the gradient (per metre east and north) of every cell that has a height.
-fn map_gradients(dem: &Dem, metres_per_unit: DVec2, value: impl Fn(DVec2) -> f32 + Sync) -> Vec<f32> {
+/// Calls `value` with the gradient (per metre east and north) of every cell that has a height; NaN elsewhere. The metres
+/// of a map unit are asked for by row.
+pub(super) fn map_gradients(
+    dem: &Dem,
+    metres_per_unit: impl Fn(usize) -> DVec2 + Sync,
+    value: impl Fn(DVec2) -> f32 + Sync,
+) -> Vec<f32> {
     let (cols, rows) = (dem.grid.cols, dem.grid.rows);
     let mut out = vec![f32::NAN; dem.values.len()];
     if cols == 0 {
         return out;
     }
-    let step = dem.grid.cell * metres_per_unit * 8.0;
     out.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
+        let step = dem.grid.cell * metres_per_unit(row) * 8.0;
         for (col, out) in line.iter_mut().enumerate() {
             let center = f64::from(dem.values[row * cols + col]);
             if !center.is_finite() {

@@ -19,8 +19,8 @@ use crate::error::{Error, Result};
 /// the extension of the output, the second an ending that replaces that extension.
 const REPLACED_ENDINGS: &[(&str, &[&str])] = &[
     ("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]),
-    ("asc", &["prj", "qpj"]),
-    ("png", &["pgw", "prj"]),
+    // A .prj may be that of a shapefile of the same name, so it is left alone.
+    ("png", &["pgw"]),
 ];
 
 /// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and what a database

@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use super::read::{Coding, Heights, room};
-use super::{create, sidecar, write_text};
+use super::{Quantity, create, sidecar, write_text};
 use crate::crs::Crs;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Report, Result};
@@ -190,7 +190,7 @@ impl Header {
 }
 
 /// Writes `dem` to `path`, and `.prj` beside it if the coordinate reference system is known.
-pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
     let Grid { corner, cell, cols, rows } = dem.grid;
     let nodata = free_mark(&dem.values);
     create(path, |out| {

@@ -17,7 +17,7 @@ use exr::prelude::{
 
 use super::pam::{self, Band};
 use super::read::{Coding, Heights, check_size};
-use super::{Filled, create, geo_transform, sidecar};
+use super::{Filled, Quantity, create, geo_transform, sidecar};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::error::{Error, Finding, FindingKind, Report, Result};
@@ -30,10 +30,10 @@ const ENCODING: Encoding = Encoding {
 };
 
 /// Writes `dem` to `path` and its nodata mark to `path` + `.aux.xml`.
-pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     let channel = AnyChannel::new("Y", FlatSamples::F32(dem.values.clone()));
     let mut attributes = LayerAttributes {
-        comments: Some(Text::from("heights in metres; NaN where there is no data")),
+        comments: Some(Text::from(format!("{}; NaN where there is no data", quantity.words()).as_str())),
         software_name: Some(Text::from("tokosen")),
         ..LayerAttributes::default()
     };
@@ -64,7 +64,7 @@ pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
             other => Filled::Format(other.into()),
         })
     })?;
-    pam::write_aux_xml(path, dem, &Band { offset: 0.0, scale: 1.0, nodata: Some("nan") })
+    pam::write_aux_xml(path, dem, &Band { quantity, offset: 0.0, scale: 1.0, nodata: Some("nan") })
 }
 
 /// Reads a height map: the first channel, with the attributes that [`write`] gives it.
@@ -173,7 +173,7 @@ mod tests {
         let path = dir.path().join("dem.exr");
         let mut dem = sample(37, 53);
         dem.crs = Some(Crs { epsg: None, wkt: Some("LOCAL_CS[\"平面\"]".into()) });
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         let image = read()
             .no_deep_data()
             .largest_resolution_level()

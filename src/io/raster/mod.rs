@@ -34,22 +34,91 @@ use std::path::Path;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
 
-pub use picture::write_picture;
+pub use picture::{write_picture, write_shade};
 pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid};
 
 /// The extensions [`write_dem`] knows, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
 
+/// What the values of a raster are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// Height in metres.
+    #[default]
+    Height,
+    /// Steepness in degrees.
+    Slope,
+    /// The direction that a slope faces, degrees clockwise from north.
+    Aspect,
+    /// Brightness from 1 to 255.
+    Shade,
+}
+
+impl Quantity {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Height => "height",
+            Self::Slope => "slope",
+            Self::Aspect => "aspect",
+            Self::Shade => "brightness",
+        }
+    }
+
+    /// Its unit as programs name it, and in words.
+    fn unit(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Height => Some(("m", "metres")),
+            Self::Slope | Self::Aspect => Some(("degree", "degrees")),
+            Self::Shade => None,
+        }
+    }
+
+    /// What the values are, such as `height in metres`.
+    fn words(self) -> String {
+        self.unit().map_or(self.name().to_owned(), |(_, unit)| format!("{} in {unit}", self.name()))
+    }
+}
+
+/// How a PNG keeps heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PngEncoding {
+    /// 16-bit grey in steps of a round size, which GDAL and QGIS read as heights.
+    #[default]
+    Gray16,
+    /// The colours of the elevation tiles of the Geospatial Information Authority of Japan, in steps of a centimetre.
+    /// GDAL and QGIS read them as colours.
+    Gsi,
+}
+
+/// How to write a raster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RasterParams {
+    /// What the values are. Readers are told so.
+    pub quantity: Quantity,
+    /// How a PNG keeps them; the other formats have one way only.
+    pub png: PngEncoding,
+}
+
 /// Writes a height map in the format that the extension of `path` names, with its sidecar files beside it.
 ///
 /// # Errors
-/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
-/// larger than the format can hold, and whatever the operating system refuses.
+/// As [`write_raster`].
 pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
+    write_raster(path, dem, &RasterParams::default())
+}
+
+/// Writes values on a grid in the format that the extension of `path` names, with its sidecar files beside it.
+///
+/// # Errors
+/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
+/// larger than the format can hold, a value that it cannot hold, and whatever the operating system refuses.
+pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let write = match extension.as_str() {
+    let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {
         "tif" | "tiff" => geotiff::write,
         "exr" => exr::write,
+        "png" if params.png == PngEncoding::Gsi => gsi_tile::write,
         "png" => png::write,
         "asc" => asc::write,
         "xyz" => xyz::write,
@@ -64,7 +133,7 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
         }
     };
     check(path, dem)?;
-    write(path, dem)
+    write(path, dem, params.quantity)
 }
 
 /// Refuses a height map that no format could hold.

@@ -130,7 +130,8 @@ fn system(path: &Path, own: Option<Crs>, beside: Option<Crs>) -> Result<Option<C
 }
 
 fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
-    if own.scale.is_none() && beside.is_none() {
+    let is_told = |aux: &Aux| aux.scale.is_some() || aux.offset.is_some() || aux.unit.is_some();
+    if own.scale.is_none() && !beside.as_ref().is_some_and(is_told) {
         let message = "is a grey picture that does not say how its values become heights; write an .aux.xml with Scale \
                        and Offset beside it, for example with 'gdal_translate -a_scale 0.1 -a_offset 0'";
         return Err(Error::file(path, message));

@@ -4,12 +4,12 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::create;
+use super::{Quantity, create};
 use crate::dem::Dem;
 use crate::error::Result;
 
 /// Writes `dem` to `path`. All numbers have the digits that give the very same number again.
-pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
     let grid = dem.grid;
     let x: Vec<f64> = (0..grid.cols).map(|col| grid.center(col, 0).x).collect();
     create(path, |out| {
@@ -33,7 +33,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("dem.xyz");
         let dem = sample(7, 5);
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<f64>> =
             text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
