@@ -110,12 +110,12 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
 fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<Coding> {
     let wrong = |e| like::wrong(path, "has a broken header", e);
     let mut own = Aux::default();
-    if let Some(text) = text_tag(tiff, Tag::GdalNodata) {
+    if let Some(text) = text_tag(path, tiff, Tag::GdalNodata)? {
         let text = text.trim_matches(['\0', ' ']);
         own.nodata =
             Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
     }
-    if let Some(text) = text_tag(tiff, GDAL_METADATA) {
+    if let Some(text) = text_tag(path, tiff, GDAL_METADATA)? {
         for item in elements(&text).unwrap_or_default() {
             let of_band = item.attribute("sample").is_none_or(|sample| sample == "0");
             let number = || item.text.trim().parse().ok();
@@ -141,8 +141,11 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
     })
 }
 
-fn text_tag(tiff: &mut Tiff, tag: Tag) -> Option<String> {
-    tiff.decoder.find_tag(tag).ok()?.and_then(|value| value.into_string().ok())
+/// The text of a tag. One that cannot be read is an error: what it says about the heights would be lost.
+fn text_tag(path: &Path, tiff: &mut Tiff, tag: Tag) -> Result<Option<String>> {
+    let value = tiff.decoder.find_tag(tag);
+    let text = value.and_then(|value| value.map(|value| value.into_string()).transpose());
+    text.map_err(|e| like::wrong(path, "has a broken header", e))
 }
 
 /// The strips or tiles of the first band.
