@@ -282,7 +282,7 @@ fn outputs_that_cannot_be_written() {
         ("densify hill.geojson -i 5 -o out.dxf", USAGE, ".geojson, .gpkg or .shp"),
         ("densify hill.geojson -i 5 -o out", USAGE, ".geojson, .gpkg or .shp"),
         ("densify hill.geojson -i 5 -o out.gpkg --dem d.jpg --cell 5", USAGE, ".tif, .tiff, .exr, .png"),
-        ("dem hill.geojson --cell 5 -o d.asc", USAGE, ".tif, .tiff, .exr, .png"),
+        ("dem hill.geojson --cell 5 -o d.xyzt", USAGE, ".tif, .tiff, .exr, .png"),
         ("dem hill.geojson --cell 5 -o d.tif --preview p.jpg", USAGE, "written as .png"),
     ] {
         folder.fails(arguments, status, &[words]);

@@ -81,6 +81,9 @@ Examples:
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
 
+/// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.
+const HIGHEST: f64 = 10_000.0;
+
 /// The outputs that are asked for, opened before the work.
 struct Outputs {
     slope: Option<StagedOutput>,
@@ -180,8 +183,9 @@ impl DeriveArgs {
             let message = format!("--steep-angle is {}, it must be more than 0 and less than 90", self.steep_angle);
             return Err(Failure::Usage(message));
         }
-        if !(self.steep_height >= 0.0 && self.steep_height.is_finite()) {
-            return Err(Failure::Usage(format!("--steep-height is {}, it must be 0 or more", self.steep_height)));
+        if !(0.0..=HIGHEST).contains(&self.steep_height) {
+            let message = format!("--steep-height is {}, it must be from 0 to {HIGHEST}", self.steep_height);
+            return Err(Failure::Usage(message));
         }
         if let Some(path) = &self.steep
             && VectorFormat::from_path(path).is_err()
@@ -254,6 +258,8 @@ fn write(
 
 /// What is to be kept in mind about steep places from such a source; it is told and stored with them.
 fn note(source: Source, height: f64) -> String {
+    // Millimetres, so that the note fits into every format.
+    let height = (height * 1000.0).round() / 1000.0;
     let known = match source {
         Source::Contours(Some(interval)) if interval > height => format!(
             "From contours {interval} m apart, which cannot show a slope of {height} m: steep places lower than {interval} m \

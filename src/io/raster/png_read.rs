@@ -51,6 +51,9 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
     // Text may follow the picture.
     reader.finish().map_err(wrong)?;
+    if matches!(reader.info().bit_depth, BitDepth::One | BitDepth::Two | BitDepth::Four) {
+        return Err(Error::file(path, "has values of less than 8 bits, which are no heights"));
+    }
     let own = text_chunks(reader.info());
     let beside = sidecar::read_aux_xml(path)?;
     let channels = frame.color_type.samples();

@@ -100,20 +100,24 @@ pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
     let path = &beside(path, ".aux.xml");
     let Some(text) = read_text(path)? else { return Ok(None) };
     let elements = elements(&text).map_err(|e| Error::file_cause(path, "is not the XML that it should be", e))?;
-    let mut aux = Aux::default();
-    let mut band = 0;
+    let (mut aux, mut band) = (Aux::default(), Aux::default());
     for element in elements {
         let text = element.text.trim();
         let number = || text.parse::<f64>().ok();
         match (element.parent.as_str(), element.name.as_str()) {
             ("PAMDataset", "SRS") => aux.crs = by_text(text),
             ("PAMDataset", "GeoTransform") => aux.transform = six_numbers(text),
-            ("PAMDataset", "PAMRasterBand") => band += 1,
-            // A band's own element ends after what is in it, so the count is that of the bands before.
-            ("PAMRasterBand", "NoDataValue") if band == 0 => aux.nodata = number(),
-            ("PAMRasterBand", "Scale") if band == 0 => aux.scale = number(),
-            ("PAMRasterBand", "Offset") if band == 0 => aux.offset = number(),
-            ("PAMRasterBand", "UnitType") if band == 0 => aux.unit = Some(text.to_owned()),
+            ("PAMRasterBand", "NoDataValue") => band.nodata = number(),
+            ("PAMRasterBand", "Scale") => band.scale = number(),
+            ("PAMRasterBand", "Offset") => band.offset = number(),
+            ("PAMRasterBand", "UnitType") => band.unit = Some(text.to_owned()),
+            // A band ends after all that is in it.
+            ("PAMDataset", "PAMRasterBand") => {
+                let Aux { nodata, scale, offset, unit, .. } = std::mem::take(&mut band);
+                if element.attribute("band").is_none_or(|number| number == "1") {
+                    aux = Aux { nodata, scale, offset, unit, ..aux };
+                }
+            }
             _ => {}
         }
     }
@@ -217,5 +221,51 @@ pub(super) fn elements(xml: &str) -> std::result::Result<Vec<Element>, quick_xml
             Event::Eof => return Ok(done),
             _ => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_band_is_told_from_the_others() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.tif");
+        let text = "<PAMDataset><SRS dataAxisToSRSAxisMapping=\"1,2\">LOCAL_CS[&quot;a &amp; b&quot;]</SRS>\
+                    <GeoTransform> 1e2, 2,0, 30 ,0,-2</GeoTransform>\
+                    <PAMRasterBand band=\"2\"><NoDataValue>7</NoDataValue><Scale>9</Scale></PAMRasterBand>\
+                    <PAMRasterBand band=\"1\"><NoDataValue>-1</NoDataValue><UnitType>ft</UnitType></PAMRasterBand>\
+                    <PAMRasterBand band=\"3\"><Offset>5</Offset></PAMRasterBand></PAMDataset>";
+        std::fs::write(dir.path().join("a.tif.aux.xml"), text).unwrap();
+        let expected = Aux {
+            crs: Some(Crs::from_wkt("LOCAL_CS[\"a & b\"]")),
+            transform: Some([100.0, 2.0, 0.0, 30.0, 0.0, -2.0]),
+            nodata: Some(-1.0),
+            scale: None,
+            offset: None,
+            unit: Some("ft".into()),
+        };
+        assert_eq!(read_aux_xml(&path).unwrap(), Some(expected));
+        assert_eq!(read_aux_xml(&dir.path().join("b.tif")).unwrap(), None);
+    }
+
+    #[test]
+    fn a_world_file_names_the_centre_of_the_first_cell() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.tif");
+        let read = |text: &str| {
+            std::fs::write(dir.path().join("a.tfw"), text).unwrap();
+            read_world(&path, &["pgw", "tfw"], (4, 3))
+        };
+        let grid = Grid { corner: DVec2::new(100.0, 60.0), cell: DVec2::new(2.0, 5.0), cols: 4, rows: 3 };
+        assert_eq!(read("2\n0\n0\n-5\n101\n57.5\n").unwrap(), Some(Placement { grid, south_up: false }));
+        assert_eq!(read("2\r\n0\r\n0\r\n5\r\n101\r\n47.5").unwrap(), Some(Placement { grid, south_up: true }));
+        for (text, words) in
+            [("2 0 0 -5 101", "six numbers"), ("2 1 1 -5 0 0", "rotated"), ("-2 0 0 -5 0 0", "east to west")]
+        {
+            assert!(read(text).unwrap_err().to_string().contains(words), "{text}");
+        }
+        assert_eq!(read_world(&path, &["pgw"], (4, 3)).unwrap(), None);
     }
 }
