@@ -23,6 +23,8 @@
 //! | [`surface::heights`] | a surface, a grid | a [`Dem`](dem::Dem) |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
+//! | [`io::raster::read_dem`] | a file | a [`Dem`](dem::Dem) that is there already |
+//! | [`dem::derive`] | a height map | slope, aspect, hillshade, steep places |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`preview::render`] | all of them | a picture |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |

@@ -289,7 +289,7 @@ fn outputs_that_cannot_be_written() {
         ("densify hill.geojson -i 5 -o out.dxf", USAGE, ".geojson, .gpkg or .shp"),
         ("densify hill.geojson -i 5 -o out", USAGE, ".geojson, .gpkg or .shp"),
         ("densify hill.geojson -i 5 -o out.gpkg --dem d.jpg --cell 5", USAGE, ".tif, .tiff, .exr, .png"),
-        ("dem hill.geojson --cell 5 -o d.asc", USAGE, ".tif, .tiff, .exr, .png"),
+        ("dem hill.geojson --cell 5 -o d.xyzt", USAGE, ".tif, .tiff, .exr, .png"),
         ("dem hill.geojson --cell 5 -o d.tif --preview p.jpg", USAGE, "written as .png"),
     ] {
         folder.fails(arguments, status, &[words]);
@@ -362,7 +362,7 @@ fn rasters_whose_grid_cannot_be_taken() {
         ("notes.tif", "is not a TIFF file"),
         ("empty.tif", "is not a TIFF file"),
         ("missing.tif", "cannot read"),
-        ("hill.geojson", "is not a TIFF file"),
+        ("hill.geojson", "not a height map format"),
         ("elsewhere.tif", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a file"),
     ] {
         folder.fails(&format!("dem hill.geojson --like {raster} -o d.tif"), FAILED, &[raster, words]);

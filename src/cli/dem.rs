@@ -22,7 +22,7 @@ use super::{Failure, summary};
 pub struct DemArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr) or 16-bit PNG (.png)
+    /// Height map to write: GeoTIFF (.tif), OpenEXR (.exr), PNG (.png), ESRI ASCII grid (.asc) or text (.xyz)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
@@ -47,7 +47,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
-    let staged = output::open_dem(&args.output)?;
+    let staged = output::open_dem(&args.output, &args.grid)?;
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;

@@ -60,7 +60,7 @@ pub struct DensifyArgs {
     index: u32,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
-    /// Also write a height map: .tif, .exr or .png (needs --cell, --cell-degrees or --like)
+    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -101,7 +101,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let dem_file = match &args.dem {
         Some(path) => {
             args.grid.check()?;
-            Some(output::open_dem(path)?)
+            Some(output::open_dem(path, &args.grid)?)
         }
         None => None,
     };

@@ -5,6 +5,7 @@
 mod console;
 mod dem;
 mod densify;
+mod derive;
 mod input;
 mod mesh;
 mod output;
@@ -39,6 +40,7 @@ Examples:
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
   tokosen densify degrees.shp --crs EPSG:6668 -i 2 -o dense.gpkg
+  tokosen derive dem.tif --slope slope.tif --steep steep.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
@@ -49,6 +51,7 @@ Examples:
 enum Verb {
     Densify(Box<densify::DensifyArgs>),
     Dem(Box<dem::DemArgs>),
+    Derive(Box<derive::DeriveArgs>),
     Mesh(Box<mesh::MeshArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
     let outcome = match &cli.verb {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
+        Verb::Derive(args) => derive::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
         Verb::Regions(args) => regions::run(args, &console),
         Verb::Skeleton(args) => skeleton::run(args, &console),

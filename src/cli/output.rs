@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::DVec2;
 use tokosen::crs::{Crs, Places, Transform};
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
-use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
+use tokosen::io::raster::{DEM_EXTENSIONS, PngEncoding, RasterParams, read_grid, write_raster};
 use tokosen::surface::{Surface, Wanted, heights, heights_on};
 use tokosen::tin::FrameRing;
 
@@ -24,9 +24,21 @@ pub struct GridArgs {
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
     #[arg(long, value_name = "SIZE", value_parser = degrees, allow_negative_numbers = true, conflicts_with = "cell")]
     pub cell_degrees: Option<f64>,
-    /// Take the grid of this GeoTIFF: size, place and cells, square or not, in any coordinate reference system
+    /// Take the grid of this height map (.tif, .asc, .exr, .png): size, place and cells, square or not, in any coordinate
+    /// reference system
     #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,
+    /// How a .png keeps heights
+    #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
+    pub png_encoding: PngArg,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PngArg {
+    /// 16-bit grey with scale and offset beside it, which GDAL and QGIS read as heights
+    Gray16,
+    /// Colours of GSI elevation tiles (地理院 標高タイル), steps of 1 cm; QGIS shows these as colours, not as heights
+    Gsi,
 }
 
 /// An angle in degrees or, with an s behind it, in seconds.
@@ -43,6 +55,20 @@ pub enum GridChoice {
     Like(Grid),
     /// Cells in another system, at whose centres the surface is evaluated.
     Apart(Cells, Box<Apart>),
+}
+
+impl GridChoice {
+    /// The surface on the grid.
+    pub fn heights(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
+        let grid = grid_for(self, surface)?;
+        Ok(match self {
+            Self::Apart(_, apart) => {
+                let values = heights_on(surface, &grid, &|p| apart.way.forward(p), console);
+                Dem { grid, values, crs: Some(apart.crs.clone()) }
+            }
+            Self::Cell(_) | Self::Like(_) => heights(surface, &grid, console),
+        })
+    }
 }
 
 /// Cells in another system.
@@ -80,8 +106,17 @@ impl GridArgs {
         Ok(())
     }
 
+    /// How to write the height map.
+    fn raster(&self) -> RasterParams {
+        let png = match self.png_encoding {
+            PngArg::Gray16 => PngEncoding::Gray16,
+            PngArg::Gsi => PngEncoding::Gsi,
+        };
+        RasterParams { png, ..RasterParams::default() }
+    }
+
     /// The grid that is asked for; reads that of `--like`.
-    fn choice(&self, places: &Places) -> Result<GridChoice, Failure> {
+    pub fn choice(&self, places: &Places) -> Result<GridChoice, Failure> {
         self.check()?;
         if let Some(path) = &self.like {
             let (grid, like_crs) = read_grid(path)?;
@@ -167,11 +202,21 @@ pub fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
 pub struct DemOutput {
     pub staged: StagedOutput,
     pub choice: GridChoice,
+    raster: RasterParams,
 }
 
 /// Opens the file of a height map.
-pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+pub fn open_dem(path: &Path, grid: &GridArgs) -> Result<StagedOutput, Failure> {
+    if grid.png_encoding == PngArg::Gsi && extension(path) != "png" {
+        let message = format!("{}: --png-encoding is about height maps in .png", path.display());
+        return Err(Failure::Usage(message));
+    }
+    open_raster(path)
+}
+
+/// Opens the file of a raster.
+pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
+    let extension = extension(path);
     if !DEM_EXTENSIONS.contains(&extension.as_str()) {
         return Err(Failure::Usage(format!(
             "{}: height maps are written as {}",
@@ -182,23 +227,21 @@ pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
     open(path)
 }
 
+/// The extension of a file in small letters.
+pub fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
 impl DemOutput {
     /// A height map of the grid that is asked for, over contours whose places are these.
     pub fn new(staged: StagedOutput, grid: &GridArgs, places: &Places) -> Result<Self, Failure> {
-        Ok(Self { choice: grid.choice(places)?, staged })
+        Ok(Self { choice: grid.choice(places)?, staged, raster: grid.raster() })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
-        let grid = grid_for(&self.choice, surface)?;
-        let dem = match &self.choice {
-            GridChoice::Apart(_, apart) => {
-                let values = heights_on(surface, &grid, &|p| apart.way.forward(p), console);
-                Dem { grid, values, crs: Some(apart.crs.clone()) }
-            }
-            GridChoice::Cell(_) | GridChoice::Like(_) => heights(surface, &grid, console),
-        };
-        let written = console.step("writing", || write_dem(&self.staged.path(), &dem));
+        let dem = self.choice.heights(surface, console)?;
+        let written = console.step("writing", || write_raster(&self.staged.path(), &dem, &self.raster));
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)
     }

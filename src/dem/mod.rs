@@ -1,8 +1,11 @@
 //! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
 
+pub mod derive;
+mod ground;
 mod rasterise;
 pub mod shade;
 
+pub use ground::{GroundScale, looks_like_degrees};
 pub(crate) use rasterise::height;
 pub use rasterise::{locate, rasterise};
 

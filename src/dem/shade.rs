@@ -1,13 +1,13 @@
 //! Hillshade: how bright each cell of a height map is under one or more distant lights.
 //!
 //! The gradient is Horn's (1981), as in GDAL: the eight neighbours, the nearer ones counted twice. Where a neighbour is
-//! missing, at the border or beside nodata, the height opposite is carried on through the cell in a straight line, so
+//! missing, at the border or beside nodata, the ground is carried on in a straight line (at the border as in GDAL), so
 //! that every cell with a height has a brightness.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::Dem;
+use super::{Dem, GroundScale};
 
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,11 +74,20 @@ impl ShadeParams {
 ///
 /// GDAL's 8-bit hillshade is 1 + 254 times this value for a single light.
 pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
+    hillshade_on(dem, params, &GroundScale::Uniform(params.metres_per_unit))
+}
+
+/// The same, the metres of a map unit taken from `scale` and not from `params`.
+pub fn hillshade_on(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Vec<f32> {
     let lights = Lights::new(params);
-    map_gradients(dem, params.metres_per_unit, |gradient| {
-        let slope = gradient * params.exaggeration;
-        lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
-    })
+    map_gradients(
+        dem,
+        |row| scale.row(row),
+        |gradient| {
+            let slope = gradient * params.exaggeration;
+            lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
+        },
+    )
 }
 
 /// The directions towards the lights and their shares of the brightness.
@@ -98,18 +107,23 @@ impl Lights {
 
 /// The steepness of every cell as rise over run, row by row; NaN without a height.
 pub fn steepness(dem: &Dem, metres_per_unit: DVec2) -> Vec<f32> {
-    map_gradients(dem, metres_per_unit, |gradient| gradient.length() as f32)
+    map_gradients(dem, |_| metres_per_unit, |gradient| gradient.length() as f32)
 }
 
-/// Calls `value` with the gradient (per metre east and north) of every cell that has a height.
-fn map_gradients(dem: &Dem, metres_per_unit: DVec2, value: impl Fn(DVec2) -> f32 + Sync) -> Vec<f32> {
+/// Calls `value` with the gradient (per metre east and north) of every cell that has a height; NaN elsewhere. The metres
+/// of a map unit are asked for by row.
+pub(super) fn map_gradients(
+    dem: &Dem,
+    metres_per_unit: impl Fn(usize) -> DVec2 + Sync,
+    value: impl Fn(DVec2) -> f32 + Sync,
+) -> Vec<f32> {
     let (cols, rows) = (dem.grid.cols, dem.grid.rows);
     let mut out = vec![f32::NAN; dem.values.len()];
     if cols == 0 {
         return out;
     }
-    let step = dem.grid.cell * metres_per_unit * 8.0;
     out.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
+        let step = dem.grid.cell * metres_per_unit(row) * 8.0;
         for (col, out) in line.iter_mut().enumerate() {
             let center = f64::from(dem.values[row * cols + col]);
             if !center.is_finite() {
@@ -120,18 +134,35 @@ fn map_gradients(dem: &Dem, metres_per_unit: DVec2, value: impl Fn(DVec2) -> f32
                 let row = row.checked_add_signed(down).filter(|&row| row < rows)?;
                 Some(f64::from(dem.values[row * cols + col])).filter(|height| height.is_finite())
             };
-            // A pair of opposite neighbours as their difference, each standing in for the other if that is missing.
-            let pair = |right: isize, down: isize| match (neighbour(right, down), neighbour(-right, -down)) {
+            // A neighbour across an edge that is missing follows from the one opposite.
+            let across = |right: isize, down: isize| {
+                let opposite = || neighbour(-right, -down).map(|height| 2.0 * center - height);
+                neighbour(right, down).or_else(opposite)
+            };
+            let [east, north, west, south] = [across(1, 0), across(0, -1), across(-1, 0), across(0, 1)];
+            // One at a corner follows from the two beyond it in its column or in its row, else from the other corners as
+            // on a plane.
+            let corner = |right: isize, down: isize| {
+                let along = |near: Option<f64>, far: Option<f64>| near.zip(far).map(|(near, far)| 2.0 * near - far);
+                let column = || along(neighbour(right, 0), neighbour(right, -down));
+                let row = || along(neighbour(0, down), neighbour(-right, down));
+                let both = || match (column(), row()) {
+                    (Some(a), Some(b)) => Some((a + b) / 2.0),
+                    (a, b) => a.or(b),
+                };
+                neighbour(right, down).or_else(both)
+            };
+            let diagonal = |right: isize, down: isize| match (corner(right, down), corner(-right, -down)) {
                 (Some(a), Some(b)) => Some(a - b),
                 (Some(a), None) => Some(2.0 * (a - center)),
                 (None, Some(b)) => Some(2.0 * (center - b)),
                 (None, None) => None,
             };
-            // A pair that is missing altogether, as in a corner, follows from the others as on a plane.
-            let (north_east, south_east) = (pair(1, -1), pair(1, 1));
+            let (north_east, south_east) = (diagonal(1, -1), diagonal(1, 1));
             let diagonals = north_east.zip(south_east);
-            let east = pair(1, 0).or(diagonals.map(|(ne, se)| (ne + se) / 2.0)).unwrap_or(0.0);
-            let north = pair(0, -1).or(diagonals.map(|(ne, se)| (ne - se) / 2.0)).unwrap_or(0.0);
+            let straight = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a - b);
+            let east = straight(east, west).or(diagonals.map(|(ne, se)| (ne + se) / 2.0)).unwrap_or(0.0);
+            let north = straight(north, south).or(diagonals.map(|(ne, se)| (ne - se) / 2.0)).unwrap_or(0.0);
             let (north_east, south_east) = (north_east.unwrap_or(east + north), south_east.unwrap_or(east - north));
             let rise = DVec2::new(2.0 * east + north_east + south_east, 2.0 * north + north_east - south_east);
             *out = value(rise / step);

@@ -7,6 +7,7 @@
 //! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
 
 mod area;
+mod content;
 mod depression;
 mod elevation;
 mod geojson;
@@ -32,6 +33,7 @@ use crate::tin::{Landform, Regions, Tin};
 use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
+pub use content::{Content, content};
 pub use staged::StagedOutput;
 
 /// How to read a file.

@@ -27,6 +27,7 @@ mod product;
 mod tuples;
 mod xml;
 
+use std::io::Read;
 use std::path::Path;
 
 pub(super) use features::read;
@@ -34,8 +35,13 @@ pub use product::Product;
 
 use crate::dem::Dem;
 use crate::error::{Error, Report, Result};
-use archive::{Seen, each_document, has_extension};
+use archive::{Seen, each_document, has_extension, item_of};
 use datum::Datums;
+use meter::Source;
+use xml::unreadable;
+
+/// So many bytes of a document tell what it holds.
+const BEGINNING: u64 = 4096;
 
 /// Whether a path is read as files of 基盤地図情報: a folder, a `.zip` or a `.xml`.
 pub(super) fn is_source(path: &Path) -> bool {
@@ -49,6 +55,31 @@ pub struct GsiDem {
     pub dem: Dem,
     /// What it was made from.
     pub product: Product,
+}
+
+/// Whether a path has documents of height maps and none of contours.
+pub(super) fn is_height_map(path: &Path) -> Result<bool> {
+    let (mut has_heights, mut has_contours) = (false, false);
+    let wanted = |item: &str| item.starts_with("DEM") || item == "Cntr";
+    let mut look = |name: &Path, source: &mut Source<'_>| {
+        let document = name.to_string_lossy();
+        let item = item_of(document.rsplit(['/', '\\', '!']).next().unwrap_or_default());
+        match item.as_deref() {
+            Some("Cntr") => has_contours = true,
+            Some(item) if item.starts_with("DEM") => has_heights = true,
+            // The name says nothing; the beginning does.
+            _ => {
+                let mut start = Vec::new();
+                source.take(BEGINNING).read_to_end(&mut start).map_err(|e| unreadable(name, e))?;
+                let has = |element: &[u8]| start.windows(element.len()).any(|w| w == element);
+                has_heights |= has(b"<DEM");
+                has_contours |= has(b"<Cntr");
+            }
+        }
+        Ok(())
+    };
+    each_document(path, &wanted, &mut look)?;
+    Ok(has_heights && !has_contours)
 }
 
 /// Reads all height maps of a path as one, squares side by side; NaN where a square has no height or is missing.

@@ -16,11 +16,13 @@ mod contours;
 mod landforms;
 mod moved;
 mod skeleton;
+mod steep;
 
 pub use contours::of_contours;
 pub use landforms::of_landforms;
 pub(super) use moved::MovedShapes;
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
+pub use steep::steep_areas;
 
 /// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

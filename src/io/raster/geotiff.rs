@@ -16,7 +16,7 @@ use tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Predictor, SampleFormat, Tag};
 
 use super::geokeys::GeoKeys;
-use super::{Filled, create};
+use super::{Filled, Quantity, create};
 use crate::dem::Dem;
 use crate::error::Result;
 
@@ -32,17 +32,32 @@ const CLASSIC_LIMIT: u64 = 4_000_000_000;
 /// The usual mark of cells without data. NaN stays the mark if a cell is really that low.
 const NODATA: f32 = -9999.0;
 
-/// What GDAL keeps in its own tag: the heights' unit.
+/// What GDAL keeps in its own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
-const METRES: &str =
-    "<GDALMetadata>\n  <Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">m</Item>\n</GDALMetadata>\n";
+
+fn metadata(quantity: Quantity) -> String {
+    let item = |name: &str, role: &str, text: &str| {
+        format!("  <Item name=\"{name}\" sample=\"0\" role=\"{role}\">{text}</Item>\n")
+    };
+    let unit = quantity.unit().map(|(unit, _)| item("UNITTYPE", "unittype", unit)).unwrap_or_default();
+    // Heights are what everybody expects of an elevation model; other values say what they are.
+    let name = match quantity {
+        Quantity::Height => String::new(),
+        other => item("DESCRIPTION", "description", other.name()),
+    };
+    format!("<GDALMetadata>\n{name}{unit}</GDALMetadata>\n")
+}
 
 /// Writes `dem` to `path`.
-pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     let tiles = dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
     let big = tiles * (TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
     create(path, |out| {
-        let written = if big { write_kind::<TiffKindBig>(out, dem) } else { write_kind::<TiffKindStandard>(out, dem) };
+        let written = if big {
+            write_kind::<TiffKindBig>(out, dem, quantity)
+        } else {
+            write_kind::<TiffKindStandard>(out, dem, quantity)
+        };
         written.map_err(|error| match error {
             TiffError::IoError(error) => Filled::Io(error),
             other => Filled::Format(other.into()),
@@ -50,7 +65,11 @@ pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
     })
 }
 
-fn write_kind<K: TiffKind>(out: impl Write + Seek, dem: &Dem) -> std::result::Result<(), TiffError> {
+fn write_kind<K: TiffKind>(
+    out: impl Write + Seek,
+    dem: &Dem,
+    quantity: Quantity,
+) -> std::result::Result<(), TiffError> {
     let grid = dem.grid;
     let nodata = if dem.values.contains(&NODATA) { f32::NAN } else { NODATA };
     let mut encoder = TiffEncoder::<_, K>::new_generic(out)?;
@@ -89,7 +108,7 @@ fn write_kind<K: TiffKind>(out: impl Write + Seek, dem: &Dem) -> std::result::Re
     directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
     directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
     directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;
-    directory.write_tag(GDAL_METADATA, METRES)?;
+    directory.write_tag(GDAL_METADATA, metadata(quantity).as_str())?;
     if let Some(keys) = dem.crs.as_ref().and_then(GeoKeys::of) {
         directory.write_tag(Tag::GeoKeyDirectoryTag, keys.directory.as_slice())?;
         if !keys.ascii.is_empty() {
@@ -152,7 +171,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         for (cols, rows) in [(3, 2), (256, 256), (257, 255), (300, 700)] {
             let dem = sample(cols, rows);
-            write(&path, &dem).unwrap();
+            write(&path, &dem, Quantity::Height).unwrap();
             let (values, nodata) = read(&path);
             assert_eq!(nodata, "-9999");
             assert_eq!(values.len(), cols * rows);
@@ -172,7 +191,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         let mut dem = sample(20, 20);
         dem.values[0] = -9999.0;
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         let (values, nodata) = read(&path);
         assert_eq!(values[0], -9999.0);
         assert!(values[21].is_nan());
@@ -186,10 +205,10 @@ mod tests {
         let mut dem = sample(4, 4);
         let wkt = "PROJCS[\"own\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.25]]],UNIT[\"metre\",1]]";
         dem.crs = Some(Crs { epsg: None, wkt: Some(wkt.into()) });
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, dem.crs);
         dem.crs = None;
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, None);
     }
 
@@ -197,7 +216,7 @@ mod tests {
     fn the_large_kind_reads_back_too() {
         let dem = sample(300, 20);
         let mut file = std::io::Cursor::new(Vec::new());
-        write_kind::<TiffKindBig>(&mut file, &dem).unwrap();
+        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height).unwrap();
         assert_eq!(file.get_ref()[2], 43);
         file.set_position(0);
         let DecodingResult::F32(values) = Decoder::new(file).unwrap().read_image().unwrap() else { panic!("not f32") };

@@ -1,4 +1,4 @@
-//! Raster files: height maps out ([`write_dem`]), the grid of an existing raster in ([`read_grid`]).
+//! Raster files: height maps in ([`read_dem`]) and out ([`write_dem`]), the grid of an existing raster ([`read_grid`]).
 //!
 //! The file's name decides the format:
 //!
@@ -7,16 +7,25 @@
 //! | `.tif`, `.tiff` | 32-bit floating point, lossless | in the file (GeoTIFF) |
 //! | `.exr` | 32-bit floating point, lossless | in the file, as GDAL reads them; nodata in `.exr.aux.xml` |
 //! | `.png` | 16-bit steps of a round size | in the file as text, in `.pgw` and in `.png.aux.xml` |
+//! | `.asc` | text (ESRI ASCII grid), lossless | in the file; coordinate reference system in `.prj` |
+//! | `.xyz` | text, a line `x y height` for every cell with data, lossless | in the file, as cell centres; no system |
 //!
 //! Sidecar files are written beside the main file, whatever directory that is.
 
+mod asc;
 mod exr;
 mod geokeys;
 mod geotiff;
+mod geotiff_read;
+mod gsi_tile;
 mod like;
 mod pam;
 mod picture;
 mod png;
+mod png_read;
+mod read;
+mod sidecar;
+mod xyz;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -25,23 +34,94 @@ use std::path::Path;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
 
-pub use like::read_grid;
-pub use picture::write_picture;
+pub use picture::{write_picture, write_shade};
+pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid};
 
 /// The extensions [`write_dem`] knows, for messages and help texts.
-pub const DEM_EXTENSIONS: [&str; 4] = ["tif", "tiff", "exr", "png"];
+pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
+
+/// What the values of a raster are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// Height in metres.
+    #[default]
+    Height,
+    /// Steepness in degrees.
+    Slope,
+    /// The direction that a slope faces, degrees clockwise from north.
+    Aspect,
+    /// Brightness from 1 to 255.
+    Shade,
+}
+
+impl Quantity {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Height => "height",
+            Self::Slope => "slope",
+            Self::Aspect => "aspect",
+            Self::Shade => "brightness",
+        }
+    }
+
+    /// Its unit as programs name it, and in words.
+    fn unit(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Height => Some(("m", "metres")),
+            Self::Slope | Self::Aspect => Some(("degree", "degrees")),
+            Self::Shade => None,
+        }
+    }
+
+    /// What the values are, such as `height in metres`.
+    fn words(self) -> String {
+        self.unit().map_or(self.name().to_owned(), |(_, unit)| format!("{} in {unit}", self.name()))
+    }
+}
+
+/// How a PNG keeps heights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PngEncoding {
+    /// 16-bit grey in steps of a round size, which GDAL and QGIS read as heights.
+    #[default]
+    Gray16,
+    /// The colours of the elevation tiles of the Geospatial Information Authority of Japan, in steps of a centimetre.
+    /// GDAL and QGIS read them as colours.
+    Gsi,
+}
+
+/// How to write a raster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RasterParams {
+    /// What the values are. Readers are told so.
+    pub quantity: Quantity,
+    /// How a PNG keeps them; the other formats have one way only.
+    pub png: PngEncoding,
+}
 
 /// Writes a height map in the format that the extension of `path` names, with its sidecar files beside it.
 ///
 /// # Errors
-/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
-/// larger than the format can hold, and whatever the operating system refuses.
+/// As [`write_raster`].
 pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
+    write_raster(path, dem, &RasterParams::default())
+}
+
+/// Writes values on a grid in the format that the extension of `path` names, with its sidecar files beside it.
+///
+/// # Errors
+/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
+/// larger than the format can hold, a value that it cannot hold, and whatever the operating system refuses.
+pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let write = match extension.as_str() {
+    let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {
         "tif" | "tiff" => geotiff::write,
         "exr" => exr::write,
+        "png" if params.png == PngEncoding::Gsi => gsi_tile::write,
         "png" => png::write,
+        "asc" => asc::write,
+        "xyz" => xyz::write,
         _ => {
             return Err(Error::file(
                 path,
@@ -53,7 +133,7 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
         }
     };
     check(path, dem)?;
-    write(path, dem)
+    write(path, dem, params.quantity)
 }
 
 /// Refuses a height map that no format could hold.
@@ -76,7 +156,7 @@ fn check(path: &Path, dem: &Dem) -> Result<()> {
             corner.y
         )));
     }
-    // All three formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
+    // The binary formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
     if cols.max(rows) > i32::MAX as usize / 2 {
         return Err(Error::file(path, format!("{cols} x {rows} cells are more than the format can count")));
     }
@@ -147,10 +227,10 @@ mod tests {
     #[test]
     fn an_unknown_extension_names_the_known_ones() {
         let dir = tempfile::tempdir().unwrap();
-        for name in ["dem.asc", "dem", "dem.TIF.gz"] {
+        for name in ["dem.txt", "dem", "dem.TIF.gz"] {
             let path = dir.path().join(name);
             let error = write_dem(&path, &sample(4, 4)).unwrap_err().to_string();
-            assert!(error.contains(".tif, .tiff, .exr, .png"), "{error}");
+            assert!(error.contains(".tif, .tiff, .exr, .png, .asc, .xyz"), "{error}");
             assert!(!path.exists());
         }
     }
@@ -197,7 +277,7 @@ mod tests {
     fn the_same_bytes_come_out_for_any_number_of_threads() {
         let dir = tempfile::tempdir().unwrap();
         let dem = sample(700, 600);
-        for extension in ["tif", "exr", "png"] {
+        for extension in DEM_EXTENSIONS {
             let bytes = [1, 4].map(|threads| {
                 let path = dir.path().join(format!("{threads}.{extension}"));
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -6,13 +6,15 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
-use super::{beside, geo_transform, write_text};
+use super::{Quantity, beside, geo_transform, write_text};
 use crate::dem::Dem;
 use crate::error::Result;
 
 /// How stored values become heights, and which one of them means that there is no data.
 pub(super) struct Band {
-    /// Height of the value 0, metres.
+    /// What the values are.
+    pub quantity: Quantity,
+    /// Height of the value 0, metres; likewise for other quantities.
     pub offset: f64,
     /// Metres a step.
     pub scale: f64,
@@ -25,6 +27,30 @@ pub(super) struct Band {
 /// # Errors
 /// Whatever the operating system refuses.
 pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
+    let mut xml = placement(dem);
+    // Writing to a String cannot fail.
+    let _ = writeln!(xml, "  <PAMRasterBand band=\"1\">\n    <Description>{}</Description>", band.quantity.name());
+    if let Some(nodata) = band.nodata {
+        let _ = writeln!(xml, "    <NoDataValue>{nodata}</NoDataValue>");
+    }
+    if let Some((unit, _)) = band.quantity.unit() {
+        let _ = writeln!(xml, "    <UnitType>{unit}</UnitType>");
+    }
+    let _ = writeln!(xml, "    <Offset>{}</Offset>\n    <Scale>{}</Scale>", band.offset, band.scale);
+    xml.push_str("  </PAMRasterBand>\n</PAMDataset>\n");
+    write_text(&beside(path, ".aux.xml"), &xml)
+}
+
+/// Writes `path` + `.aux.xml` with the coordinate reference system and the placement only.
+///
+/// # Errors
+/// Whatever the operating system refuses.
+pub(super) fn write_aux_placement(path: &Path, dem: &Dem) -> Result<()> {
+    write_text(&beside(path, ".aux.xml"), &(placement(dem) + "</PAMDataset>\n"))
+}
+
+/// The beginning of an `.aux.xml`, which says where the raster is.
+fn placement(dem: &Dem) -> String {
     let mut xml = String::from("<PAMDataset>\n");
     let name = dem
         .crs
@@ -37,14 +63,7 @@ pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
     let transform = geo_transform(&dem.grid).map(|v| v.to_string()).join(", ");
     let _ = writeln!(xml, "  <GeoTransform>{transform}</GeoTransform>");
     xml.push_str("  <Metadata>\n    <MDI key=\"AREA_OR_POINT\">Area</MDI>\n  </Metadata>\n");
-    xml.push_str("  <PAMRasterBand band=\"1\">\n    <Description>height</Description>\n");
-    if let Some(nodata) = band.nodata {
-        let _ = writeln!(xml, "    <NoDataValue>{nodata}</NoDataValue>");
-    }
-    xml.push_str("    <UnitType>m</UnitType>\n");
-    let _ = writeln!(xml, "    <Offset>{}</Offset>\n    <Scale>{}</Scale>", band.offset, band.scale);
-    xml.push_str("  </PAMRasterBand>\n</PAMDataset>\n");
-    write_text(&beside(path, ".aux.xml"), &xml)
+    xml
 }
 
 /// Writes the world file: cell size, rotation and the centre of the north-west cell, a number a line.

@@ -1,11 +1,12 @@
-//! Pictures of the map: 8-bit colour PNG.
+//! Pictures of the map: 8-bit PNG, in colour, or in grey with its place on the map beside it.
 
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError, RgbImage};
 
-use super::{Filled, create};
+use super::{Filled, check, create, pam};
+use crate::dem::Dem;
 use crate::error::{Error, Result};
 
 /// Writes a picture as PNG. The name must end in `.png`.
@@ -24,6 +25,31 @@ pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
                 other => Filled::Format(other.into()),
             })
     })
+}
+
+/// Writes a hillshade as 8-bit grey PNG: brightness from 1 to 255, 0 where there is none; `.pgw` and `.png.aux.xml`
+/// beside it tell its place. The name must end in `.png`.
+///
+/// # Errors
+/// Another extension, a grid without cells or with an impossible placement, and whatever the operating system refuses.
+pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Err(Error::file(path, "pictures are written as .png"));
+    }
+    check(path, shade)?;
+    let grey: Vec<u8> =
+        shade.values.iter().map(|v| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 }).collect();
+    create(path, |out| {
+        PngEncoder::new(out)
+            // The check has seen that both fit into 31 bits.
+            .write_image(&grey, shade.grid.cols as u32, shade.grid.rows as u32, ExtendedColorType::L8)
+            .map_err(|error| match error {
+                ImageError::IoError(error) => Filled::Io(error),
+                other => Filled::Format(other.into()),
+            })
+    })?;
+    pam::write_aux_placement(path, shade)?;
+    pam::write_world(path, "pgw", shade)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 use super::pam::{self, Band};
-use super::{Filled, create, geo_transform};
+use super::{Filled, Quantity, create, geo_transform};
 use crate::dem::Dem;
 use crate::error::Result;
 
@@ -23,47 +23,35 @@ use crate::error::Result;
 const FINEST_EXPONENT: i32 = -4;
 
 /// Writes `dem` to `path`, and `.png.aux.xml` and `.pgw` beside it.
-pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     let coding = Coding::of(&dem.values);
-    create(path, |out| encode(out, dem, &coding).map_err(filled))?;
+    create(path, |out| encode(out, dem, &coding, quantity).map_err(filled))?;
     pam::write_aux_xml(
         path,
         dem,
-        &Band { offset: coding.offset, scale: coding.scale, nodata: coding.holes.then_some("0") },
+        &Band { quantity, offset: coding.offset, scale: coding.scale, nodata: coding.holes.then_some("0") },
     )?;
     pam::write_world(path, "pgw", dem)
 }
 
-fn filled(error: EncodingError) -> Filled {
+pub(super) fn filled(error: EncodingError) -> Filled {
     match error {
         EncodingError::IoError(error) => Filled::Io(error),
         other => Filled::Format(other.into()),
     }
 }
 
-fn encode(out: impl Write, dem: &Dem, coding: &Coding) -> std::result::Result<(), EncodingError> {
+fn encode(out: impl Write, dem: &Dem, coding: &Coding, quantity: Quantity) -> std::result::Result<(), EncodingError> {
     // The caller has checked that both fit into 31 bits.
     let mut encoder = Encoder::new(out, dem.grid.cols as u32, dem.grid.rows as u32);
     encoder.set_color(ColorType::Grayscale);
     encoder.set_depth(BitDepth::Sixteen);
-    encoder.set_compression(png::Compression::Balanced);
+    describe(&mut encoder, dem, coding.formula(quantity))?;
     let mut text = |key: &str, value: String| encoder.add_text_chunk(key.to_owned(), value);
-    text("Software", "tokosen".into())?;
-    text("Description", coding.formula())?;
     text("Scale", coding.scale.to_string())?;
     text("Offset", coding.offset.to_string())?;
     if coding.holes {
         text("NoData", "0".into())?;
-    }
-    text("GeoTransform", geo_transform(&dem.grid).map(|v| v.to_string()).join(", "))?;
-    if let Some(crs) = &dem.crs {
-        if let Some(code) = crs.horizontal().epsg {
-            text("EPSG", code.to_string())?;
-        }
-        // Well-known text may hold any script, which only the international chunk can.
-        if let Some(wkt) = crs.header_wkt() {
-            encoder.add_itxt_chunk("WKT".into(), wkt.into_owned())?;
-        }
     }
     let mut writer = encoder.write_header()?;
     let mut stream = writer.stream_writer()?;
@@ -75,6 +63,29 @@ fn encode(out: impl Write, dem: &Dem, coding: &Coding) -> std::result::Result<()
     }
     stream.finish()?;
     writer.finish()
+}
+
+/// Adds the text chunks that all height maps have: what the values mean and where the cells are.
+pub(super) fn describe<W: Write>(
+    encoder: &mut Encoder<'_, W>,
+    dem: &Dem,
+    formula: String,
+) -> std::result::Result<(), EncodingError> {
+    encoder.set_compression(png::Compression::Balanced);
+    let mut text = |key: &str, value: String| encoder.add_text_chunk(key.to_owned(), value);
+    text("Software", "tokosen".into())?;
+    text("Description", formula)?;
+    text("GeoTransform", geo_transform(&dem.grid).map(|v| v.to_string()).join(", "))?;
+    if let Some(crs) = &dem.crs {
+        if let Some(code) = crs.horizontal().epsg {
+            text("EPSG", code.to_string())?;
+        }
+        // Well-known text may hold any script, which only the international chunk can.
+        if let Some(wkt) = crs.header_wkt() {
+            encoder.add_itxt_chunk("WKT".into(), wkt.into_owned())?;
+        }
+    }
+    Ok(())
 }
 
 /// How heights become 16-bit values.
@@ -118,9 +129,9 @@ impl Coding {
         ((f64::from(height) - self.offset) / self.scale).round() as u16
     }
 
-    fn formula(&self) -> String {
+    fn formula(&self, quantity: Quantity) -> String {
         let holes = if self.holes { "; value 0: no data" } else { "" };
-        format!("height in metres = {} + {} * value{holes}", self.offset, self.scale)
+        format!("{} = {} + {} * value{holes}", quantity.words(), self.offset, self.scale)
     }
 }
 
@@ -148,7 +159,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("dem.png");
         let dem = sample(41, 29);
-        write(&path, &dem).unwrap();
+        write(&path, &dem, Quantity::Height).unwrap();
         let (values, info) = read(&path);
         assert_eq!((info.width, info.height), (41, 29));
         let number = |key: &str| -> f64 {

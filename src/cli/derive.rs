@@ -1,0 +1,289 @@
+//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade and steep places out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tokosen::contour::{ContourMap, find_interval};
+use tokosen::dem::derive::{SteepParams, Steeps, aspect, shade, slope, steep};
+use tokosen::dem::shade::ShadeParams;
+use tokosen::dem::{Dem, GroundScale, looks_like_degrees};
+use tokosen::error::{Error, Finding};
+use tokosen::io::layer::steep_areas;
+use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
+use tokosen::io::{Content, StagedOutput, VectorFormat, content, write_layers};
+use tokosen::surface::Triangles;
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::output::{self, GridArgs, extension};
+use super::surface::{SurfaceArgs, build_surface};
+use super::{Failure, summary};
+
+/// Slope, aspect, hillshade and steep places
+///
+/// From a height map, or from contour lines by way of one (then with --cell or --like). Slope and aspect are Horn's, over
+/// 3 x 3 cells; at the border and beside cells without data the ground is carried on in a straight line. A height map in
+/// degrees or Web Mercator is measured in metres on the ground.
+///
+/// Steep places are areas of cells that are at least --steep-angle steep and that span at least --steep-height: 30 degrees
+/// and 5 m are what Japanese law takes for a steep slope that may fail (急傾斜地). Attributes of layer steep: area_id, area_m2
+/// (on the map), height_m, slope_mean, slope_max, note. Parts of an area that meet at a corner have the same area_id. The
+/// result shows what the map shows and is no survey: contours 10 m apart cannot show slopes of 5 m.
+#[derive(Debug, Args)]
+#[command(
+    after_help = EXAMPLES,
+    mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
+    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [map units]; cells lie on multiples of it")),
+    mut_arg("like", |arg| arg.help("For contours: take the grid of this height map (.tif, .asc, .exr, .png)")),
+    mut_arg("png_encoding", |arg| arg.hide(true)),
+)]
+pub struct DeriveArgs {
+    #[command(flatten)]
+    input: InputArgs,
+    /// Slope in degrees: .tif, .exr, .png (16 bit), .asc or .xyz
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    slope: Option<PathBuf>,
+    /// The direction that slopes face, degrees clockwise from north, level ground without data: .tif, .exr, .png (16 bit),
+    /// .asc or .xyz
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    aspect: Option<PathBuf>,
+    /// Hillshade, 1 to 255: .png (8-bit grey), .tif, .exr, .asc or .xyz
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    hillshade: Option<PathBuf>,
+    /// Steep places as areas: .gpkg, .geojson or .shp
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    steep: Option<PathBuf>,
+    /// Least slope of a steep place [degrees]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 30.0,
+        allow_negative_numbers = true,
+        help_heading = "Output"
+    )]
+    steep_angle: f64,
+    /// Least height of a steep place [metres]
+    #[arg(long, value_name = "METRES", default_value_t = 5.0, allow_negative_numbers = true, help_heading = "Output")]
+    steep_height: f64,
+    #[command(flatten, next_help_heading = "Output")]
+    grid: GridArgs,
+    #[command(flatten)]
+    surface: SurfaceArgs,
+}
+
+const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png), or contour lines (.geojson, .json, .gpkg, .shp) in a \
+                          projected coordinate reference system";
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen derive dem.tif --slope slope.tif --aspect aspect.tif --hillshade shade.png
+  tokosen derive dem.asc --steep steep.gpkg
+  tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
+  tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
+
+/// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.
+const HIGHEST: f64 = 10_000.0;
+
+/// The outputs that are asked for, opened before the work.
+struct Outputs {
+    slope: Option<StagedOutput>,
+    aspect: Option<StagedOutput>,
+    shade: Option<StagedOutput>,
+    steep: Option<StagedOutput>,
+}
+
+/// The height map with what is known about where it comes from.
+struct Ground {
+    dem: Dem,
+    source: Source,
+    findings: Vec<Finding>,
+}
+
+/// What the heights come from, as far as it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// Contours with their vertical interval, if they have one.
+    Contours(Option<f64>),
+    HeightMap,
+}
+
+/// Runs the verb.
+pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
+    let is_raster = content(&args.input.contours)? == Content::HeightMap;
+    args.check(is_raster)?;
+    let outputs = args.open()?;
+    let Ground { dem, source, findings } =
+        if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
+    if looks_like_degrees(&dem.grid, dem.crs.as_ref()) {
+        let message = "the coordinates look like degrees, and the height map does not say so; name its system first, for \
+                       example with 'gdal_translate -a_srs EPSG:6668'";
+        return Err(Failure::Work(Error::file(&args.input.contours, message)));
+    }
+    if dem.values.iter().all(|height| height.is_nan()) {
+        return Err(Failure::Work(Error::file(&args.input.contours, "has no cell with a height")));
+    }
+    // The strictness of contours is judged where they are read.
+    args.input.check_strict(&findings, console)?;
+
+    let scale = GroundScale::of(&dem);
+    write(&outputs.slope, Quantity::Slope, || slope(&dem, &scale), console)?;
+    write(&outputs.aspect, Quantity::Aspect, || aspect(&dem, &scale), console)?;
+    write(&outputs.shade, Quantity::Shade, || shade(&dem, &ShadeParams::default(), &scale), console)?;
+    let note = note(source, args.steep_height);
+    let steeps = match &outputs.steep {
+        Some(staged) => {
+            let params = SteepParams { angle: args.steep_angle, height: args.steep_height };
+            let found = console.step("steep places", || steep(&dem, &scale, &params))?;
+            console.step("writing", || write_layers(staged, &[steep_areas(&found, &note)], dem.crs.as_ref()))?;
+            Some(found)
+        }
+        None => None,
+    };
+
+    summary::findings(&findings, console);
+    for staged in [outputs.slope, outputs.aspect, outputs.shade].into_iter().flatten() {
+        let path = staged.target().to_owned();
+        staged.commit()?;
+        console.say(&format!("written    {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
+    }
+    if let (Some(staged), Some(steeps)) = (outputs.steep, &steeps) {
+        let path = staged.target().to_owned();
+        staged.commit()?;
+        describe(&path, steeps, args, console);
+        console.say(&format!("note       {note}"));
+    }
+    summary::close(findings.len(), console);
+    Ok(())
+}
+
+impl DeriveArgs {
+    /// Checks what can be checked before anything is read.
+    fn check(&self, is_raster: bool) -> Result<(), Failure> {
+        if self.outputs().next().is_none() {
+            return Err(Failure::Usage("name what to write: --slope, --aspect, --hillshade or --steep FILE".into()));
+        }
+        let is_for_contours = self.grid.is_given()
+            || self.input.points.is_some()
+            || self.input.elevation_field.is_some()
+            || self.input.layer.is_some();
+        if is_raster && is_for_contours {
+            let message = "--cell, --like, --points, --elevation-field and --layer are about contours, and the input is a \
+                           height map";
+            return Err(Failure::Usage(message.into()));
+        }
+        if !is_raster {
+            self.grid.check()?;
+        }
+        if !(self.steep_angle > 0.0 && self.steep_angle < 90.0) {
+            let message = format!("--steep-angle is {}, it must be more than 0 and less than 90", self.steep_angle);
+            return Err(Failure::Usage(message));
+        }
+        if !(0.0..=HIGHEST).contains(&self.steep_height) {
+            let message = format!("--steep-height is {}, it must be from 0 to {HIGHEST}", self.steep_height);
+            return Err(Failure::Usage(message));
+        }
+        if let Some(path) = &self.steep
+            && VectorFormat::from_path(path).is_err()
+        {
+            let message = format!("{}: steep places are written as .gpkg, .geojson or .shp", path.display());
+            return Err(Failure::Usage(message));
+        }
+        let inputs: Vec<&Path> =
+            self.input.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
+        output::check_paths(&inputs, &self.outputs().collect::<Vec<_>>())
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        [&self.slope, &self.aspect, &self.hillshade, &self.steep].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    fn open(&self) -> Result<Outputs, Failure> {
+        let raster = |path: &Option<PathBuf>| path.as_deref().map(output::open_raster).transpose();
+        Ok(Outputs {
+            slope: raster(&self.slope)?,
+            aspect: raster(&self.aspect)?,
+            shade: raster(&self.hillshade)?,
+            steep: self.steep.as_deref().map(output::open).transpose()?,
+        })
+    }
+
+    fn read_raster(&self, console: &Console) -> Result<Ground, Failure> {
+        let path = &self.input.contours;
+        let read = console.step("reading", || read_dem(path))?;
+        let dem = read.value.dem;
+        let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
+        console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
+        console.say(&format!("crs        {crs}"));
+        Ok(Ground { dem, source: Source::HeightMap, findings: read.findings })
+    }
+
+    fn read_contours(&self, console: &Console) -> Result<Ground, Failure> {
+        let mut input = self.input.read(console)?;
+        let choice = self.grid.choice(&input.places)?;
+        let source = Source::Contours(interval(&input.map));
+        let params = self.surface.params(&mut input, Some(&choice), Triangles::Guide)?;
+        let surface = build_surface(input.map, &params, &mut input.findings, console)?;
+        let dem = choice.heights(&surface, console)?;
+        self.input.describe(&surface.map, console);
+        summary::surface(&surface, console);
+        Ok(Ground { dem, source, findings: input.findings })
+    }
+}
+
+fn interval(map: &ContourMap) -> Option<f64> {
+    find_interval(&map.contours).map(|interval| interval.step)
+}
+
+/// Computes a raster and writes it, still under its temporary name, if it is asked for.
+fn write(
+    staged: &Option<StagedOutput>,
+    quantity: Quantity,
+    compute: impl FnOnce() -> Dem,
+    console: &Console,
+) -> Result<(), Failure> {
+    let Some(staged) = staged else { return Ok(()) };
+    let dem = console.step(quantity.name(), compute);
+    let path = staged.path();
+    let written = console.step("writing", || match quantity {
+        Quantity::Shade if extension(&path) == "png" => write_shade(&path, &dem),
+        _ => write_raster(&path, &dem, &RasterParams { quantity, ..RasterParams::default() }),
+    });
+    Ok(written.map_err(|e| staged.with_final_name(e))?)
+}
+
+/// What is to be kept in mind about steep places from such a source; it is told and stored with them.
+fn note(source: Source, height: f64) -> String {
+    // Millimetres, so that the note fits into every format.
+    let height = (height * 1000.0).round() / 1000.0;
+    let known = match source {
+        Source::Contours(Some(interval)) if interval > height => format!(
+            "From contours {interval} m apart, which cannot show a slope of {height} m: steep places lower than {interval} m \
+             may be missing, and others be wrong in place and size."
+        ),
+        Source::Contours(Some(interval)) => {
+            format!("From contours {interval} m apart; what lies between two of them is computed.")
+        }
+        Source::Contours(None) => format!(
+            "From contours of unknown interval: one larger than {height} m cannot show a slope of {height} m, and steep \
+             places may be missing."
+        ),
+        Source::HeightMap => format!(
+            "From a height map: if that was made of contours more than {height} m apart, it cannot show a slope of \
+             {height} m, and steep places may be missing."
+        ),
+    };
+    format!("{known} No survey.")
+}
+
+fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) {
+    let area: f64 = steeps.parts.iter().map(|part| part.area).sum();
+    console.say(&format!(
+        "steep      {} areas of at least {} degrees and {} m, {:.2} hectares; {} lower ones left out",
+        steeps.areas,
+        args.steep_angle,
+        args.steep_height,
+        area / 10_000.0,
+        steeps.too_low
+    ));
+    console.say(&format!("written    {}, layer steep ({} polygons)", path.display(), steeps.parts.len()));
+}

@@ -1,0 +1,8 @@
+//! What is derived from a height map: how steep it is, where it faces, which places are steep and high enough to slide.
+
+mod outline;
+mod slope;
+mod steep;
+
+pub use slope::{aspect, shade, slope};
+pub use steep::{SteepArea, SteepParams, Steeps, steep};

@@ -1,0 +1,235 @@
+//! Outlines of sets of cells: polygons along cell edges.
+//!
+//! Cells that meet only at a corner are different polygons, so that every polygon is simple in the sense of the vector
+//! formats: its rings do not cross or touch themselves, and its inside is in one piece.
+
+use std::collections::HashMap;
+
+/// A corner of cells: columns from the west edge, rows from the north edge.
+pub(super) type Corner = (u32, u32);
+
+/// A set of cells that are joined along edges, with its outline.
+pub(super) struct Part {
+    /// One of its cells.
+    pub cell: usize,
+    /// Number of its cells.
+    pub cells: usize,
+    /// The outer ring, turning left on a map with north up, then the holes, turning right; each ends where it begins.
+    /// Only corners where the ring turns.
+    pub rings: Vec<Vec<Corner>>,
+}
+
+/// The pieces a cell belongs to, from 0, in the order of their first cells; `None` outside the set.
+///
+/// Cells are neighbours if they share an edge or, with `diagonal`, a corner.
+pub(super) fn pieces(cols: usize, inside: &[bool], joined: Joined) -> (Vec<u32>, usize) {
+    let rows = inside.len() / cols.max(1);
+    let mut labels = vec![u32::MAX; inside.len()];
+    let (mut count, mut open) = (0, Vec::new());
+    for start in 0..inside.len() {
+        if !inside[start] || labels[start] != u32::MAX {
+            continue;
+        }
+        labels[start] = count;
+        open.push(start);
+        while let Some(cell) = open.pop() {
+            let (col, row) = (cell % cols, cell / cols);
+            for near_row in row.saturating_sub(1)..(row + 2).min(rows) {
+                for near_col in col.saturating_sub(1)..(col + 2).min(cols) {
+                    let near = near_row * cols + near_col;
+                    let shares_edge = near_row == row || near_col == col;
+                    if inside[near] && labels[near] == u32::MAX && (shares_edge || joined == Joined::AtCorners) {
+                        labels[near] = count;
+                        open.push(near);
+                    }
+                }
+            }
+        }
+        count += 1;
+    }
+    (labels, count as usize)
+}
+
+/// What makes cells neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Joined {
+    /// A common edge.
+    AlongEdges,
+    /// A common edge or corner.
+    AtCorners,
+}
+
+/// The outlines of the pieces of `inside` that are joined along edges.
+pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
+    let (labels, count) = pieces(cols, inside, Joined::AlongEdges);
+    let mut parts: Vec<Part> = (0..count).map(|_| Part { cell: 0, cells: 0, rings: Vec::new() }).collect();
+    for (cell, &label) in labels.iter().enumerate().rev() {
+        if let Some(part) = parts.get_mut(label as usize) {
+            part.cell = cell;
+            part.cells += 1;
+        }
+    }
+    // Every ring has an edge on the north side of a cell, so the search starts at those.
+    let mut seen = vec![false; inside.len()];
+    for cell in 0..inside.len() {
+        let is_north_edge = inside[cell] && (cell < cols || !inside[cell - cols]);
+        if is_north_edge && !seen[cell] {
+            let ring = trace(cols, inside, cell, &mut seen);
+            let part = &mut parts[labels[cell] as usize];
+            for ring in split(ring) {
+                // The outer ring is the one that turns left.
+                if turns_left(&ring) { part.rings.insert(0, ring) } else { part.rings.push(ring) }
+            }
+        }
+    }
+    parts
+}
+
+/// The ring with the north edge of a cell, the set on its left: corners where it turns, not closed.
+///
+/// At a corner where only two cells across from each other are inside, it stays with the cell that it follows.
+fn trace(cols: usize, inside: &[bool], start: usize, seen: &mut [bool]) -> Vec<Corner> {
+    let rows = inside.len() / cols;
+    let is_inside = |col: i64, row: i64| {
+        let within = col >= 0 && row >= 0 && (col as usize) < cols && (row as usize) < rows;
+        within && inside[row as usize * cols + col as usize]
+    };
+    let (first_col, first_row) = ((start % cols) as i64, (start / cols) as i64);
+    // West along the north edge of the first cell; y counts southwards.
+    let (mut at, mut step) = ((first_col + 1, first_row), (-1_i64, 0_i64));
+    let first = (at, step);
+    let mut ring = Vec::new();
+    loop {
+        if step == (-1, 0) {
+            // The cell below the edge that is walked.
+            seen[at.1 as usize * cols + (at.0 - 1) as usize] = true;
+        }
+        at = (at.0 + step.0, at.1 + step.1);
+        let left = (step.1, -step.0);
+        // The cells ahead on the left and on the right: a corner is their north-west one's far corner.
+        let ahead = |side: (i64, i64)| {
+            let towards = (step.0 + side.0, step.1 + side.1);
+            is_inside(at.0 + (towards.0 - 1) / 2, at.1 + (towards.1 - 1) / 2)
+        };
+        let right = (-left.0, -left.1);
+        let turn = if !ahead(left) {
+            left
+        } else if !ahead(right) {
+            step
+        } else {
+            right
+        };
+        if turn != step {
+            ring.push((at.0 as u32, at.1 as u32));
+        }
+        step = turn;
+        if (at, step) == first {
+            return ring;
+        }
+    }
+}
+
+/// A ring cut where it touches itself, so that each piece passes a corner once; closed.
+fn split(ring: Vec<Corner>) -> Vec<Vec<Corner>> {
+    let (mut rings, mut path): (Vec<Vec<Corner>>, Vec<Corner>) = (Vec::new(), Vec::new());
+    let mut place: HashMap<Corner, usize> = HashMap::new();
+    for corner in ring {
+        if let Some(&from) = place.get(&corner) {
+            let mut piece: Vec<Corner> = path.drain(from..).collect();
+            piece.iter().for_each(|passed| {
+                place.remove(passed);
+            });
+            piece.push(corner);
+            rings.push(piece);
+        }
+        place.insert(corner, path.len());
+        path.push(corner);
+    }
+    if let Some(&corner) = path.first() {
+        path.push(corner);
+        rings.push(path);
+    }
+    rings
+}
+
+/// Whether a closed ring turns left on a map with north up, although its rows count southwards.
+fn turns_left(ring: &[Corner]) -> bool {
+    let cross = |w: &[Corner]| i128::from(w[0].0) * i128::from(w[1].1) - i128::from(w[1].0) * i128::from(w[0].1);
+    ring.windows(2).map(cross).sum::<i128>() < 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(text: &[&str]) -> (usize, Vec<bool>) {
+        (text[0].len(), text.iter().flat_map(|row| row.bytes().map(|b| b == b'#')).collect())
+    }
+
+    /// Twice the area of the rings, holes taken off.
+    fn doubled_area(part: &Part) -> i64 {
+        let cross = |w: &[Corner]| i64::from(w[1].0) * i64::from(w[0].1) - i64::from(w[0].0) * i64::from(w[1].1);
+        part.rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum()
+    }
+
+    fn check(cols: usize, inside: &[bool]) -> Vec<Part> {
+        let parts = outlines(cols, inside);
+        for part in &parts {
+            assert_eq!(doubled_area(part), 2 * part.cells as i64);
+            assert!(turns_left(&part.rings[0]) && part.rings[1..].iter().all(|ring| !turns_left(ring)));
+            for ring in &part.rings {
+                assert_eq!(ring.first(), ring.last());
+                let mut corners = ring[1..].to_vec();
+                corners.sort_unstable();
+                corners.dedup();
+                assert_eq!(corners.len(), ring.len() - 1, "a ring touches itself: {ring:?}");
+                for w in ring.windows(2) {
+                    assert!((w[0].0 == w[1].0) != (w[0].1 == w[1].1), "{ring:?}");
+                }
+            }
+        }
+        assert_eq!(parts.iter().map(|part| part.cells).sum::<usize>(), inside.iter().filter(|b| **b).count());
+        parts
+    }
+
+    #[test]
+    fn a_cell_is_a_square_that_turns_left() {
+        let (cols, inside) = set(&["...", ".#.", "..."]);
+        let parts = check(cols, &inside);
+        assert_eq!(parts[0].rings, [vec![(1, 1), (1, 2), (2, 2), (2, 1), (1, 1)]]);
+    }
+
+    #[test]
+    fn corners_part_and_holes_are_rings() {
+        let (cols, inside) = set(&["##..", "##..", "..##", "..##"]);
+        assert_eq!(check(cols, &inside).len(), 2);
+        let (cols, inside) = set(&["#####", "#.#.#", "#####"]);
+        assert_eq!(check(cols, &inside)[0].rings.len(), 3);
+        // Two holes that meet at a corner, and a hole that meets the outside at one.
+        let (cols, inside) = set(&["####", "#.##", "##.#", "####"]);
+        assert_eq!(check(cols, &inside)[0].rings.len(), 3);
+        let (cols, inside) = set(&["####", "#.##", "##.#", "#.##"]);
+        let parts = check(cols, &inside);
+        assert_eq!(parts.len(), 1);
+    }
+
+    #[test]
+    fn neighbours_at_corners_are_one_piece_if_asked() {
+        let (cols, inside) = set(&["#.#", ".#.", "#.."]);
+        assert_eq!(pieces(cols, &inside, Joined::AtCorners).1, 1);
+        assert_eq!(pieces(cols, &inside, Joined::AlongEdges).1, 4);
+    }
+
+    #[test]
+    fn random_sets_have_sound_outlines() {
+        let mut state = 7_u64;
+        for share in [2, 3, 5, 7, 8] {
+            let mut next = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 33) % 10 < share
+            };
+            let inside: Vec<bool> = (0..40 * 30).map(|_| next()).collect();
+            check(40, &inside);
+        }
+    }
+}

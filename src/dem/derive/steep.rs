@@ -1,0 +1,244 @@
+//! Steep places: areas that are at least so steep and at least so high, as polygons.
+//!
+//! The usual values are those by which Japanese law tells a steep slope that may fail (急傾斜地): 30 degrees and 5 metres.
+//! A height map shows what its sources show. Contours 10 m apart cannot show a slope of 5 m, so the result is no survey.
+
+use glam::DVec2;
+
+use super::outline::{Joined, outlines, pieces};
+use super::slope::slope;
+use crate::dem::{Dem, GroundScale};
+use crate::error::{Error, Result};
+
+/// Which places are steep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteepParams {
+    /// Least slope of a cell, degrees.
+    pub angle: f64,
+    /// Least difference of height in an area, metres.
+    pub height: f64,
+}
+
+impl Default for SteepParams {
+    fn default() -> Self {
+        Self { angle: 30.0, height: 5.0 }
+    }
+}
+
+/// A part of a steep area. Parts of one area meet at corners of cells only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteepArea {
+    /// The number of the area that this is a part of, from 1.
+    pub area_id: u32,
+    /// The outer ring, then the holes, along cell edges in map units; each ends where it begins.
+    pub rings: Vec<Vec<DVec2>>,
+    /// Size of this part on the map (not along the slope), square metres.
+    pub area: f64,
+    /// Highest less lowest height of the whole area and the cells around it, metres.
+    pub height: f64,
+    /// Mean slope of the whole area's cells, degrees.
+    pub slope_mean: f64,
+    /// Greatest slope of the whole area's cells, degrees.
+    pub slope_max: f64,
+}
+
+/// The steep places of a height map.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Steeps {
+    /// The parts of all areas, from the north-west.
+    pub parts: Vec<SteepArea>,
+    /// Number of areas.
+    pub areas: usize,
+    /// Areas that are steep enough but not high enough; they are left out.
+    pub too_low: usize,
+}
+
+/// Finds the places of at least so much slope and height.
+///
+/// Cells whose slope (Horn's, 3 x 3 cells) reaches the angle form areas where they share an edge or a corner. The height
+/// of an area is the difference between the highest and the lowest of its cells and of those around them, whose heights
+/// the slopes come from.
+///
+/// # Errors
+/// An angle that is not between 0 and 90 degrees, a height that is negative or not finite.
+pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Steeps> {
+    if !(params.angle > 0.0 && params.angle < 90.0) {
+        return Err(Error::Parameter(format!("the angle is {}, it must be between 0 and 90 degrees", params.angle)));
+    }
+    if !(params.height >= 0.0 && params.height.is_finite()) {
+        return Err(Error::Parameter(format!("the height is {} m, it must be 0 or more", params.height)));
+    }
+    let grid = dem.grid;
+    let slopes = slope(dem, scale).values;
+    let mut inside: Vec<bool> = slopes.iter().map(|&slope| f64::from(slope) >= params.angle).collect();
+    let (labels, count) = pieces(grid.cols, &inside, Joined::AtCorners);
+    let mut measures = vec![Measure::default(); count];
+    for (cell, label) in labels.iter().enumerate() {
+        let Some(measure) = measures.get_mut(*label as usize) else { continue };
+        let slope = f64::from(slopes[cell]);
+        measure.cells += 1.0;
+        measure.slope_sum += slope;
+        measure.slope_max = measure.slope_max.max(slope);
+        let (col, row) = (cell % grid.cols, cell / grid.cols);
+        for near_row in row.saturating_sub(1)..(row + 2).min(grid.rows) {
+            for near_col in col.saturating_sub(1)..(col + 2).min(grid.cols) {
+                // The comparisons pass over NaN.
+                let height = dem.values[near_row * grid.cols + near_col];
+                measure.low = measure.low.min(height);
+                measure.high = measure.high.max(height);
+            }
+        }
+    }
+    let is_high = |measure: &Measure| measure.height() >= params.height;
+    for (cell, is_inside) in inside.iter_mut().enumerate() {
+        *is_inside &= measures.get(labels[cell] as usize).is_some_and(is_high);
+    }
+    // Areas that stay are numbered in order.
+    let mut number = 0;
+    let numbers: Vec<u32> = measures
+        .iter()
+        .map(|measure| {
+            number += u32::from(is_high(measure));
+            number
+        })
+        .collect();
+
+    let corner = |(col, row): (u32, u32)| grid.corner + DVec2::new(f64::from(col), -f64::from(row)) * grid.cell;
+    let parts = outlines(grid.cols, &inside).into_iter().map(|part| {
+        let label = labels[part.cell] as usize;
+        let measure = &measures[label];
+        SteepArea {
+            area_id: numbers[label],
+            area: part_area(&part.rings, dem, scale),
+            rings: part.rings.into_iter().map(|ring| ring.into_iter().map(corner).collect()).collect(),
+            height: measure.height(),
+            slope_mean: measure.slope_sum / measure.cells,
+            slope_max: measure.slope_max,
+        }
+    });
+    let parts: Vec<SteepArea> = parts.collect();
+    let areas = number as usize;
+    Ok(Steeps { parts, areas, too_low: count - areas })
+}
+
+/// Square metres within the rings; the cells of a row are as large as the scale of that row says.
+fn part_area(rings: &[Vec<(u32, u32)>], dem: &Dem, scale: &GroundScale) -> f64 {
+    let cell = dem.grid.cell;
+    if let GroundScale::Uniform(scale) = scale {
+        let cross = |w: &[(u32, u32)]| {
+            let [a, b] = [w[0], w[1]].map(|p| (f64::from(p.0), f64::from(p.1)));
+            b.0 * a.1 - a.0 * b.1
+        };
+        let cells: f64 = rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum::<f64>() / 2.0;
+        return cells * (cell * *scale).element_product();
+    }
+    // An edge that runs south has the area on its east, one that runs north on its west.
+    let column_to = |w: &[(u32, u32)]| {
+        let (top, bottom, sign) = if w[0].1 < w[1].1 { (w[0].1, w[1].1, -1.0) } else { (w[1].1, w[0].1, 1.0) };
+        let height = |row: u32| (cell * scale.row(row as usize)).element_product();
+        sign * f64::from(w[0].0) * (top..bottom).map(height).sum::<f64>()
+    };
+    rings.iter().flat_map(|ring| ring.windows(2).filter(|w| w[0].0 == w[1].0).map(column_to)).sum()
+}
+
+/// What is measured of an area.
+#[derive(Debug, Clone)]
+struct Measure {
+    cells: f64,
+    slope_sum: f64,
+    slope_max: f64,
+    low: f32,
+    high: f32,
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        Self { cells: 0.0, slope_sum: 0.0, slope_max: 0.0, low: f32::INFINITY, high: f32::NEG_INFINITY }
+    }
+}
+
+impl Measure {
+    fn height(&self) -> f64 {
+        f64::from(self.high) - f64::from(self.low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crs::Crs;
+    use crate::dem::Grid;
+
+    const METRES: GroundScale = GroundScale::Uniform(DVec2::ONE);
+
+    fn dem(cols: usize, rows: usize, cell: f64, height: impl Fn(DVec2) -> f64) -> Dem {
+        let corner = DVec2::new(0.0, rows as f64 * cell);
+        let grid = Grid { corner, cell: DVec2::splat(cell), cols, rows };
+        let values = (0..grid.len()).map(|i| height(grid.center(i % cols, i / cols)) as f32).collect();
+        Dem { grid, values, crs: None }
+    }
+
+    #[test]
+    fn a_cone_has_a_ring_of_steep_ground() {
+        // Flat ground, a flank of 45 degrees from 20 to 60 m from the middle, a flat top.
+        let center = DVec2::splat(100.0);
+        let dem = dem(200, 200, 1.0, |p| 60.0 - (p - center).length().clamp(20.0, 60.0));
+        let found = steep(&dem, &METRES, &SteepParams::default()).unwrap();
+        assert_eq!((found.parts.len(), found.areas, found.too_low), (1, 1, 0));
+        let part = &found.parts[0];
+        assert_eq!(part.rings.len(), 2);
+        let expected = std::f64::consts::PI * (60.0_f64.powi(2) - 20.0_f64.powi(2));
+        assert!((part.area / expected - 1.0).abs() < 0.02, "{} {expected}", part.area);
+        assert!((part.height - 40.0).abs() < 0.2, "{}", part.height);
+        assert!((part.slope_max - 45.0).abs() < 0.5 && (part.slope_mean - 45.0).abs() < 1.5, "{part:?}");
+    }
+
+    #[test]
+    fn steps_below_the_height_are_left_out_and_counted() {
+        // Two steps, of 4 and of 6 m, each over one cell's width.
+        let step = |p: DVec2| {
+            if p.x < 20.0 {
+                0.0
+            } else if p.x < 60.0 {
+                4.0
+            } else {
+                10.0
+            }
+        };
+        let dem = dem(40, 10, 2.0, step);
+        let found = steep(&dem, &METRES, &SteepParams::default()).unwrap();
+        assert_eq!((found.areas, found.too_low), (1, 1));
+        let part = &found.parts[0];
+        assert_eq!((part.height, part.area_id), (6.0, 1));
+        // Both sides of the step are steep: 6 m over 4 m.
+        assert!((part.slope_max - 1.5_f64.atan().to_degrees()).abs() < 1e-4);
+        assert_eq!(part.rings[0].iter().map(|p| p.x).fold(f64::INFINITY, f64::min), 58.0);
+        let low = steep(&dem, &METRES, &SteepParams { height: 3.0, ..SteepParams::default() }).unwrap();
+        assert_eq!(low.areas, 2);
+    }
+
+    #[test]
+    fn areas_in_degrees_have_their_size_on_the_ground() {
+        let mut dem = dem(60, 50, 1.0, |p| 60.0 - p.x);
+        dem.grid.cell = DVec2::splat(1.0 / 100_000.0);
+        dem.grid.corner = DVec2::new(138.0, 36.0);
+        dem.crs = Some(Crs::from_epsg(6668));
+        dem.values[7 * 60 + 9] = f32::NAN;
+        let scale = GroundScale::of(&dem);
+        let found = steep(&dem, &scale, &SteepParams::default()).unwrap();
+        assert_eq!(found.parts.len(), 1);
+        assert_eq!(found.parts[0].rings.len(), 2);
+        let cell = |row: usize| (dem.grid.cell * scale.row(row)).element_product();
+        let expected: f64 = (0..50).map(|row| cell(row) * if row == 7 { 59.0 } else { 60.0 }).sum();
+        assert!((found.parts[0].area / expected - 1.0).abs() < 1e-9, "{} {expected}", found.parts[0].area);
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_refused() {
+        let dem = dem(3, 3, 1.0, |_| 0.0);
+        for (angle, height) in [(0.0, 5.0), (90.0, 5.0), (f64::NAN, 5.0), (30.0, -1.0), (30.0, f64::INFINITY)] {
+            assert!(matches!(steep(&dem, &METRES, &SteepParams { angle, height }), Err(Error::Parameter(_))));
+        }
+        assert_eq!(steep(&dem, &METRES, &SteepParams::default()).unwrap(), Steeps::default());
+    }
+}

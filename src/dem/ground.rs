@@ -1,0 +1,112 @@
+//! How long a map unit is on the ground: what slopes and areas need to know of a map in degrees, feet or Web Mercator.
+
+use glam::DVec2;
+
+use super::{Dem, Grid};
+use crate::crs::Crs;
+
+/// Metres on the ground in a map unit, east and north.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GroundScale {
+    /// The same everywhere.
+    Uniform(DVec2),
+    /// By latitude: one for each row of the height map.
+    Rows(Vec<DVec2>),
+}
+
+/// The ellipsoid of GRS 80, which JGD2011 stands on; that of WGS 84 differs by a tenth of a millimetre.
+const SEMI_MAJOR: f64 = 6_378_137.0;
+const FLATTENING: f64 = 1.0 / 298.257_222_101;
+
+/// The coordinate reference system of web maps.
+const WEB_MERCATOR: u32 = 3857;
+
+impl GroundScale {
+    /// The scale of a height map by its coordinate reference system: degrees and Web Mercator by the latitude of each row,
+    /// other units of length as they are. A system that does not tell is taken as metres.
+    ///
+    /// What a projection stretches is left in: less than one part in a thousand in the plane rectangular zones and UTM.
+    pub fn of(dem: &Dem) -> Self {
+        let rows = |at: fn(f64) -> DVec2| {
+            let grid: Grid = dem.grid;
+            Self::Rows((0..grid.rows).map(|row| at(grid.center(0, row).y)).collect())
+        };
+        match &dem.crs {
+            Some(crs) if crs.is_geographic() => rows(per_degree),
+            Some(crs) if crs.horizontal().epsg == Some(WEB_MERCATOR) => rows(per_mercator_metre),
+            Some(crs) => Self::Uniform(DVec2::splat(crs.length_unit().map_or(1.0, |unit| unit.metres))),
+            None => Self::Uniform(DVec2::ONE),
+        }
+    }
+
+    /// Metres in a map unit in a row.
+    pub fn row(&self, row: usize) -> DVec2 {
+        match self {
+            Self::Uniform(scale) => *scale,
+            Self::Rows(scales) => scales.get(row).copied().unwrap_or(DVec2::ONE),
+        }
+    }
+}
+
+/// Whether a height map of unknown system has coordinates and cells that could only be degrees.
+pub fn looks_like_degrees(grid: &Grid, crs: Option<&Crs>) -> bool {
+    let far = grid.corner + DVec2::new(grid.cols as f64, -(grid.rows as f64)) * grid.cell;
+    let within = |p: DVec2| p.x.abs() <= 360.0 && p.y.abs() <= 90.0;
+    crs.is_none() && within(grid.corner) && within(far) && grid.cell.max_element() < 0.1
+}
+
+/// Radii of curvature at a latitude (radians), metres: along the parallel, times its cosine, and along the meridian.
+fn radii(latitude: f64) -> DVec2 {
+    let eccentricity = FLATTENING * (2.0 - FLATTENING);
+    let bend = 1.0 - eccentricity * latitude.sin().powi(2);
+    let normal = SEMI_MAJOR / bend.sqrt();
+    DVec2::new(normal * latitude.cos(), normal * (1.0 - eccentricity) / bend)
+}
+
+fn per_degree(latitude: f64) -> DVec2 {
+    // A row on the pole has no width, and no slope could be told there.
+    radii(latitude.clamp(-89.999, 89.999).to_radians()) * 1.0_f64.to_radians()
+}
+
+fn per_mercator_metre(y: f64) -> DVec2 {
+    let latitude = (y / SEMI_MAJOR).sinh().atan();
+    let DVec2 { x, y } = radii(latitude);
+    DVec2::new(x, y * latitude.cos()) / SEMI_MAJOR
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_have_their_length_on_the_ellipsoid() {
+        // Lengths of a degree from the usual tables: latitude, along the parallel, along the meridian.
+        for (latitude, x, y) in [(0.0, 111_319.5, 110_574.3), (45.0, 78_846.8, 111_131.8), (35.0, 91_287.8, 110_940.6)]
+        {
+            let scale = per_degree(latitude);
+            assert!((scale - DVec2::new(x, y)).abs().max_element() < 1.0, "{latitude}: {scale}");
+        }
+    }
+
+    #[test]
+    fn web_mercator_and_degrees_agree_on_the_ground() {
+        let latitude = 36.5_f64;
+        let y = SEMI_MAJOR * latitude.to_radians().tan().asinh();
+        // A metre of the map is so many degrees there.
+        let degrees = DVec2::new(1.0, latitude.to_radians().cos()) / SEMI_MAJOR * 1.0_f64.to_degrees();
+        let difference = per_mercator_metre(y) - per_degree(latitude) * degrees;
+        assert!(difference.abs().max_element() < 1e-9, "{difference}");
+    }
+
+    #[test]
+    fn systems_tell_their_unit() {
+        let grid = Grid { corner: DVec2::new(138.0, 36.0), cell: DVec2::splat(0.0001), cols: 3, rows: 2 };
+        let dem = |code: Option<u32>| Dem { grid, values: vec![0.0; 6], crs: code.map(Crs::from_epsg) };
+        assert_eq!(GroundScale::of(&dem(Some(6677))), GroundScale::Uniform(DVec2::ONE));
+        assert_eq!(GroundScale::of(&dem(None)), GroundScale::Uniform(DVec2::ONE));
+        assert!((GroundScale::of(&dem(Some(2229))).row(0).x - 0.304_800_6).abs() < 1e-6);
+        assert!(matches!(GroundScale::of(&dem(Some(6668))), GroundScale::Rows(rows) if rows.len() == 2));
+        assert!(matches!(GroundScale::of(&dem(Some(3857))), GroundScale::Rows(_)));
+        assert!(looks_like_degrees(&grid, None) && !looks_like_degrees(&grid, Some(&Crs::from_epsg(6668))));
+    }
+}

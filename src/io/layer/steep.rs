@@ -1,0 +1,32 @@
+//! The layer of steep places.
+
+use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use crate::dem::derive::Steeps;
+
+/// Longest note, bytes: what the attribute table of a shapefile holds.
+const NOTE_LENGTH: u8 = 254;
+
+const COLUMNS: &[Column] = &[
+    Column { name: "area_id", kind: Kind::Int },
+    Column { name: "area_m2", kind: Kind::Real },
+    Column { name: "height_m", kind: Kind::Real },
+    Column { name: "slope_mean", kind: Kind::Real },
+    Column { name: "slope_max", kind: Kind::Real },
+    Column { name: "note", kind: Kind::Text(NOTE_LENGTH) },
+];
+
+/// The steep places, each with what is to be kept in mind about them: 254 bytes at most.
+pub fn steep_areas<'a>(steeps: &'a Steeps, note: &'a str) -> Layer<'a> {
+    let rows = steeps.parts.iter().map(|part| Row {
+        shape: Shape::Area(part.rings.clone()),
+        cells: vec![
+            Cell::Int(part.area_id.into()),
+            Cell::Real(part.area),
+            Cell::Real(part.height),
+            Cell::Real(part.slope_mean),
+            Cell::Real(part.slope_max),
+            Cell::Text(note.into()),
+        ],
+    });
+    Layer { name: "steep", geometry: Geometry::Areas, columns: COLUMNS, rows: rows.collect() }
+}

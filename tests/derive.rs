@@ -1,0 +1,123 @@
+//! `tokosen derive` as its users meet it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use glam::DVec2;
+use tempfile::TempDir;
+use tokosen::crs::Crs;
+use tokosen::dem::{Dem, Grid};
+use tokosen::io::raster::{read_dem, write_dem};
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs the program; gives its exit status and all it says.
+    fn run(&self, arguments: &str) -> (Option<i32>, String) {
+        let mut command = cargo_bin_cmd!("tokosen");
+        let output = command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
+        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+        assert!(!text.contains("panicked"), "{arguments}: {text}");
+        (output.status.code(), text)
+    }
+
+    fn succeeds(&self, arguments: &str) -> String {
+        let (status, text) = self.run(arguments);
+        assert_eq!(status, Some(0), "{arguments}: {text}");
+        text
+    }
+}
+
+/// A plane that rises by 0.75 to the east, with cells of 2 m.
+fn plane() -> Dem {
+    let grid = Grid { corner: DVec2::new(1000.0, 500.0), cell: DVec2::splat(2.0), cols: 30, rows: 20 };
+    let values = (0..600).map(|i| 100.0 + (i % 30) as f32 * 1.5).collect();
+    Dem { grid, values, crs: Some(Crs::from_epsg(6677)) }
+}
+
+#[test]
+fn all_products_of_a_plane() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.asc"), &plane()).unwrap();
+    let text = folder
+        .succeeds("derive dem.asc --slope slope.tif --aspect aspect.exr --hillshade shade.png --steep steep.geojson");
+    let slope = read_dem(&folder.path("slope.tif")).unwrap().value.dem;
+    assert_eq!((slope.grid, slope.crs.unwrap().epsg), (plane().grid, Some(6677)));
+    assert!(slope.values.iter().all(|v| (v - 0.75_f32.atan().to_degrees()).abs() < 1e-4));
+    let aspect = read_dem(&folder.path("aspect.exr")).unwrap().value.dem;
+    assert!(aspect.values.iter().all(|v| (v - 270.0).abs() < 1e-4));
+    assert_eq!(image::open(folder.path("shade.png")).unwrap().to_luma8().dimensions(), (30, 20));
+    let steep: serde_json::Value = serde_json::from_slice(&fs::read(folder.path("steep.geojson")).unwrap()).unwrap();
+    let features = steep["features"].as_array().unwrap();
+    assert_eq!(features.len(), 1);
+    let properties = &features[0]["properties"];
+    assert_eq!(properties["area_m2"].as_f64(), Some(2400.0));
+    assert_eq!(properties["height_m"].as_f64(), Some(43.5));
+    assert!(properties["note"].as_str().unwrap().contains("No survey"));
+    assert!(text.contains("note       From a height map") && text.contains("1 areas"), "{text}");
+}
+
+#[test]
+fn contours_are_derived_from_with_their_caution() {
+    let folder = Folder::new();
+    let line = |z: i32| {
+        let x = 10 * z;
+        format!(
+            r#"{{"type":"Feature","properties":{{"elev":{z}}},"geometry":{{"type":"LineString",
+            "coordinates":[[{x},0],[{x},100],[{x},200],[{x},300]]}}}}"#
+        )
+    };
+    let lines: Vec<String> = [0, 10, 20, 30].map(line).to_vec();
+    let text = format!(
+        r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:6677"}}}},"features":[{}]}}"#,
+        lines.join(",")
+    );
+    fs::write(folder.path("c.geojson"), text).unwrap();
+    let said = folder.succeeds("derive c.geojson --cell 5 --slope s.tif --steep steep.gpkg --steep-angle 5");
+    assert!(said.contains("contours 10 m apart, which cannot show a slope of 5 m"), "{said}");
+    let slope = read_dem(&folder.path("s.tif")).unwrap().value.dem;
+    let inside = slope.values.iter().filter(|v| v.is_finite());
+    assert!(inside.clone().count() > 1000);
+    assert!(inside.clone().all(|v| (v - 0.1_f32.atan().to_degrees()).abs() < 0.2), "{:?}", inside.collect::<Vec<_>>());
+    let (status, said) = folder.run("derive c.geojson --slope t.tif");
+    assert_eq!(status, Some(2));
+    assert!(said.contains("--cell SIZE or --like"), "{said}");
+}
+
+#[test]
+fn wrong_usage_is_told_before_the_work() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &plane()).unwrap();
+    let mut lost = plane();
+    (lost.grid.corner, lost.grid.cell, lost.crs) = (DVec2::new(138.0, 36.0), DVec2::splat(1e-4), None);
+    write_dem(&folder.path("degrees.tif"), &lost).unwrap();
+    for (arguments, status, words) in [
+        ("derive dem.tif", 2, "name what to write"),
+        ("derive dem.tif --slope dem.tif", 2, "is an input"),
+        ("derive dem.tif --slope a.tif --aspect a.tif", 2, "named for two outputs"),
+        ("derive dem.tif --slope a.jpg", 2, "height maps are written as"),
+        ("derive dem.tif --steep a.tif", 2, "steep places are written as"),
+        ("derive dem.tif --steep a.gpkg --steep-angle 90", 2, "--steep-angle is 90"),
+        ("derive dem.tif --steep a.gpkg --steep-height -1", 2, "--steep-height is -1"),
+        ("derive dem.tif --cell 5 --slope a.tif", 2, "the input is a height map"),
+        ("derive dem.doc --slope a.tif", 2, "dem.doc"),
+        ("derive none.tif --slope a.tif", 1, "cannot read none.tif"),
+        ("derive degrees.tif --slope a.tif", 1, "look like degrees"),
+    ] {
+        let (code, text) = folder.run(arguments);
+        assert_eq!(code, Some(status), "{arguments}: {text}");
+        assert!(text.contains(words), "{arguments}: {text}");
+    }
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);
+}
