@@ -1,5 +1,6 @@
 //! Height maps: the [`Grid`] of cells, the [`Dem`] of heights on it.
 
+pub mod compare;
 mod rasterise;
 pub mod shade;
 
