@@ -104,6 +104,12 @@ pub enum FindingKind {
     BandContradiction,
     /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
     DepressionMark,
+    /// A raster has more than one band; the first was taken.
+    OtherBands,
+    /// Cells of a raster hold values that are no heights; they are taken as cells without data.
+    NoHeight,
+    /// Heights are in another unit than metres.
+    HeightUnit,
 }
 
 impl FindingKind {
@@ -128,6 +134,9 @@ impl FindingKind {
             Self::SkippedLevel => "neighbouring contours that skip a level",
             Self::BandContradiction => "contours with the same side on both sides",
             Self::DepressionMark => "depression marks that the contours contradict",
+            Self::OtherBands => "raster bands left out",
+            Self::NoHeight => "cells whose values are no heights",
+            Self::HeightUnit => "heights in another unit than metres",
         }
     }
 }

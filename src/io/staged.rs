@@ -17,7 +17,11 @@ use crate::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is
 /// the extension of the output, the second an ending that replaces that extension.
-const REPLACED_ENDINGS: &[(&str, &[&str])] = &[("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"])];
+const REPLACED_ENDINGS: &[(&str, &[&str])] = &[
+    ("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]),
+    ("asc", &["prj", "qpj"]),
+    ("png", &["pgw", "prj"]),
+];
 
 /// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and what a database
 /// engine keeps beside a file that it did not close.
@@ -27,6 +31,8 @@ const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
     ("tiff", &[".aux.xml", ".ovr", ".msk"]),
     ("png", &[".aux.xml"]),
     ("exr", &[".aux.xml"]),
+    ("asc", &[".aux.xml", ".ovr", ".msk"]),
+    ("xyz", &[".aux.xml"]),
 ];
 
 /// A target file, or several beside each other, in the making.

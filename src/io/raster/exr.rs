@@ -5,18 +5,22 @@
 //! (cell width, 0, corner x) and (0, minus cell height, corner y); the coordinate reference system is the text
 //! `gdal:crsWkt`. EXR has no attribute for nodata that GDAL would read, so that goes into `.exr.aux.xml`.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
+use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, Text, WritableImage,
+    LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 
 use super::pam::{self, Band};
-use super::{Filled, create, geo_transform};
+use super::read::{Coding, Heights, room};
+use super::{Filled, create, geo_transform, sidecar};
 use crate::crs::Crs;
 use crate::dem::Dem;
-use crate::error::Result;
+use crate::error::{Error, Finding, FindingKind, Report, Result};
 
 /// Rows of a compressed block are scan lines in increasing order, so that the bytes do not depend on the threads.
 const ENCODING: Encoding = Encoding {
@@ -61,6 +65,100 @@ pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
         })
     })?;
     pam::write_aux_xml(path, dem, &Band { offset: 0.0, scale: 1.0, nodata: Some("nan") })
+}
+
+/// Reads a height map: the first channel, with the attributes that [`write`] gives it.
+pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    let wrong = |error: exr::error::Error| match error {
+        exr::error::Error::Io(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
+        other => Error::file_cause(path, "is not an OpenEXR file that can be read, or it is cut off", other),
+    };
+    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+    // The sizes in the header are looked at before the library takes memory for them.
+    let meta = MetaData::read_from_buffered(BufReader::new(&file), true).map_err(wrong)?;
+    for header in &meta.headers {
+        let (cols, rows) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
+        let channels = header.channels.list.len() as u64;
+        room(path, cols.saturating_mul(channels.max(1)), rows, length).map(drop)?;
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .pedantic()
+        .from_file(path)
+        .map_err(wrong)?;
+    let layer = image.layer_data;
+    let size = (layer.size.width(), layer.size.height());
+    let attribute = |name: &str| {
+        let name = Text::new_or_none(name)?;
+        image.attributes.other.get(&name).or_else(|| layer.attributes.other.get(&name))
+    };
+    let aux = sidecar::read_aux_xml(path)?.unwrap_or_default();
+    let matrix = match attribute("gdal:geoTransform") {
+        Some(AttributeValue::Custom { bytes, .. }) => matrix(bytes),
+        _ => None,
+    };
+    let placement = match matrix.or(aux.transform) {
+        Some(numbers) => sidecar::by_transform(numbers, size).map_err(|message| Error::file(path, message))?,
+        None => {
+            let message = "has no attribute gdal:geoTransform and no .aux.xml beside it, so its cells have no place on \
+                           a map";
+            return Err(Error::file(path, message));
+        }
+    };
+    let crs = match attribute("gdal:crsWkt") {
+        // GDAL writes UTF-8, though the format says Latin-1.
+        Some(AttributeValue::Text(text)) => Some(Crs::from_wkt(&String::from_utf8_lossy(text.as_slice()))),
+        _ => aux.crs,
+    };
+    let mut findings = Vec::new();
+    let channels = layer.channel_data.list;
+    let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
+    let mut channels = channels.into_iter();
+    let Some(channel) = channels.next() else { return Err(Error::file(path, "has no channel")) };
+    if names.len() > 1 {
+        let message = format!("the file has the channels {}; the first is taken for the heights", names.join(", "));
+        findings.push(Finding::general(FindingKind::OtherBands, message));
+    }
+    let coding =
+        Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
+    let mut heights = Heights::new(coding);
+    let mut values: Vec<f32> = match channel.sample_data {
+        FlatSamples::F32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),
+        FlatSamples::F16(samples) => samples.into_iter().map(|v| heights.height(v.to_f64())).collect(),
+        FlatSamples::U32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),
+    };
+    findings.extend(heights.findings());
+    let grid = placement.grid;
+    if values.len() != grid.len() {
+        let message = format!("its first channel has {} values for {} x {} cells", values.len(), grid.cols, grid.rows);
+        return Err(Error::file(path, message));
+    }
+    if placement.south_up {
+        flip(&mut values, grid.cols);
+    }
+    Ok(Report { value: Dem { grid, values, crs }, findings })
+}
+
+/// GDAL's six numbers from the matrix of doubles in the attribute.
+fn matrix(bytes: &[u8]) -> Option<[f64; 6]> {
+    let (numbers, []) = bytes.as_chunks::<8>() else { return None };
+    let numbers: Vec<f64> = numbers.iter().map(|b| f64::from_le_bytes(*b)).collect();
+    let [a, b, x, d, e, y, ..] = numbers[..] else { return None };
+    (numbers.len() == 9).then_some([x, a, b, y, d, e])
+}
+
+/// Puts the rows in the opposite order.
+pub(super) fn flip(values: &mut [f32], cols: usize) {
+    let rows = values.len() / cols.max(1);
+    for row in 0..rows / 2 {
+        let (north, south) = values.split_at_mut((rows - 1 - row) * cols);
+        north[row * cols..][..cols].swap_with_slice(&mut south[..cols]);
+    }
 }
 
 #[cfg(test)]

@@ -14,6 +14,8 @@ const GEOGRAPHIC_CITATION: u16 = 2049;
 const PROJECTED_TYPE: u16 = 3072;
 const PROJECTED_CITATION: u16 = 3073;
 
+const VERTICAL_UNIT: u16 = 4099;
+
 const MODEL_PROJECTED: u16 = 1;
 const MODEL_GEOGRAPHIC: u16 = 2;
 const RASTER_PIXEL_IS_AREA: u16 = 1;
@@ -93,6 +95,15 @@ impl GeoKeys {
     /// Whether the placement names the centres of cells and not their corners.
     pub fn pixel_is_point(&self) -> bool {
         self.number(RASTER_TYPE) == Some(RASTER_PIXEL_IS_POINT)
+    }
+
+    /// The unit of the heights, if it is one of those in feet.
+    pub fn vertical_unit(&self) -> Option<&'static str> {
+        match self.number(VERTICAL_UNIT)? {
+            9002 => Some("foot"),
+            9003 => Some("US survey foot"),
+            _ => None,
+        }
     }
 
     /// The system that the keys name, if they name one by code or by text.

@@ -1,7 +1,7 @@
-//! The grid of an existing GeoTIFF, so that a new height map can lie on the very same cells.
+//! A GeoTIFF's header: where its cells are and in which coordinate reference system.
 //!
-//! Only the header is read: any kind of sample and compression will do. The placement is taken as GDAL takes it, so
-//! that both agree to the last bit.
+//! The placement is taken as GDAL takes it, so that both agree to the last bit. Where the file has none, a world file
+//! beside it gives the placement, and an `.aux.xml` or `.prj` the coordinate reference system.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -14,28 +14,51 @@ use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use super::geokeys::GeoKeys;
+use super::sidecar::{self, Aux, Placement};
 use crate::crs::Crs;
 use crate::dem::Grid;
 use crate::error::{Error, Result};
 
+/// An open TIFF and what its header says.
+pub(super) struct Tiff {
+    pub decoder: Decoder<BufReader<File>>,
+    pub placement: Placement,
+    pub crs: Option<Crs>,
+    pub keys: GeoKeys,
+    /// What is in the `.aux.xml` beside it.
+    pub aux: Aux,
+    /// Bytes of the file.
+    pub length: u64,
+}
+
 /// The grid of a GeoTIFF and its coordinate reference system, where it names one by EPSG code or well-known text.
-///
-/// A raster that is stored with its south edge first gives the same cells with north up.
+pub(super) fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
+    let tiff = open(path)?;
+    Ok((tiff.placement.grid, tiff.crs))
+}
+
+/// An error of the TIFF library about `path`: that of the system, or that the file is not what it should be.
+pub(super) fn wrong(path: &Path, message: &str, error: TiffError) -> Error {
+    match error {
+        // Errors of decompression come the same way, without a number of the system.
+        TiffError::IoError(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
+        other => Error::file_cause(path, message, other),
+    }
+}
+
+/// Opens a GeoTIFF and reads its header.
 ///
 /// # Errors
 /// A file that cannot be read, is no TIFF, has no georeferencing, or is rotated, sheared or mirrored.
-pub fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
+pub(super) fn open(path: &Path) -> Result<Tiff> {
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
-    let wrong = |error: TiffError| match error {
-        TiffError::IoError(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => Error::io("read", path, e),
-        other => {
-            Error::file_cause(path, "is not a TIFF file that can be read; the grid is taken from a GeoTIFF", other)
-        }
-    };
-    let mut decoder = Decoder::new(BufReader::new(file)).map_err(wrong)?;
+    let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+    let wrong = |error| wrong(path, "is not a TIFF file that can be read", error);
+    let mut decoder = Decoder::new(BufReader::with_capacity(1 << 16, file)).map_err(wrong)?;
     let (cols, rows) = decoder.dimensions().map_err(wrong)?;
+    let size = (cols as usize, rows as usize);
     let header = Header {
-        size: DVec2::new(f64::from(cols), f64::from(rows)),
+        size,
         scale: doubles(&mut decoder, Tag::ModelPixelScaleTag).map_err(wrong)?,
         tiepoint: doubles(&mut decoder, Tag::ModelTiepointTag).map_err(wrong)?,
         matrix: doubles(&mut decoder, Tag::ModelTransformationTag).map_err(wrong)?,
@@ -48,8 +71,24 @@ pub fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
             _ => String::new(),
         },
     };
-    let (corner, cell) = header.placement(keys.pixel_is_point()).map_err(|message| Error::file(path, message))?;
-    Ok((Grid { corner, cell, cols: cols as usize, rows: rows as usize }, keys.crs()))
+    let aux = sidecar::read_aux_xml(path)?.unwrap_or_default();
+    let placement = if header.is_empty() {
+        match aux.transform {
+            Some(numbers) => Some(sidecar::by_transform(numbers, size).map_err(|message| Error::file(path, message))?),
+            None => sidecar::read_world(path, &["tfw", "tifw", "tiffw", "wld"], size)?,
+        }
+    } else {
+        None
+    };
+    let placement = match placement {
+        Some(placement) => placement,
+        None => header.placement(keys.pixel_is_point()).map_err(|message| Error::file(path, message))?,
+    };
+    let crs = match keys.crs().or_else(|| aux.crs.clone()) {
+        Some(crs) => Some(crs),
+        None => sidecar::read_prj(path)?,
+    };
+    Ok(Tiff { decoder, placement, crs, keys, aux, length })
 }
 
 fn doubles<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> std::result::Result<Vec<f64>, TiffError> {
@@ -59,15 +98,19 @@ fn doubles<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> std::result::R
 /// The tags that place a raster, as they are in the file.
 struct Header {
     /// Columns and rows.
-    size: DVec2,
+    size: (usize, usize),
     scale: Vec<f64>,
     tiepoint: Vec<f64>,
     matrix: Vec<f64>,
 }
 
 impl Header {
-    /// The outer corner of the north-west cell and the cell size.
-    fn placement(&self, pixel_is_point: bool) -> std::result::Result<(DVec2, DVec2), String> {
+    /// Whether the file says nothing about its place.
+    fn is_empty(&self) -> bool {
+        self.scale.is_empty() && self.tiepoint.is_empty() && self.matrix.is_empty()
+    }
+
+    fn placement(&self, pixel_is_point: bool) -> std::result::Result<Placement, String> {
         // The affine transform: origin, and the step of a column and of a row.
         let (mut origin, across, down) = if let [sx, sy, ..] = self.scale[..]
             && sx != 0.0
@@ -89,32 +132,14 @@ impl Header {
         } else if self.tiepoint.len() > 6 {
             return Err("is placed by ground control points; warp it to a grid first, for example with gdalwarp".into());
         } else {
-            return Err("has no georeferencing (no cell size and tie point, no transformation), \
-                        so it cannot give a grid"
+            return Err("has no georeferencing (no cell size and tie point, no transformation, no world file), \
+                        so its cells have no place on a map"
                 .into());
         };
-        if across.y != 0.0 || down.x != 0.0 {
-            return Err(
-                "is rotated or sheared; warp it to a grid with north up first, for example with gdalwarp".into()
-            );
-        }
-        let cell = DVec2::new(across.x, down.y.abs());
-        if across.x <= 0.0 {
-            return Err("runs from east to west; rewrite it with north up first, for example with gdalwarp".into());
-        }
         if pixel_is_point {
             origin -= 0.5 * (across + down);
         }
-        if down.y > 0.0 {
-            origin.y += self.size.y * down.y;
-        }
-        if !(origin.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
-            return Err(format!(
-                "has cells of {} x {} at {}, {}, which is no grid",
-                cell.x, cell.y, origin.x, origin.y
-            ));
-        }
-        Ok((origin, cell))
+        sidecar::north_up(origin, across, down, self.size)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Raster files: height maps out ([`write_dem`]), the grid of an existing raster in ([`read_grid`]).
+//! Raster files: height maps in ([`read_dem`]) and out ([`write_dem`]), the grid of an existing raster ([`read_grid`]).
 //!
 //! The file's name decides the format:
 //!
@@ -7,16 +7,25 @@
 //! | `.tif`, `.tiff` | 32-bit floating point, lossless | in the file (GeoTIFF) |
 //! | `.exr` | 32-bit floating point, lossless | in the file, as GDAL reads them; nodata in `.exr.aux.xml` |
 //! | `.png` | 16-bit steps of a round size | in the file as text, in `.pgw` and in `.png.aux.xml` |
+//! | `.asc` | text (ESRI ASCII grid), lossless | in the file; coordinate reference system in `.prj` |
+//! | `.xyz` | text, a line `x y height` for every cell with data, lossless | in the file, as cell centres; no system |
 //!
 //! Sidecar files are written beside the main file, whatever directory that is.
 
+mod asc;
 mod exr;
 mod geokeys;
 mod geotiff;
+mod geotiff_read;
+mod gsi_tile;
 mod like;
 mod pam;
 mod picture;
 mod png;
+mod png_read;
+mod read;
+mod sidecar;
+mod xyz;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -25,11 +34,11 @@ use std::path::Path;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
 
-pub use like::read_grid;
 pub use picture::write_picture;
+pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid};
 
 /// The extensions [`write_dem`] knows, for messages and help texts.
-pub const DEM_EXTENSIONS: [&str; 4] = ["tif", "tiff", "exr", "png"];
+pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
 
 /// Writes a height map in the format that the extension of `path` names, with its sidecar files beside it.
 ///
@@ -42,6 +51,8 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
         "tif" | "tiff" => geotiff::write,
         "exr" => exr::write,
         "png" => png::write,
+        "asc" => asc::write,
+        "xyz" => xyz::write,
         _ => {
             return Err(Error::file(
                 path,
@@ -76,7 +87,7 @@ fn check(path: &Path, dem: &Dem) -> Result<()> {
             corner.y
         )));
     }
-    // All three formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
+    // The binary formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
     if cols.max(rows) > i32::MAX as usize / 2 {
         return Err(Error::file(path, format!("{cols} x {rows} cells are more than the format can count")));
     }
@@ -147,10 +158,10 @@ mod tests {
     #[test]
     fn an_unknown_extension_names_the_known_ones() {
         let dir = tempfile::tempdir().unwrap();
-        for name in ["dem.asc", "dem", "dem.TIF.gz"] {
+        for name in ["dem.txt", "dem", "dem.TIF.gz"] {
             let path = dir.path().join(name);
             let error = write_dem(&path, &sample(4, 4)).unwrap_err().to_string();
-            assert!(error.contains(".tif, .tiff, .exr, .png"), "{error}");
+            assert!(error.contains(".tif, .tiff, .exr, .png, .asc, .xyz"), "{error}");
             assert!(!path.exists());
         }
     }
@@ -197,7 +208,7 @@ mod tests {
     fn the_same_bytes_come_out_for_any_number_of_threads() {
         let dir = tempfile::tempdir().unwrap();
         let dem = sample(700, 600);
-        for extension in ["tif", "exr", "png"] {
+        for extension in DEM_EXTENSIONS {
             let bytes = [1, 4].map(|threads| {
                 let path = dir.path().join(format!("{threads}.{extension}"));
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

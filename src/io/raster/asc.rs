@@ -1,0 +1,228 @@
+//! ESRI ASCII grids (`.asc`): a header of words and numbers, then the heights as text, row by row from the north.
+//!
+//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: `dx` and `dy` stand for
+//! `cellsize` then, as GDAL writes and reads it.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+
+use glam::DVec2;
+
+use super::read::{Coding, Heights, room};
+use super::{create, sidecar, write_text};
+use crate::crs::Crs;
+use crate::dem::{Dem, Grid};
+use crate::error::{Error, Report, Result};
+
+/// Longest word of a file. Doubles written out in full have about 330 digits.
+const LONGEST_WORD: usize = 512;
+
+/// The mark of files that do not name theirs.
+const USUAL_NODATA: f64 = -9999.0;
+
+pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    let (header, mut words) = open(path)?;
+    let grid = header.grid(path)?;
+    let mut values = room(path, grid.cols as u64, grid.rows as u64, words.length)?;
+    let mut heights = Heights::new(Coding { nodata: Some(header.nodata), scale: 1.0, offset: 0.0 });
+    let place = |index: usize| format!("row {}, column {}", index / grid.cols + 1, index % grid.cols + 1);
+    for (index, value) in values.iter_mut().enumerate() {
+        let Some(word) = words.next(path)? else {
+            let message = format!("is cut off: it ends before the height of {}", place(index));
+            return Err(Error::file(path, message));
+        };
+        let Some(number) = parse(word) else {
+            let word = String::from_utf8_lossy(word).into_owned();
+            return Err(Error::file(path, format!("{word:?} at {} is no number", place(index))));
+        };
+        *value = heights.height(number);
+    }
+    if words.next(path)?.is_some() {
+        let message = format!("holds more heights than its {} rows of {} have cells", grid.rows, grid.cols);
+        return Err(Error::file(path, message));
+    }
+    let crs = sidecar::read_prj(path)?;
+    Ok(Report { value: Dem { grid, values, crs }, findings: heights.findings().into_iter().collect() })
+}
+
+/// The grid alone, from the header.
+pub(super) fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
+    Ok((open(path)?.0.grid(path)?, sidecar::read_prj(path)?))
+}
+
+/// A number as 64-bit floating point. A height with the digits of a 32-bit one is that very height again when it is
+/// rounded back.
+fn parse(word: &[u8]) -> Option<f64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// The words of a text, one at a time.
+struct Words {
+    input: BufReader<File>,
+    /// Bytes of the file.
+    length: u64,
+    word: Vec<u8>,
+    /// Whether the word is to be given once more.
+    again: bool,
+}
+
+impl Words {
+    fn next(&mut self, path: &Path) -> Result<Option<&[u8]>> {
+        if std::mem::take(&mut self.again) {
+            return Ok(Some(&self.word));
+        }
+        self.word.clear();
+        loop {
+            let buffer = match self.input.fill_buf() {
+                Ok(buffer) => buffer,
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
+                Err(e) => return Err(Error::io("read", path, e)),
+            };
+            if buffer.is_empty() {
+                return Ok((!self.word.is_empty()).then_some(&self.word));
+            }
+            // Everything up to the space, and the end-of-file mark of old systems, parts words.
+            let skipped = if self.word.is_empty() { buffer.iter().take_while(|&&b| b <= b' ').count() } else { 0 };
+            let rest = &buffer[skipped..];
+            let length = rest.iter().position(|&b| b <= b' ').unwrap_or(rest.len());
+            self.word.extend_from_slice(&rest[..length.min(LONGEST_WORD + 1)]);
+            let is_whole = length < rest.len();
+            self.input.consume(skipped + length);
+            if self.word.len() > LONGEST_WORD {
+                return Err(Error::file(path, "is not an ESRI ASCII grid, which holds words and numbers"));
+            }
+            if is_whole && !self.word.is_empty() {
+                return Ok(Some(&self.word));
+            }
+        }
+    }
+}
+
+/// What the header says, as it stands there.
+struct Header {
+    cols: u64,
+    rows: u64,
+    /// West and south: the number, and whether it is that of a cell's centre and not of its corner.
+    west: (f64, bool),
+    south: (f64, bool),
+    cell: DVec2,
+    nodata: f64,
+}
+
+fn open(path: &Path) -> Result<(Header, Words)> {
+    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+    let mut words =
+        Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
+    let (mut cols, mut rows, mut west, mut south, mut dx, mut dy) = (None, None, None, None, None, None);
+    let mut nodata = USUAL_NODATA;
+    loop {
+        let Some(word) = words.next(path)? else {
+            return Err(Error::file(path, "is cut off in its header"));
+        };
+        let word = word.strip_prefix(b"\xef\xbb\xbf").unwrap_or(word);
+        if parse(word).is_some() {
+            words.again = true;
+            break;
+        }
+        let key = String::from_utf8_lossy(word).to_ascii_lowercase();
+        let number = words.next(path)?.and_then(parse);
+        let Some(number) = number else {
+            let key: String = key.chars().take(24).collect();
+            let message = format!("is not an ESRI ASCII grid: no number follows {key:?} in its header");
+            return Err(Error::file(path, message));
+        };
+        match key.as_str() {
+            "ncols" => cols = Some(number),
+            "nrows" => rows = Some(number),
+            "xllcorner" => west = Some((number, false)),
+            "xllcenter" => west = Some((number, true)),
+            "yllcorner" => south = Some((number, false)),
+            "yllcenter" => south = Some((number, true)),
+            "cellsize" => (dx, dy) = (Some(number), Some(number)),
+            "dx" => dx = Some(number),
+            "dy" => dy = Some(number),
+            "nodata_value" | "nodata" => nodata = number,
+            _ => {
+                let key: String = key.chars().take(24).collect();
+                return Err(Error::file(path, format!("{key:?} is no word of the header of an ESRI ASCII grid")));
+            }
+        }
+    }
+    let missing = |name: &str| Error::file(path, format!("is not an ESRI ASCII grid: its header has no {name}"));
+    let whole = |number: f64, name: &str| {
+        let is_count = number >= 1.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0;
+        let message = || Error::file(path, format!("{name} is {number} in its header, which is no number of cells"));
+        if is_count { Ok(number as u64) } else { Err(message()) }
+    };
+    let header = Header {
+        cols: whole(cols.ok_or_else(|| missing("ncols"))?, "ncols")?,
+        rows: whole(rows.ok_or_else(|| missing("nrows"))?, "nrows")?,
+        west: west.ok_or_else(|| missing("xllcorner"))?,
+        south: south.ok_or_else(|| missing("yllcorner"))?,
+        cell: DVec2::new(dx.ok_or_else(|| missing("cellsize"))?, dy.ok_or_else(|| missing("cellsize"))?),
+        nodata,
+    };
+    // A height takes a digit and a space at the least.
+    if header.cols.saturating_mul(header.rows) > length / 2 + 1 {
+        let message = format!(
+            "is cut off: {} x {} heights do not fit into its {length} bytes; copy or download it again",
+            header.cols, header.rows
+        );
+        return Err(Error::file(path, message));
+    }
+    Ok((header, words))
+}
+
+impl Header {
+    fn grid(&self, path: &Path) -> Result<Grid> {
+        let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
+        let (cell, rows) = (self.cell, self.rows as f64);
+        let origin = DVec2::new(half(self.west, cell.x), half(self.south, cell.y) + rows * cell.y);
+        let size = (self.cols as usize, self.rows as usize);
+        let placed = sidecar::north_up(origin, DVec2::new(cell.x, 0.0), DVec2::new(0.0, -cell.y), size);
+        let placed = placed.and_then(|placed| match cell.min_element() > 0.0 {
+            true => Ok(placed),
+            false => Err(format!("has cells of {} x {}, which is no grid", cell.x, cell.y)),
+        });
+        placed.map(|placed| placed.grid).map_err(|message| Error::file(path, message))
+    }
+}
+
+/// Writes `dem` to `path`, and `.prj` beside it if the coordinate reference system is known.
+pub(super) fn write(path: &Path, dem: &Dem) -> Result<()> {
+    let Grid { corner, cell, cols, rows } = dem.grid;
+    let nodata = free_mark(&dem.values);
+    create(path, |out| {
+        writeln!(out, "ncols {cols}\nnrows {rows}")?;
+        writeln!(out, "xllcorner {}\nyllcorner {}", corner.x, corner.y - rows as f64 * cell.y)?;
+        if cell.x == cell.y {
+            writeln!(out, "cellsize {}", cell.x)?;
+        } else {
+            writeln!(out, "dx {}\ndy {}", cell.x, cell.y)?;
+        }
+        writeln!(out, "NODATA_value {nodata}")?;
+        for row in dem.values.chunks_exact(cols) {
+            for (col, height) in row.iter().enumerate() {
+                let space = if col == 0 { "" } else { " " };
+                // The shortest digits that give the same 32-bit height again. They keep their decimal point, without
+                // which readers take the whole map for integers.
+                if height.is_finite() { write!(out, "{space}{height:?}")? } else { write!(out, "{space}{nodata}")? }
+            }
+            out.write_all(b"\n")?;
+        }
+        Ok(())
+    })?;
+    match dem.crs.as_ref().and_then(|crs| crs.wkt1().or(crs.wkt())) {
+        Some(wkt) => write_text(&path.with_extension("prj"), wkt),
+        None => Ok(()),
+    }
+}
+
+/// A mark that is no height of the map: -9999, or with more nines.
+fn free_mark(values: &[f32]) -> i64 {
+    let mut marks = (4..8).map(|digits| 1 - 10_i64.pow(digits));
+    let is_free = |mark: &i64| !values.contains(&(*mark as f32));
+    marks.find(is_free).unwrap_or(-99_999_999)
+}

@@ -1,0 +1,252 @@
+//! GeoTIFF height maps in: strips and tiles, every kind of number, deflated, LZW, PackBits or as they are.
+//!
+//! The file is decoded strip by strip or tile by tile into the height map, so that no second copy of it is held. Strips
+//! and tiles that a file leaves out (GDAL calls such files sparse) are cells without data.
+
+use std::path::Path;
+
+use tiff::ColorType;
+use tiff::decoder::{ChunkType, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+use super::like::{self, Tiff};
+use super::read::{Coding, Heights, metres_in, room, unit_finding};
+use super::sidecar::{Aux, elements};
+use crate::dem::Dem;
+use crate::error::{Error, Finding, FindingKind, Report, Result};
+
+/// What GDAL keeps in its own tag: scale, offset and unit of the values.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
+
+/// The kind of picture that counts its values down from white.
+const WHITE_IS_ZERO: u16 = 0;
+
+/// The bit of the subfile type that marks a mask.
+const IS_MASK: u32 = 4;
+
+/// Overviews and masks that are looked at.
+const MOST_SUBFILES: usize = 64;
+
+pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    let mut tiff = like::open(path)?;
+    let mut findings = Vec::new();
+    let samples = samples(path, &mut tiff, &mut findings)?;
+    let coding = coding(path, &mut tiff, &mut findings)?;
+    let chunks = Chunks::of(path, &mut tiff, samples)?;
+
+    let grid = tiff.placement.grid;
+    let mut values = room(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
+    let mut heights = Heights::new(coding);
+    let limits = chunks.limits(tiff.length);
+    let Tiff { decoder, placement, crs, .. } = tiff;
+    let mut decoder = decoder.with_limits(limits);
+    for index in 0..chunks.count() {
+        if chunks.ranges[index as usize] == (0, 0) {
+            continue;
+        }
+        let message = format!("part {} of {} cannot be decoded; the file is broken", index + 1, chunks.count());
+        let decoded = decoder.read_chunk(index).map_err(|e| like::wrong(path, &unsupported(&e, message), e))?;
+        let (width, height) = decoder.chunk_data_dimensions(index);
+        let (width, height) = (width as usize, height as usize);
+        let (left, top) = chunks.origin(index);
+        for line in 0..height {
+            let row = placement.row(top + line) * grid.cols + left;
+            let out = &mut values[row..row + width];
+            let start = line * width * samples;
+            copy(&decoded, start, samples, out, &mut heights);
+        }
+    }
+    findings.extend(heights.findings());
+    refuse_mask(path, &mut decoder)?;
+    Ok(Report { value: Dem { grid, values, crs }, findings })
+}
+
+/// A clearer word for a compression that is not known.
+fn unsupported(error: &tiff::TiffError, message: String) -> String {
+    match error {
+        tiff::TiffError::UnsupportedError(_) => "holds its values in a way that cannot be read; rewrite it, for example \
+             with 'gdal_translate -co COMPRESS=DEFLATE in.tif out.tif'"
+            .into(),
+        _ => message,
+    }
+}
+
+/// Values that stand side by side for one cell. Pictures are refused.
+fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<usize> {
+    let picture = || Error::file(path, "is a picture in colour and not a height map");
+    let color = tiff.decoder.colortype().map_err(|_| picture())?;
+    let white_is_zero = tiff.decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
+    if matches!(white_is_zero, Ok(Some(WHITE_IS_ZERO))) {
+        return Err(Error::file(path, "counts its values down from white, as scanned pages do; it is no height map"));
+    }
+    let bands = match color {
+        ColorType::Gray(_) => 1,
+        ColorType::Multiband { num_samples, .. } => usize::from(num_samples),
+        _ => return Err(picture()),
+    };
+    if bands > 1 {
+        let message = format!("the raster has {bands} bands; the first one is taken for the heights");
+        findings.push(Finding::general(FindingKind::OtherBands, message));
+    }
+    let planar = tiff.decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
+    Ok(if matches!(planar, Ok(Some(2))) { 1 } else { bands })
+}
+
+/// How the stored values become heights: by the file's own tags, else by the `.aux.xml` beside it.
+fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<Coding> {
+    let wrong = |e| like::wrong(path, "has a broken header", e);
+    let mut own = Aux::default();
+    if let Some(text) = text_tag(tiff, Tag::GdalNodata) {
+        let text = text.trim_matches(['\0', ' ']);
+        own.nodata = Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
+    }
+    if let Some(text) = text_tag(tiff, GDAL_METADATA) {
+        for item in elements(&text).unwrap_or_default() {
+            let of_band = item.attribute("sample").is_none_or(|sample| sample == "0");
+            let number = || item.text.trim().parse().ok();
+            match item.attribute("role") {
+                Some("scale") if of_band => own.scale = number(),
+                Some("offset") if of_band => own.offset = number(),
+                Some("unittype") if of_band => own.unit = Some(item.text.trim().to_owned()),
+                _ => {}
+            }
+        }
+    }
+    let unit = own.unit.or(tiff.aux.unit.clone()).or(tiff.keys.vertical_unit().map(str::to_owned)).unwrap_or_default();
+    findings.extend(unit_finding(&unit));
+    let metres = metres_in(&unit).unwrap_or(1.0);
+    let bits = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).map_err(wrong)?.unwrap_or_default();
+    let format = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(wrong)?.unwrap_or_default();
+    let is_f32 = bits.first() == Some(&32) && format.first() == Some(&3);
+    Ok(Coding {
+        // The mark is a decimal; the stored values are what is nearest to it in their own kind.
+        nodata: own.nodata.or(tiff.aux.nodata).map(|mark| if is_f32 { f64::from(mark as f32) } else { mark }),
+        scale: own.scale.or(tiff.aux.scale).unwrap_or(1.0) * metres,
+        offset: own.offset.or(tiff.aux.offset).unwrap_or(0.0) * metres,
+    })
+}
+
+fn text_tag(tiff: &mut Tiff, tag: Tag) -> Option<String> {
+    tiff.decoder.find_tag(tag).ok()?.and_then(|value| value.into_string().ok())
+}
+
+/// The strips or tiles of the first band.
+struct Chunks {
+    /// Width and height of a whole one, cells.
+    size: (usize, usize),
+    across: usize,
+    /// Offset and length in the file; both zero for those that are left out.
+    ranges: Vec<(u64, u64)>,
+    /// Bytes of a whole one in memory.
+    bytes: u64,
+}
+
+impl Chunks {
+    fn of(path: &Path, tiff: &mut Tiff, samples: usize) -> Result<Self> {
+        let wrong = |e| like::wrong(path, "has a broken header", e);
+        let grid = tiff.placement.grid;
+        let (width, height) = tiff.decoder.chunk_dimensions();
+        let (kind_offsets, kind_lengths) = match tiff.decoder.get_chunk_type() {
+            ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
+            ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
+        };
+        // The height of a strip may be given as "all rows" in the form of the greatest number there is.
+        let height = match tiff.decoder.get_chunk_type() {
+            ChunkType::Strip => u64::from(height).min(grid.rows as u64),
+            ChunkType::Tile => height.into(),
+        };
+        let values = u64::from(width).saturating_mul(height).saturating_mul(samples as u64);
+        let bytes = values.saturating_mul(size_of::<f64>() as u64);
+        room(path, width.into(), height.saturating_mul(samples as u64), tiff.length).map(drop)?;
+        let across = grid.cols.div_ceil(width as usize);
+        let count = across * grid.rows.div_ceil(height as usize);
+        let offsets = tiff.decoder.find_tag_unsigned_vec::<u64>(kind_offsets).map_err(wrong)?.unwrap_or_default();
+        let lengths = tiff.decoder.find_tag_unsigned_vec::<u64>(kind_lengths).map_err(wrong)?.unwrap_or_default();
+        let ranges: Vec<(u64, u64)> = offsets.into_iter().zip(lengths).take(count).collect();
+        if ranges.len() < count {
+            return Err(Error::file(path, "has a broken header: strips or tiles are missing in it"));
+        }
+        for (index, &(offset, length)) in ranges.iter().enumerate() {
+            let end = offset.checked_add(length);
+            if end.is_none_or(|end| end > tiff.length) {
+                let message = format!(
+                    "is cut off: part {} of {count} should end at byte {}, and the file has {}; copy or download it again",
+                    index + 1,
+                    end.unwrap_or(u64::MAX),
+                    tiff.length
+                );
+                return Err(Error::file(path, message));
+            }
+        }
+        Ok(Self { size: (width as usize, height as usize), across, ranges, bytes })
+    }
+
+    fn count(&self) -> u32 {
+        // The library has counted them in 32 bits.
+        self.ranges.len() as u32
+    }
+
+    /// Column and stored row of the first cell.
+    fn origin(&self, index: u32) -> (usize, usize) {
+        let index = index as usize;
+        (index % self.across * self.size.0, index / self.across * self.size.1)
+    }
+
+    /// What the decoder may take: room for one strip or tile.
+    fn limits(&self, file_length: u64) -> Limits {
+        let mut limits = Limits::default();
+        let usize_of = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
+        limits.decoding_buffer_size = limits.decoding_buffer_size.max(usize_of(self.bytes));
+        limits.intermediate_buffer_size = limits.intermediate_buffer_size.max(usize_of(file_length));
+        limits
+    }
+}
+
+/// Copies one line of the first band.
+fn copy(decoded: &DecodingResult, start: usize, samples: usize, out: &mut [f32], heights: &mut Heights) {
+    fn each<T: Copy>(
+        from: &[T],
+        (start, samples): (usize, usize),
+        out: &mut [f32],
+        heights: &mut Heights,
+        number: impl Fn(T) -> f64,
+    ) {
+        let line = from.get(start..).unwrap_or_default().iter().step_by(samples);
+        for (out, &value) in out.iter_mut().zip(line) {
+            *out = heights.height(number(value));
+        }
+    }
+    let at = (start, samples);
+    match decoded {
+        DecodingResult::U8(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::U16(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::U32(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::U64(from) => each(from, at, out, heights, |v| v as f64),
+        DecodingResult::I8(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::I16(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::I32(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::I64(from) => each(from, at, out, heights, |v| v as f64),
+        DecodingResult::F16(from) => each(from, at, out, heights, |v| v.to_f64()),
+        DecodingResult::F32(from) => each(from, at, out, heights, f64::from),
+        DecodingResult::F64(from) => each(from, at, out, heights, |v| v),
+    }
+}
+
+/// A mask says which cells have no data; without it their values would be taken for heights.
+fn refuse_mask<R: std::io::Read + std::io::Seek>(path: &Path, decoder: &mut tiff::decoder::Decoder<R>) -> Result<()> {
+    for _ in 0..MOST_SUBFILES {
+        // Overviews that cannot be read do not matter for the height map.
+        if !decoder.more_images() || decoder.next_image().is_err() {
+            break;
+        }
+        let kind = decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType);
+        if matches!(kind, Ok(Some(kind)) if kind & IS_MASK != 0) {
+            return Err(Error::file(
+                path,
+                "marks its cells without data by a mask, which is not read; rewrite it with a nodata value, for example \
+                 with 'gdalwarp -dstnodata -9999 in.tif out.tif'",
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! PNG height maps in: 16-bit grey with a scale, and elevation tiles in colour.
+//!
+//! Grey: height = offset + scale * value, from the file's own text chunks, else from the `.png.aux.xml` beside it; a grey
+//! picture without either is refused, since its values could be anything. The placement is in the same places or in the
+//! world file. Colour: see the module on elevation tiles; their place is in the path or in the world file.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
+
+use super::read::{Coding, Heights, metres_in, room, unit_finding};
+use super::sidecar::{self, Aux, Placement};
+use super::{exr, gsi_tile};
+use crate::crs::Crs;
+use crate::dem::Dem;
+use crate::error::{Error, Report, Result};
+
+/// The coordinate reference system of elevation tiles.
+const WEB_MERCATOR: u32 = 3857;
+
+/// What the library may take beside the rows of the picture.
+const SIDE_MEMORY: usize = 64 << 20;
+
+/// Bytes that a byte of deflated data can stand for, rounded up.
+const MOST_DEFLATED: u64 = 1100;
+
+/// Extents of the Earth's surface, metres. Colours that mean other heights belong to a picture.
+const EARTH: std::ops::RangeInclusive<f64> = -12_000.0..=9_500.0;
+
+pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    let wrong = |error: DecodingError| match error {
+        DecodingError::IoError(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
+        other => Error::file_cause(path, "is not a PNG file that can be read, or it is cut off", other),
+    };
+    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+    let mut decoder = Decoder::new_with_limits(BufReader::new(file), Limits { bytes: SIDE_MEMORY });
+    decoder.set_transformations(Transformations::EXPAND);
+    let (width, height) = decoder.read_header_info().map_err(wrong)?.size();
+    room(path, width.into(), height.into(), length).map(drop)?;
+    decoder.set_limits(Limits { bytes: SIDE_MEMORY.saturating_add(width as usize * 16) });
+    let mut reader = decoder.read_info().map_err(wrong)?;
+    let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MOST_DEFLATED <= length);
+    let Some(bytes) = bytes else {
+        let message = format!("claims {width} x {height} cells, but is only {length} bytes long: the file is broken");
+        return Err(Error::file(path, message));
+    };
+    let mut pixels = vec![0; bytes];
+    let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
+    // Text may follow the picture.
+    reader.finish().map_err(wrong)?;
+    let own = text_chunks(reader.info());
+    let beside = sidecar::read_aux_xml(path)?;
+    let channels = frame.color_type.samples();
+    match frame.color_type {
+        ColorType::Grayscale | ColorType::GrayscaleAlpha => {
+            let deep = frame.bit_depth == BitDepth::Sixteen;
+            grey(path, (width, height), own, beside, &Pixels { bytes: &pixels, channels, deep })
+        }
+        ColorType::Rgb | ColorType::Rgba if frame.bit_depth == BitDepth::Eight => {
+            colour(path, (width, height), own, beside, &Pixels { bytes: &pixels, channels, deep: false })
+        }
+        _ => Err(Error::file(path, "is a picture in colour and not a height map")),
+    }
+}
+
+/// The decoded picture.
+struct Pixels<'a> {
+    bytes: &'a [u8],
+    /// Samples a pixel; with an even number the last one is opacity.
+    channels: usize,
+    /// Whether samples have two bytes.
+    deep: bool,
+}
+
+impl Pixels<'_> {
+    /// The samples of every pixel that is not transparent.
+    fn iter(&self) -> impl Iterator<Item = Option<[u16; 3]>> {
+        let width = if self.deep { 2 } else { 1 };
+        self.bytes.chunks_exact(self.channels * width).map(move |pixel| {
+            let sample = |k: usize| match pixel.get(k * width..(k + 1) * width) {
+                Some(&[high, low]) => u16::from_be_bytes([high, low]),
+                Some(&[byte]) => byte.into(),
+                _ => 0,
+            };
+            let is_clear = self.channels.is_multiple_of(2) && sample(self.channels - 1) == 0;
+            (!is_clear).then(|| [0, 1, 2].map(sample))
+        })
+    }
+}
+
+/// What the file's text chunks say.
+fn text_chunks(info: &Info<'_>) -> Aux {
+    let mut aux = Aux::default();
+    let plain = info.uncompressed_latin1_text.iter().map(|chunk| (chunk.keyword.as_str(), chunk.text.as_str()));
+    for (key, text) in plain {
+        let number = || text.trim().parse().ok();
+        match key {
+            "Scale" => aux.scale = number(),
+            "Offset" => aux.offset = number(),
+            "NoData" => aux.nodata = number(),
+            "GeoTransform" => aux.transform = sidecar::six_numbers(text),
+            "EPSG" if aux.crs.is_none() => aux.crs = text.trim().parse().ok().map(Crs::from_epsg),
+            _ => {}
+        }
+    }
+    let wkt = info.utf8_text.iter().find(|chunk| chunk.keyword == "WKT").and_then(|chunk| chunk.get_text().ok());
+    if let Some(wkt) = wkt {
+        aux.crs = Some(Crs::from_wkt(&wkt));
+    }
+    aux
+}
+
+/// The place by transform or world file.
+fn placed(path: &Path, (width, height): (u32, u32), own: &Aux, beside: &Aux) -> Result<Option<Placement>> {
+    let size = (width as usize, height as usize);
+    match own.transform.or(beside.transform) {
+        Some(numbers) => {
+            sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message))
+        }
+        None => sidecar::read_world(path, &["pgw", "pngw", "wld"], size),
+    }
+}
+
+fn system(path: &Path, own: Option<Crs>, beside: Option<Crs>) -> Result<Option<Crs>> {
+    match own.or(beside) {
+        Some(crs) => Ok(Some(crs)),
+        None => sidecar::read_prj(path),
+    }
+}
+
+fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
+    if own.scale.is_none() && beside.is_none() {
+        let message = "is a grey picture that does not say how its values become heights; write an .aux.xml with Scale \
+                       and Offset beside it, for example with 'gdal_translate -a_scale 0.1 -a_offset 0'";
+        return Err(Error::file(path, message));
+    }
+    let beside = beside.unwrap_or_default();
+    let Some(placement) = placed(path, size, &own, &beside)? else {
+        return Err(Error::file(path, "has no place on a map; a world file (.pgw) beside it would tell it"));
+    };
+    let unit = beside.unit.unwrap_or_default();
+    let metres = metres_in(&unit).unwrap_or(1.0);
+    // What the file says about itself belongs together: its mark is not mixed with the scale of another file.
+    let (scale, offset, nodata) = match own.scale {
+        Some(scale) => (scale, own.offset, own.nodata),
+        None => (beside.scale.unwrap_or(1.0), beside.offset, beside.nodata),
+    };
+    let mut heights = Heights::new(Coding { nodata, scale: scale * metres, offset: offset.unwrap_or(0.0) * metres });
+    let values = pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
+    let mut findings: Vec<_> = unit_finding(&unit).into_iter().collect();
+    findings.extend(heights.findings());
+    let dem = turned(placement, values, system(path, own.crs, beside.crs)?);
+    Ok(Report { value: dem, findings })
+}
+
+fn colour(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
+    let beside = beside.unwrap_or_default();
+    let mut strange = false;
+    let height = |pixel: Option<[u16; 3]>| {
+        let height = pixel.and_then(|rgb| gsi_tile::height(rgb.map(|sample| sample as u8)));
+        strange |= height.is_some_and(|height| !EARTH.contains(&height));
+        height.map_or(f32::NAN, |height| height as f32)
+    };
+    let values: Vec<f32> = pixels.iter().map(height).collect();
+    if strange {
+        let message = "is a picture in colour: taken as an elevation tile it has heights that are not on Earth";
+        return Err(Error::file(path, message));
+    }
+    let (placement, crs) = match placed(path, size, &own, &beside)? {
+        Some(placement) => (placement, system(path, own.crs, beside.crs)?),
+        None => {
+            let placement = gsi_tile::placement(&std::path::absolute(path).unwrap_or(path.to_owned()), size);
+            let Some(placement) = placement else {
+                let message = "is in colour. If it is an elevation tile, its place must be told: keep the path \
+                               zoom/column/row.png of the tile, or put a world file (.pgw) beside it";
+                return Err(Error::file(path, message));
+            };
+            (placement, Some(Crs::from_epsg(WEB_MERCATOR)))
+        }
+    };
+    Ok(Report { value: turned(placement, values, crs), findings: Vec::new() })
+}
+
+fn turned(placement: Placement, mut values: Vec<f32>, crs: Option<Crs>) -> Dem {
+    if placement.south_up {
+        exr::flip(&mut values, placement.grid.cols);
+    }
+    Dem { grid: placement.grid, values, crs }
+}

@@ -1,0 +1,221 @@
+//! What the files beside a raster say about it: world file, `.aux.xml`, `.prj`.
+
+use std::path::Path;
+
+use glam::DVec2;
+use quick_xml::Reader;
+use quick_xml::escape::unescape;
+use quick_xml::events::Event;
+
+use super::beside;
+use crate::crs::Crs;
+use crate::dem::Grid;
+use crate::error::{Error, Result};
+
+/// Where a raster's cells are, and in which order the file has its rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Placement {
+    pub grid: Grid,
+    /// Whether the file begins with the southernmost row.
+    pub south_up: bool,
+}
+
+impl Placement {
+    /// Where stored rows go: the row of the grid for a row of the file.
+    pub fn row(&self, stored: usize) -> usize {
+        if self.south_up { self.grid.rows - 1 - stored } else { stored }
+    }
+}
+
+/// The placement by an affine transform: the outer corner of the first stored cell, the step of a column and of a row.
+///
+/// `Err` says what is wrong, as the rest of a sentence that begins with the file's name.
+pub(super) fn north_up(
+    origin: DVec2,
+    across: DVec2,
+    down: DVec2,
+    (cols, rows): (usize, usize),
+) -> std::result::Result<Placement, String> {
+    if across.y != 0.0 || down.x != 0.0 {
+        return Err("is rotated or sheared; warp it to a grid with north up first, for example with gdalwarp".into());
+    }
+    let cell = DVec2::new(across.x, down.y.abs());
+    if across.x <= 0.0 {
+        return Err("runs from east to west; rewrite it with north up first, for example with gdalwarp".into());
+    }
+    let south_up = down.y > 0.0;
+    let corner = if south_up { origin + DVec2::new(0.0, rows as f64 * down.y) } else { origin };
+    if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
+        return Err(format!("has cells of {} x {} at {}, {}, which is no grid", cell.x, cell.y, corner.x, corner.y));
+    }
+    Ok(Placement { grid: Grid { corner, cell, cols, rows }, south_up })
+}
+
+/// The placement by GDAL's six numbers: x of the corner, cell width, shear, y of the corner, shear, cell height (negative
+/// with north up).
+pub(super) fn by_transform(numbers: [f64; 6], size: (usize, usize)) -> std::result::Result<Placement, String> {
+    let [x, a, b, y, d, e] = numbers;
+    north_up(DVec2::new(x, y), DVec2::new(a, d), DVec2::new(b, e), size)
+}
+
+/// Six numbers with anything but letters and digits between them.
+pub(super) fn six_numbers(text: &str) -> Option<[f64; 6]> {
+    let words = text.split([',', ' ', '\t', '\r', '\n']).filter(|word| !word.is_empty());
+    let numbers: Vec<f64> = words.map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
+    numbers.try_into().ok()
+}
+
+/// What an `.aux.xml` says about the first band.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Aux {
+    pub crs: Option<Crs>,
+    pub transform: Option<[f64; 6]>,
+    pub nodata: Option<f64>,
+    pub scale: Option<f64>,
+    pub offset: Option<f64>,
+    pub unit: Option<String>,
+}
+
+/// Largest sidecar file that is looked at. Those with statistics of many bands have some hundred kilobytes.
+const LARGEST: u64 = 64 << 20;
+
+/// The content of a small text file, if there is one.
+pub(super) fn read_text(path: &Path) -> Result<Option<String>> {
+    match std::fs::metadata(path) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Ok(meta) if meta.len() > LARGEST => {
+            return Err(Error::file(path, "is too large for a file that describes a raster"));
+        }
+        _ => {}
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    Ok(Some(String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}').to_owned()))
+}
+
+/// Reads `path` + `.aux.xml`, if there is one.
+///
+/// # Errors
+/// If it cannot be read or is no XML.
+pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
+    let path = &beside(path, ".aux.xml");
+    let Some(text) = read_text(path)? else { return Ok(None) };
+    let elements = elements(&text).map_err(|e| Error::file_cause(path, "is not the XML that it should be", e))?;
+    let mut aux = Aux::default();
+    let mut band = 0;
+    for element in elements {
+        let text = element.text.trim();
+        let number = || text.parse::<f64>().ok();
+        match (element.parent.as_str(), element.name.as_str()) {
+            ("PAMDataset", "SRS") => aux.crs = by_text(text),
+            ("PAMDataset", "GeoTransform") => aux.transform = six_numbers(text),
+            ("PAMDataset", "PAMRasterBand") => band += 1,
+            // A band's own element ends after what is in it, so the count is that of the bands before.
+            ("PAMRasterBand", "NoDataValue") if band == 0 => aux.nodata = number(),
+            ("PAMRasterBand", "Scale") if band == 0 => aux.scale = number(),
+            ("PAMRasterBand", "Offset") if band == 0 => aux.offset = number(),
+            ("PAMRasterBand", "UnitType") if band == 0 => aux.unit = Some(text.to_owned()),
+            _ => {}
+        }
+    }
+    Ok(Some(aux))
+}
+
+/// The system that a text in a sidecar file names: well-known text or `EPSG:…`.
+fn by_text(text: &str) -> Option<Crs> {
+    if text.contains(['[', '(']) { Some(Crs::from_wkt(text)) } else { Crs::from_name(text) }
+}
+
+/// Reads the `.prj` beside a raster, if there is one and it is well-known text.
+///
+/// # Errors
+/// If it is there and cannot be read.
+pub(super) fn read_prj(path: &Path) -> Result<Option<Crs>> {
+    Ok(read_text(&path.with_extension("prj"))?.and_then(|text| by_text(text.trim())))
+}
+
+/// Reads the world file beside a raster, the first of these extensions that is there.
+///
+/// # Errors
+/// If it cannot be read, does not hold six numbers, or places the raster askew.
+pub(super) fn read_world(path: &Path, extensions: &[&str], size: (usize, usize)) -> Result<Option<Placement>> {
+    for extension in extensions {
+        let path = path.with_extension(extension);
+        let Some(text) = read_text(&path)? else { continue };
+        let [a, d, b, e, x, y] = six_numbers(&text)
+            .ok_or_else(|| Error::file(&path, "is not a world file, which holds six numbers, one a line"))?;
+        // The numbers place the centre of the first cell.
+        let (across, down) = (DVec2::new(a, d), DVec2::new(b, e));
+        let origin = DVec2::new(x, y) - 0.5 * (across + down);
+        return north_up(origin, across, down, size).map(Some).map_err(|message| Error::file(&path, message));
+    }
+    Ok(None)
+}
+
+/// An element of an XML text with what is directly in it.
+#[derive(Debug, Default)]
+pub(super) struct Element {
+    pub name: String,
+    /// The name of the element around it; empty for the outermost.
+    pub parent: String,
+    pub attributes: Vec<(String, String)>,
+    pub text: String,
+}
+
+impl Element {
+    /// The value of an attribute.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    }
+}
+
+/// The elements of an XML text in the order in which they end.
+pub(super) fn elements(xml: &str) -> std::result::Result<Vec<Element>, quick_xml::Error> {
+    let mut reader = Reader::from_str(xml);
+    let (mut open, mut done): (Vec<Element>, Vec<Element>) = (Vec::new(), Vec::new());
+    loop {
+        match reader.read_event()? {
+            event @ (Event::Start(_) | Event::Empty(_)) => {
+                let is_empty = matches!(event, Event::Empty(_));
+                let (Event::Start(start) | Event::Empty(start)) = event else { continue };
+                let attributes = start
+                    .attributes()
+                    .flatten()
+                    .map(|a| {
+                        let value = String::from_utf8_lossy(&a.value);
+                        let value = unescape(&value).map_or_else(|_| value.to_string(), |v| v.into_owned());
+                        (String::from_utf8_lossy(a.key.as_ref()).into_owned(), value)
+                    })
+                    .collect();
+                let name = String::from_utf8_lossy(start.name().as_ref()).into_owned();
+                let parent = open.last().map(|element| element.name.clone()).unwrap_or_default();
+                let element = Element { name, parent, attributes, text: String::new() };
+                if is_empty { done.push(element) } else { open.push(element) }
+            }
+            Event::Text(text) => {
+                if let Some(element) = open.last_mut() {
+                    element.text.push_str(&String::from_utf8_lossy(&text));
+                }
+            }
+            Event::CData(text) => {
+                if let Some(element) = open.last_mut() {
+                    element.text.push_str(&String::from_utf8_lossy(&text).replace('&', "&amp;"));
+                }
+            }
+            Event::GeneralRef(name) => {
+                if let Some(element) = open.last_mut() {
+                    element.text.push_str(&format!("&{};", String::from_utf8_lossy(&name)));
+                }
+            }
+            Event::End(_) => {
+                if let Some(mut element) = open.pop() {
+                    if let Ok(text) = unescape(&element.text) {
+                        element.text = text.into_owned();
+                    }
+                    done.push(element);
+                }
+            }
+            Event::Eof => return Ok(done),
+            _ => {}
+        }
+    }
+}
