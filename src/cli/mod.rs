@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod compare;
 mod console;
 mod dem;
 mod densify;
@@ -38,6 +39,7 @@ Examples:
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
   tokosen mesh contours.gpkg -o terrain.glb
+  tokosen compare contours.gpkg published_dem.tif --report compare.html
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
@@ -48,6 +50,7 @@ enum Verb {
     Densify(Box<densify::DensifyArgs>),
     Dem(Box<dem::DemArgs>),
     Mesh(Box<mesh::MeshArgs>),
+    Compare(Box<compare::CompareArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
 }
@@ -98,6 +101,7 @@ pub fn main() -> ExitCode {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
+        Verb::Compare(args) => compare::run(args, &console),
         Verb::Regions(args) => regions::run(args, &console),
         Verb::Skeleton(args) => skeleton::run(args, &console),
     };

@@ -48,7 +48,7 @@ impl GridArgs {
     }
 
     /// The grid that is asked for; reads that of `--like`.
-    fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+    pub fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
         self.check()?;
         match &self.like {
             None => Ok(GridChoice::Cell(self.cell.unwrap_or_default())),

@@ -58,3 +58,25 @@ pub struct Dem {
     /// The coordinate reference system, if known.
     pub crs: Option<Crs>,
 }
+
+impl Dem {
+    /// Metres a map unit in x and y; `None` if the unit is not known. Where coordinates are degrees, those of a degree at
+    /// the latitude of the middle row, on the ellipsoid GRS 1980.
+    pub fn metres_per_unit(&self) -> Option<DVec2> {
+        let crs = self.crs.as_ref()?;
+        if !crs.is_geographic() {
+            return crs.length_unit().map(|unit| DVec2::splat(unit.metres));
+        }
+        let latitude = self.grid.center(self.grid.cols / 2, self.grid.rows / 2).y.clamp(-89.0, 89.0).to_radians();
+        // Radii of curvature across and along the meridian.
+        let flattened = 1.0 - ECCENTRICITY_2 * latitude.sin().powi(2);
+        let across = SEMI_MAJOR / flattened.sqrt();
+        let along = across * (1.0 - ECCENTRICITY_2) / flattened;
+        Some(DVec2::new(across * latitude.cos(), along) * 1f64.to_radians())
+    }
+}
+
+/// Semi-major axis of GRS 1980, metres.
+const SEMI_MAJOR: f64 = 6_378_137.0;
+/// Square of its eccentricity.
+const ECCENTRICITY_2: f64 = 0.006_694_380_022_9;

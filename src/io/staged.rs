@@ -17,11 +17,8 @@ use crate::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is
 /// the extension of the output, the second an ending that replaces that extension.
-const REPLACED_ENDINGS: &[(&str, &[&str])] = &[
-    ("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]),
-    ("asc", &["prj", "qpj"]),
-    ("png", &["pgw", "prj"]),
-];
+const REPLACED_ENDINGS: &[(&str, &[&str])] =
+    &[("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]), ("asc", &["prj", "qpj"]), ("png", &["pgw", "prj"])];
 
 /// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and what a database
 /// engine keeps beside a file that it did not close.

@@ -113,8 +113,7 @@ struct Header {
 fn open(path: &Path) -> Result<(Header, Words)> {
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-    let mut words =
-        Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
+    let mut words = Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
     let (mut cols, mut rows, mut west, mut south, mut dx, mut dy) = (None, None, None, None, None, None);
     let mut nodata = USUAL_NODATA;
     loop {

@@ -124,8 +124,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         let message = format!("the file has the channels {}; the first is taken for the heights", names.join(", "));
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
-    let coding =
-        Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
+    let coding = Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
     let mut heights = Heights::new(coding);
     let mut values: Vec<f32> = match channel.sample_data {
         FlatSamples::F32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),

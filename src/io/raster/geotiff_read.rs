@@ -64,9 +64,11 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
 /// A clearer word for a compression that is not known.
 fn unsupported(error: &tiff::TiffError, message: String) -> String {
     match error {
-        tiff::TiffError::UnsupportedError(_) => "holds its values in a way that cannot be read; rewrite it, for example \
+        tiff::TiffError::UnsupportedError(_) => {
+            "holds its values in a way that cannot be read; rewrite it, for example \
              with 'gdal_translate -co COMPRESS=DEFLATE in.tif out.tif'"
-            .into(),
+                .into()
+        }
         _ => message,
     }
 }
@@ -98,7 +100,8 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
     let mut own = Aux::default();
     if let Some(text) = text_tag(tiff, Tag::GdalNodata) {
         let text = text.trim_matches(['\0', ' ']);
-        own.nodata = Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
+        own.nodata =
+            Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
     }
     if let Some(text) = text_tag(tiff, GDAL_METADATA) {
         for item in elements(&text).unwrap_or_default() {

@@ -117,9 +117,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
 fn placed(path: &Path, (width, height): (u32, u32), own: &Aux, beside: &Aux) -> Result<Option<Placement>> {
     let size = (width as usize, height as usize);
     match own.transform.or(beside.transform) {
-        Some(numbers) => {
-            sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message))
-        }
+        Some(numbers) => sidecar::by_transform(numbers, size).map(Some).map_err(|message| Error::file(path, message)),
         None => sidecar::read_world(path, &["pgw", "pngw", "wld"], size),
     }
 }
@@ -149,7 +147,8 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
         None => (beside.scale.unwrap_or(1.0), beside.offset, beside.nodata),
     };
     let mut heights = Heights::new(Coding { nodata, scale: scale * metres, offset: offset.unwrap_or(0.0) * metres });
-    let values = pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
+    let values =
+        pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
     let mut findings: Vec<_> = unit_finding(&unit).into_iter().collect();
     findings.extend(heights.findings());
     let dem = turned(placement, values, system(path, own.crs, beside.crs)?);

@@ -115,7 +115,8 @@ pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Resul
         ));
     }
     let mut values = Vec::new();
-    let room = usize::try_from(cells).map_err(|_| ()).and_then(|n| values.try_reserve_exact(n).map(|()| n).map_err(|_| ()));
+    let room =
+        usize::try_from(cells).map_err(|_| ()).and_then(|n| values.try_reserve_exact(n).map(|()| n).map_err(|_| ()));
     let Ok(count) = room else {
         return Err(Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory")));
     };
