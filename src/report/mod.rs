@@ -13,4 +13,4 @@ mod words;
 
 pub use page::{ComparisonPage, comparison_page};
 pub use table::{Group, Row, decimals_for, groups};
-pub use words::remarks;
+pub use words::{HeightSource, remarks};

@@ -7,7 +7,7 @@ use super::charts;
 use super::maps;
 use super::profile::{self, Profile};
 use super::table::{Row, decimals_for, groups, number, thousands};
-use super::words::remarks;
+use super::words::{HeightSource, remarks};
 use crate::dem::compare::{Comparison, difference, round_limit};
 use crate::dem::{Dem, Grid};
 use crate::error::Result;
@@ -21,6 +21,8 @@ pub struct ComparisonPage<'a> {
     pub a_name: &'a str,
     /// What B is.
     pub b_name: &'a str,
+    /// What the heights of A and of B come from.
+    pub sources: [HeightSource; 2],
     /// How both came onto one grid, and whatever else is to be said; sentences.
     pub notes: &'a [String],
     /// Heights of A.
@@ -38,7 +40,7 @@ pub struct ComparisonPage<'a> {
 /// # Errors
 /// If a chart or a picture cannot be made.
 pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
-    let &ComparisonPage { a_name, b_name, notes, a, b, found, metres_per_unit } = page;
+    let &ComparisonPage { a_name, b_name, sources, notes, a, b, found, metres_per_unit } = page;
     let d = difference(a, b);
     let profile = profile::profile(found, a, b, metres_per_unit);
     let (small_a, small_b) = (maps::reduced(a), maps::reduced(b));
@@ -70,7 +72,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                 }
                 (key_figures(found))
                 ul {
-                    @for note in notes.iter().cloned().chain(remarks(found)) { li { (note) } }
+                    @for note in notes.iter().cloned().chain(remarks(found, sources)) { li { (note) } }
                 }
                 h2 { "Where they differ" }
                 figure {
@@ -166,7 +168,7 @@ fn meanings() -> Markup {
             "de-biased: the same about the bias. MAE: mean of |d|. NMAD: 1.4826 times the median of |d − median|, which "
             "a few gross errors do not change. LE90, LE95: 90 % and 95 % of the cells have a smaller |d|. Slopes are Horn's, "
             "from eight neighbours; the slope RMSE counts cells that have all of them in both. Classes include their lower "
-            "bound. Distances to contours are in map units."
+            "bound."
         }
     }
 }

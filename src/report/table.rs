@@ -31,7 +31,7 @@ pub fn groups(found: &Comparison) -> Vec<Group> {
         Group { title: "A − B", rows: all },
         Group { title: "by slope of B", rows: classes(&found.by_slope, "°") },
         Group { title: "by elevation of B", rows: classes(&found.by_elevation, " m") },
-        Group { title: "by distance to the nearest contour", rows: classes(&found.by_distance, "") },
+        Group { title: "by distance to the nearest contour", rows: classes(&found.by_distance, " m") },
         Group { title: "against check points", rows: points },
     ];
     groups.into_iter().filter(|group| !group.rows.is_empty()).collect()

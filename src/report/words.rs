@@ -3,8 +3,17 @@
 use super::table::{decimals_for, number};
 use crate::dem::compare::{Comparison, HeightFigures, Precision};
 
-/// What is to be said about a comparison beside its tables, in a fixed order.
-pub fn remarks(found: &Comparison) -> Vec<String> {
+/// What heights come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HeightSource {
+    /// A height map whose origin is not known.
+    HeightMap,
+    /// The surface of contours.
+    Surface,
+}
+
+/// What is to be said about a comparison beside its tables, in a fixed order. `sources` are those of A and of B.
+pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
     let mut out = Vec::new();
     let overall = &found.overall;
     let decimals = decimals_for(overall.rmse);
@@ -52,9 +61,12 @@ pub fn remarks(found: &Comparison) -> Vec<String> {
             number(100.0 * bands.share, 2)
         ));
     }
-    for (name, side) in [("A", &found.a), ("B", &found.b)] {
-        out.extend(precision(name, side));
-        out.extend(terraces(name, side));
+    for (name, side, source) in [("A", &found.a, sources[0]), ("B", &found.b, sources[1])] {
+        out.extend(terraces(name, side, source));
+        // What a surface was rounded to says nothing.
+        if source == HeightSource::HeightMap {
+            out.extend(precision(name, side));
+        }
     }
     out
 }
@@ -67,17 +79,22 @@ fn precision(name: &str, side: &HeightFigures) -> Option<String> {
     Some(format!("All heights of {name} are {unit}: no difference below that means anything."))
 }
 
-fn terraces(name: &str, side: &HeightFigures) -> Option<String> {
+fn terraces(name: &str, side: &HeightFigures, source: HeightSource) -> Option<String> {
     let levels = side.levels.as_ref().filter(|levels| levels.terraced == Some(true))?;
+    let meaning = match source {
+        HeightSource::HeightMap => {
+            format!("It looks like a height map that was made from contours {} m apart", levels.interval)
+        }
+        HeightSource::Surface => "They come from flat triangles between vertices of one contour".into(),
+    };
     Some(format!(
-        "{name} has terraces: {} % of its heights are within 5 % of a multiple of {} m, where {} % would be expected, \
-         and that at {} of {} levels. It looks like a height map that was made from contours {} m apart.",
+        "{name} has terraces: {} % of its heights are within 5 % of the interval of {} m from one of its levels, where {} % \
+         would be expected, most clearly at {} of {} levels. {meaning}.",
         number(100.0 * levels.near, 1),
         levels.interval,
         number(100.0 * levels.expected, 1),
         levels.terraced_levels,
-        levels.levels,
-        levels.interval
+        levels.levels
     ))
 }
 

@@ -16,7 +16,7 @@ use tokosen::dem::compare::{
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::write_dem;
 use tokosen::io::{ReadOptions, SpotHeights, StagedOutput, read_spot_heights};
-use tokosen::report::{ComparisonPage, comparison_page, remarks};
+use tokosen::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -31,7 +31,7 @@ use side::{Kind, Side};
 /// the other's own cell centres. Of two height maps on different grids B stays as it is.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
-#[command(mut_arg("contours", |arg| arg.value_name("A").help(
+#[command(mut_arg("contours", |arg| arg.index(1).value_name("A").help(
     "What is measured: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp)")))]
 #[command(mut_arg("points", |arg| arg.help(
     "Check points: points with an elevation, at which A and B are measured, too")))]
@@ -39,7 +39,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     input: InputArgs,
     /// What it is measured against, the reference: a height map or contour lines
-    #[arg(value_name = "B", help_heading = "Input")]
+    #[arg(index = 2, value_name = "B", help_heading = "Input")]
     b: PathBuf,
     /// Stated accuracy of the height map that is measured against, as a standard deviation [m]; says how much of the
     /// difference is significant
@@ -134,6 +134,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         let content = ComparisonPage {
             a_name: &pair.a.source.title(),
             b_name: &pair.b.source.title(),
+            sources: pair.height_sources(),
             notes: &pair.notes,
             a,
             b,
@@ -259,7 +260,7 @@ fn tell(pair: &side::Pair, found: &Comparison, console: &Console) {
     console.say("");
     table::lines(found).iter().for_each(|line| console.say(line));
     console.say("");
-    for sentence in pair.notes.iter().cloned().chain(remarks(found)) {
+    for sentence in pair.notes.iter().cloned().chain(remarks(found, pair.height_sources())) {
         console.say(&sentence);
     }
     console.say("");
@@ -269,6 +270,13 @@ fn tell(pair: &side::Pair, found: &Comparison, console: &Console) {
 impl side::Pair {
     fn contours(&self) -> Option<&[tokosen::contour::Contour]> {
         [&self.b, &self.a].into_iter().find_map(Side::surface).map(|s| s.map.contours.as_slice())
+    }
+
+    fn height_sources(&self) -> [HeightSource; 2] {
+        [&self.a, &self.b].map(|side| match side.kind {
+            Kind::Dem(_) => HeightSource::HeightMap,
+            Kind::Surface(_) => HeightSource::Surface,
+        })
     }
 
     fn interval(&self) -> Option<Interval> {

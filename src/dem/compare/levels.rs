@@ -16,11 +16,12 @@ use crate::contour::Interval;
 
 /// Bins of the height modulo the interval.
 pub const BINS: usize = 20;
-/// A level counts as terraced if this many times more heights than expected lie near it. Ground and smooth surfaces stay
-/// below 1.2 at nearly all levels; linear triangulations of contours are above 1.5 at most.
+/// A level counts as terraced if this many times more heights than expected lie near it. On ground that was measured no level
+/// does, on linear triangulations of its contours most do, on smooth surfaces few.
 const EXCESS: f64 = 1.4;
-/// Share of the levels that must be terraced for the whole to be called so.
-const MOST_LEVELS: f64 = 0.6;
+/// Share of the levels that must be terraced for the whole to be called so: linear triangulations reach a half where part
+/// of the ground is steep, smooth surfaces a fifth.
+const MANY_LEVELS: f64 = 1.0 / 3.0;
 /// A level is looked at if so many heights lie near it or beside it.
 const FEWEST_HEIGHTS: u64 = 100;
 /// Terraces are told from this many levels upwards.
@@ -47,8 +48,8 @@ pub struct LevelHistogram {
     pub levels: usize,
     /// Those of them where at least 1.4 times as many heights as expected are near.
     pub terraced_levels: usize,
-    /// Whether that are most of them, at least 60 %: heights crowd at contour levels. None where there are fewer than three
-    /// levels, or where heights are so coarse that they are on levels by rounding.
+    /// Whether that are many, a third of the even-numbered levels and of the odd ones: heights crowd at contour levels. None
+    /// where there are fewer than three levels, or where heights are so coarse that they are on levels by rounding.
     pub terraced: Option<bool>,
 }
 
@@ -85,21 +86,30 @@ pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<P
     let mut bins = [0u64; BINS];
     by_level.values().for_each(|level| bins.iter_mut().zip(level).for_each(|(sum, n)| *sum += n));
     let total: u64 = bins.iter().sum();
-    let around: Vec<(u64, u64)> =
-        by_level.values().map(near_and_beside).filter(|(n, b)| n + b >= FEWEST_HEIGHTS).collect();
-    let terraced_levels = around.iter().filter(|(n, b)| *n as f64 >= EXCESS * *b as f64 / 2.0).count();
+    // By parity of the level: how many have enough heights, and how many of those have terraces.
+    let (mut levels, mut terraced) = ([0usize; 2], [0usize; 2]);
+    for (level, bins) in &by_level {
+        let (near, beside) = near_and_beside(bins);
+        if near + beside >= FEWEST_HEIGHTS {
+            let parity = level.rem_euclid(2) as usize;
+            levels[parity] += 1;
+            terraced[parity] += usize::from(near as f64 >= EXCESS * beside as f64 / 2.0);
+        }
+    }
     let (near, beside) = near_and_beside(&bins);
     let too_coarse = precision.is_some_and(|p| !divides(p.step(), interval.step / 10.0));
-    let can_tell = around.len() >= FEWEST_LEVELS && !too_coarse;
+    let can_tell = levels.iter().sum::<usize>() >= FEWEST_LEVELS && !too_coarse;
+    // At half the true interval every second level has terraces and the others have none.
+    let are_many = (0..2).all(|parity| terraced[parity] as f64 >= MANY_LEVELS * levels[parity] as f64);
     Some(LevelHistogram {
         interval: interval.step,
         base: interval.base,
         shares: bins.iter().map(|&n| n as f64 / total as f64).collect(),
         near: near as f64 / total as f64,
         expected: beside as f64 / 2.0 / total as f64,
-        levels: around.len(),
-        terraced_levels,
-        terraced: can_tell.then_some(terraced_levels as f64 >= MOST_LEVELS * around.len() as f64),
+        levels: levels.iter().sum(),
+        terraced_levels: terraced.iter().sum(),
+        terraced: can_tell.then_some(are_many),
     })
 }
 
@@ -116,7 +126,8 @@ fn near_and_beside(bins: &[u64; BINS]) -> (u64, u64) {
 
 /// The smallest of the usual contour intervals at whose levels the heights have terraces, if there is one.
 ///
-/// At half the true interval only every second level has terraces, so the smallest that passes is the true one.
+/// At half the true interval only every second level has terraces, at twice as many all have, so the smallest that passes is
+/// the true one.
 pub fn find_terraces(heights: &[f32], precision: Option<Precision>) -> Option<LevelHistogram> {
     USUAL.iter().find_map(|&step| {
         level_histogram(heights, &Interval { step, base: 0.0 }, precision).filter(|h| h.terraced == Some(true))
