@@ -1,11 +1,19 @@
 //! The coordinate reference system that travels from the input to every output.
 //!
-//! A system is named by an EPSG code, by well-known text (WKT 1, WKT 2 or Esri's flavour), or by both. Nothing here
-//! transforms coordinates: the outputs need the name, and the pipeline needs to know whether the coordinates are
-//! degrees, because nothing may be triangulated in degrees.
+//! A system is named by an EPSG code, by well-known text (WKT 1, WKT 2 or Esri's flavour), or by both. Nothing may be
+//! triangulated in degrees, nor sloped in feet, so [`working_crs`] finds a metric system for such data, [`Transform`]
+//! goes there and back, and [`Places`] remembers where the input's vertices were, bit for bit.
 
+mod definition;
 mod esri;
+mod places;
+mod transform;
 mod wkt;
+mod working;
+
+pub use places::{Bringer, Places, Returner};
+pub use transform::Transform;
+pub use working::working_crs;
 
 use std::borrow::Cow;
 
@@ -162,6 +170,28 @@ impl Crs {
         let root = self.root()?;
         let (name, metres) = root.horizontal().length_unit()?;
         Some(LengthUnit { name: name.to_owned(), metres })
+    }
+
+    /// The geographic system below a projected one, with degrees for coordinates; a geographic system's own. `None` if the
+    /// WKT does not tell.
+    pub fn geographic(&self) -> Option<Self> {
+        let own = self.horizontal();
+        if own.is_geographic() {
+            return Some(own);
+        }
+        // The table's text is preferred, because other programs' texts leave the code out.
+        let text = own.epsg.and_then(definition).map(|d| d.wkt).or_else(|| own.wkt())?;
+        let root = wkt::parse(text)?;
+        let base = root.horizontal().child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
+        if let Some(code) = epsg_in(base) {
+            return Some(Self::from_epsg(code));
+        }
+        let text = &text[base.span.clone()];
+        // The base of a projected system has a keyword of its own in WKT 2 and no axes, but is a system like any other.
+        Some(match text.split_once('[') {
+            Some((keyword, rest)) if keyword.starts_with("BASE") => Self::from_wkt(&format!("GEOGCRS[{rest}")),
+            _ => Self::from_wkt(text),
+        })
     }
 
     /// Whether both name the same system: by EPSG code if both have one, else by their WKT.

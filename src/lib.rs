@@ -10,6 +10,7 @@
 //! | step | takes | gives |
 //! |---|---|---|
 //! | [`io::read_contours`] | a file | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
+//! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the way back |
 //! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`contour::fit`](fn@contour::fit) | a clean map | a [`Fitted`](contour::Fitted) one: smooth lines within a tolerance |
 //! | [`contour::sample`](fn@contour::sample) | a clean map | a [`Sampled`](contour::Sampled) one: vertices as dense as the contours around ask |
@@ -34,7 +35,7 @@
 //! # Units and axes
 //!
 //! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
-//! Coordinates must not be degrees. Higher ground lies on the right of every contour that comes out.
+//! Coordinates must not be degrees: [`crs::Places`] brings them to a plane and back. Higher ground lies on the right of every contour that comes out.
 //!
 //! # Example
 //!

@@ -1,16 +1,19 @@
 //! What the user sees: progress bars on a terminal, findings, the summary. Nothing else prints.
 
 use std::io::{IsTerminal, Write};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tokosen::crs::Places;
+use tokosen::error::Finding;
 use tokosen::progress::Progress;
 
 /// The terminal, and how long each step took.
 pub struct Console {
     quiet: bool,
     pub verbose: bool,
+    places: OnceLock<Places>,
     state: Mutex<State>,
 }
 
@@ -22,7 +25,28 @@ struct State {
 
 impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, state: Mutex::default() }
+        Self { quiet, verbose, places: OnceLock::new(), state: Mutex::default() }
+    }
+
+    /// From now on places in findings are on a plane, and told in the input's coordinates.
+    pub fn places_are(&self, places: &Places) {
+        // The input is read once.
+        let _ = self.places.set(places.clone());
+    }
+
+    /// How the plane lies to the input's coordinates, once that is known.
+    pub fn places(&self) -> Option<&Places> {
+        self.places.get()
+    }
+
+    /// What a finding says, with its place in the input's coordinates.
+    pub fn told(&self, finding: &Finding) -> String {
+        let Some(places) = self.places().filter(|places| !places.are_unmoved()) else { return finding.to_string() };
+        let decimals = if places.input_crs().is_some_and(|crs| crs.is_geographic()) { 7 } else { 3 };
+        match finding.place.and_then(|p| places.in_input(p)) {
+            Some(p) => format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y),
+            None => finding.message.clone(),
+        }
     }
 
     /// One line of the summary, on standard output. A closed pipe is no error.

@@ -15,7 +15,8 @@ use super::{Failure, summary};
 
 /// A height map (DEM) from contour lines
 ///
-/// Heights are those of the surface at the cell centres; cells outside the frame are nodata.
+/// Heights are those of the surface at the cell centres; cells outside the frame are nodata. The map is in the working CRS,
+/// with --cell-degrees in degrees, with --like in the CRS of that raster.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DemArgs {
@@ -36,6 +37,7 @@ pub struct DemArgs {
 const EXAMPLES: &str = "\
 Examples:
   tokosen dem contours.gpkg --cell 10 -o dem.tif
+  tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
 
@@ -49,8 +51,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let output = DemOutput::new(staged, &args.grid, input.map.crs.as_ref())?;
-    let params = args.surface.params(&input.map, Some(&output.choice), Triangles::Guide)?;
+    let output = DemOutput::new(staged, &args.grid, &input.places)?;
+    let params = args.surface.params(&input, Some(&output.choice), Triangles::Guide)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;

@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::contour::{ContourLayer, Source};
-use tokosen::io::{VectorFormat, contour_files, write_contours};
+use tokosen::io::layer::{Layer, of_contours};
+use tokosen::io::{VectorFormat, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
 use super::output::{self, DemOutput, GridArgs};
+use super::plane::ToCrsArgs;
 use super::preview;
 use super::surface::{SurfaceArgs, build_surface};
 use super::{Failure, summary};
@@ -56,7 +58,9 @@ pub struct DensifyArgs {
     /// Every so many levels one is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
     index: u32,
-    /// Also write a height map: .tif, .exr or .png (needs --cell or --like)
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: ToCrsArgs,
+    /// Also write a height map: .tif, .exr or .png (needs --cell, --cell-degrees or --like)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -73,12 +77,14 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg
   tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
+  tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
+  tokosen densify feet.gpkg --unit ft -i 5 -o dense.gpkg
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
-    if args.dem.is_none() && (args.grid.cell.is_some() || args.grid.like.is_some()) {
-        return Err(Failure::Usage("--cell and --like are about a height map: add --dem FILE".into()));
+    if args.dem.is_none() && (args.grid.is_given()) {
+        return Err(Failure::Usage("--cell, --cell-degrees and --like are about a height map: add --dem FILE".into()));
     }
     if VectorFormat::from_path(&args.output).is_err() {
         let message = format!("{}: contours are written as .geojson, .gpkg or .shp", args.output.display());
@@ -102,14 +108,16 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let crs = input.map.crs.clone();
-    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, crs.as_ref())).transpose()?;
-    let params =
-        args.surface.params(&input.map, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
+    let back = args.to_crs.way(&input.places)?;
+    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, &input.places)).transpose()?;
+    let params = args.surface.params(&input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
-    let written = console.step("writing", || write_contours(&staged, &layers, crs.as_ref()))?;
+    let written = console.step("writing", || {
+        let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
+        write_layers_back(&staged, &layers, &back)
+    })?;
     let dem = match &dem_output {
         Some(output) => Some(output.write(&surface, console)?),
         None => None,

@@ -1,23 +1,22 @@
-//! The arguments about the input, and reading it into a clean map.
+//! The arguments about the input, and reading it into a clean map on a plane in metres.
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use tokosen::contour::{
-    CleanParams, ContourMap, FitParams, Fitted, SampleParams, Sampled, clean, find_interval, fit, sample,
+    CleanParams, ContourMap, ElevationUnit, FitParams, Fitted, SampleParams, Sampled, clean, find_interval, fit, sample,
 };
+use tokosen::crs::{Crs, Places};
 use tokosen::error::{Error, Finding};
-use tokosen::io::{ReadOptions, looks_like_degrees, read_contours, read_spot_heights};
+use tokosen::io::{ReadOptions, read_contours, read_spot_heights};
 
-use super::Failure;
 use super::console::Console;
-use super::summary;
+use super::{Failure, plane, summary};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg) or shapefile (.shp), in a projected coordinate
-    /// reference system
+    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg) or shapefile (.shp), in any coordinate reference system
     pub contours: PathBuf,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
@@ -28,11 +27,21 @@ pub struct InputArgs {
     /// Spot heights: points with an elevation, which the surface then passes through
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [map units]
+    /// Unit of the elevations of contours, spot heights and lakes; on output they are metres
+    #[arg(long, value_enum, default_value_t = UnitArg::M)]
+    pub unit: UnitArg,
+    /// Coordinate reference system of the contours, where the file names none or a wrong one: EPSG:6668, or a WKT
+    #[arg(long, value_name = "CRS", value_parser = plane::crs)]
+    pub crs: Option<Crs>,
+    /// Projected system in metres to work in [default: the input's own; for degrees and feet the Japanese plane rectangular
+    /// zone or the UTM zone of the data, or a transverse Mercator about them]
+    #[arg(long, value_name = "CRS", value_parser = plane::crs)]
+    pub work_crs: Option<Crs>,
+    /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [units of the working CRS]
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, allow_negative_numbers = true)]
     pub snap: f64,
-    /// Smooth the contours: fit each with a curve that stays so near, and space its vertices evenly [map units]. The input
-    /// is then not kept vertex for vertex
+    /// Smooth the contours: fit each with a curve that stays so near, and space its vertices evenly [units of the working
+    /// CRS]. The input is then not kept vertex for vertex
     #[arg(long, value_name = "TOLERANCE")]
     pub fit: Option<f64>,
     /// Add vertices until, for each of them, its neighbours on the line are at most S times as far away as the nearest other
@@ -44,10 +53,37 @@ pub struct InputArgs {
     pub strict: bool,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UnitArg {
+    /// Metres
+    M,
+    /// International feet
+    Ft,
+    /// US survey feet
+    UsFt,
+}
+
+impl UnitArg {
+    /// The library's word.
+    fn unit(self) -> ElevationUnit {
+        match self {
+            Self::M => ElevationUnit::Metre,
+            Self::Ft => ElevationUnit::Foot,
+            Self::UsFt => ElevationUnit::UsSurveyFoot,
+        }
+    }
+}
+
 /// A clean map with all that was noticed about it.
 pub struct Input {
+    /// In coordinates of the working CRS.
     pub map: ContourMap,
+    /// Their places are in the working CRS too.
     pub findings: Vec<Finding>,
+    /// How the working CRS lies to the coordinates of the files.
+    pub places: Places,
+    /// Unit of elevations in further files.
+    pub unit: ElevationUnit,
 }
 
 impl InputArgs {
@@ -68,20 +104,27 @@ impl InputArgs {
         }
         let options = ReadOptions { elevation_field: self.elevation_field.clone(), layer: self.layer.clone() };
         let mut findings = Vec::new();
-        let map = console.step("reading", || -> Result<ContourMap, Error> {
-            let mut map = read_contours(&self.contours, &options)?.collect(&mut findings);
+        let (map, places) = console.step("reading", || -> Result<(ContourMap, Places), Failure> {
+            let map = read_contours(&self.contours, &options)?.collect(&mut findings);
+            let map = plane::named(self.unit.unit().map_in_metres(map), self.crs.as_ref(), &mut findings);
+            let (mut map, places) = plane::flat(&self.contours, map, self.work_crs.as_ref(), &mut findings)?;
             if let Some(path) = &self.points {
-                let spots = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
-                if let (Some(a), Some(b)) = (&map.crs, &spots.crs)
-                    && !a.matches(b)
-                {
-                    return Err(Error::file(path, "is in another coordinate reference system than the contours"));
+                let mut about = Vec::new();
+                let spots = read_spot_heights(path, &ReadOptions::default())?.collect(&mut about);
+                let bring = plane::bringer(&places, path, spots.crs.as_ref())?;
+                for finding in &mut about {
+                    let place = finding.place.and_then(|p| bring.point(p.extend(0.0)).ok());
+                    finding.place = place.map(|p| p.truncate());
                 }
-                map.spots.extend(spots.points);
+                findings.append(&mut about);
+                for spot in spots.points {
+                    let spot = spot.truncate().extend(self.unit.unit().metres(spot.z));
+                    map.spots.push(bring.point(spot).map_err(|e| Error::file(path, e.to_string()))?);
+                }
             }
-            Ok(map)
+            Ok((map, places))
         })?;
-        refuse_degrees(&self.contours, &map)?;
+        console.places_are(&places);
         let params = CleanParams { snap: self.snap, ..CleanParams::default() };
         let cleaned = console.step("cleaning", || clean(map, &params));
         let map = summary::or_tell(cleaned, &findings, console)?.collect(&mut findings);
@@ -105,7 +148,7 @@ impl InputArgs {
             None => map,
         };
         self.check_strict(&findings, console)?;
-        Ok(Input { map, findings })
+        Ok(Input { map, findings, places, unit: self.unit.unit() })
     }
 
     fn sampling(&self) -> Option<SampleParams> {
@@ -132,7 +175,6 @@ impl InputArgs {
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
         let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
-        let crs = map.crs.as_ref().and_then(|c| c.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {}", self.contours.display()));
         console.say(&format!(
             "contours   {} lines, {} vertices, {} levels from {low} to {high} m, vertical interval {interval}",
@@ -143,7 +185,7 @@ impl InputArgs {
         if !map.spots.is_empty() {
             console.say(&format!("spots      {}", map.spots.len()));
         }
-        console.say(&format!("crs        {crs}"));
+        console.say(&format!("crs        {}", plane::describe(map, console.places())));
     }
 }
 
@@ -169,18 +211,4 @@ fn sampling_ratio(text: &str) -> Result<f64, String> {
         Ok(ratio) if ratio > 0.0 && ratio < 1.0 => Ok(ratio),
         _ => Err("it must be more than 0 and less than 1".into()),
     }
-}
-
-/// Lengths and slopes in degrees mean nothing, so such a map is not taken.
-fn refuse_degrees(path: &Path, map: &ContourMap) -> Result<(), Error> {
-    let geographic = map.crs.as_ref().map(|c| c.is_geographic());
-    if geographic == Some(true) || (geographic.is_none() && looks_like_degrees(map)) {
-        return Err(Error::file(
-            path,
-            "the coordinates are degrees; reproject to a metric system first, for instance \
-             'ogr2ogr -t_srs EPSG:6677 metric.gpkg contours.gpkg' (EPSG:6669 to 6687 are the Japanese plane \
-             rectangular zones, EPSG:326xx and 327xx UTM), or in QGIS with Export > Save Features As",
-        ));
-    }
-    Ok(())
 }

@@ -15,7 +15,8 @@ use super::{Failure, output, preview, summary};
 /// A 3-D model (triangle mesh) from contour lines
 ///
 /// The triangles of the surface inside the frame, contours among their edges. Coordinates are relative to an offset,
-/// which is recorded in the file; heights are not changed.
+/// which is recorded in the file; heights are not changed. A model is always in the working CRS, in metres, whatever the
+/// contours are in.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MeshArgs {
@@ -57,7 +58,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let params = args.surface.params(&input.map, None, Triangles::Smooth)?;
+    let params = args.surface.params(&input, None, Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;

@@ -9,6 +9,7 @@ mod densify;
 mod input;
 mod mesh;
 mod output;
+mod plane;
 mod preview;
 mod regions;
 mod skeleton;
@@ -38,6 +39,7 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
+  tokosen densify degrees.shp --crs EPSG:6668 -i 2 -o dense.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen compare contours.gpkg published_dem.tif --report compare.html
   tokosen regions contours.gpkg -o regions.gpkg

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
-use tokosen::crs::Crs;
+use tokosen::crs::{Crs, Places, Transform};
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{DEM_EXTENSIONS, read_grid, write_dem};
-use tokosen::surface::{Surface, Wanted, heights};
+use tokosen::surface::{Surface, Wanted, heights, heights_on};
 use tokosen::tin::FrameRing;
 
 use super::Failure;
@@ -18,82 +18,144 @@ use super::console::Console;
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
 pub struct GridArgs {
-    /// Cell size of the height map [map units]; cells lie on multiples of it
+    /// Cell size of the height map [units of the working CRS]; cells lie on multiples of it
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub cell: Option<f64>,
-    /// Take the grid of this GeoTIFF: size, place and cells, square or not
-    #[arg(long, value_name = "RASTER", conflicts_with = "cell")]
+    /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
+    #[arg(long, value_name = "SIZE", value_parser = degrees, allow_negative_numbers = true, conflicts_with = "cell")]
+    pub cell_degrees: Option<f64>,
+    /// Take the grid of this GeoTIFF: size, place and cells, square or not, in any coordinate reference system
+    #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,
+}
+
+/// An angle in degrees or, with an s behind it, in seconds.
+fn degrees(text: &str) -> Result<f64, String> {
+    let (number, parts) = text.strip_suffix('s').map_or((text, 1.0), |number| (number, 3600.0));
+    number.parse().map(|angle: f64| angle / parts).map_err(|e| e.to_string())
 }
 
 /// A grid that is asked for, before the extent of the surface is known.
 pub enum GridChoice {
+    /// Square cells in the working CRS.
     Cell(f64),
+    /// Cells in the working CRS.
     Like(Grid),
+    /// Cells in another system, at whose centres the surface is evaluated.
+    Apart(Cells, Box<Apart>),
+}
+
+/// Cells in another system.
+pub enum Cells {
+    Size(f64),
+    Like(Grid),
+}
+
+/// A system that is not the working CRS, and the way from it to that.
+pub struct Apart {
+    crs: Crs,
+    way: Transform,
 }
 
 /// Cells that a height map may have; the memory it takes is four bytes each.
 const MOST_CELLS: f64 = 4e9;
 
 impl GridArgs {
+    /// Whether a grid is asked for.
+    pub fn is_given(&self) -> bool {
+        self.cell.is_some() || self.cell_degrees.is_some() || self.like.is_some()
+    }
+
     /// Checks what can be checked before anything is read.
     pub fn check(&self) -> Result<(), Failure> {
-        match (self.cell, &self.like) {
-            (Some(cell), _) if !(cell.is_finite() && cell > 0.0) => {
-                Err(Failure::Usage(format!("--cell is {cell}, it must be more than 0")))
-            }
-            (None, None) => Err(Failure::Usage("a height map needs --cell SIZE or --like RASTER".into())),
-            _ => Ok(()),
+        if !self.is_given() {
+            let message = "a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER";
+            return Err(Failure::Usage(message.into()));
         }
+        for (name, cell) in [("cell", self.cell), ("cell-degrees", self.cell_degrees)] {
+            if let Some(cell) = cell.filter(|cell| !(cell.is_finite() && *cell > 0.0)) {
+                return Err(Failure::Usage(format!("--{name} is {cell}, it must be more than 0")));
+            }
+        }
+        Ok(())
     }
 
     /// The grid that is asked for; reads that of `--like`.
-    pub fn choice(&self, crs: Option<&Crs>) -> Result<GridChoice, Failure> {
+    pub fn choice(&self, places: &Places) -> Result<GridChoice, Failure> {
         self.check()?;
-        match &self.like {
-            None => Ok(GridChoice::Cell(self.cell.unwrap_or_default())),
-            Some(path) => {
-                let (grid, like_crs) = read_grid(path)?;
-                if let (Some(a), Some(b)) = (crs, &like_crs)
-                    && !a.matches(b)
-                {
-                    return Err(Failure::Work(Error::file(
-                        path,
-                        "is in another coordinate reference system than the contours; reproject one of them first",
-                    )));
-                }
-                Ok(GridChoice::Like(grid))
+        if let Some(path) = &self.like {
+            let (grid, like_crs) = read_grid(path)?;
+            // A raster that names no system is taken for one in that of the contours.
+            let crs = like_crs.as_ref().or(places.input_crs());
+            let (Some(crs), Some(working)) = (crs, places.working_crs()) else { return Ok(GridChoice::Like(grid)) };
+            let way = Transform::between(crs, working).map_err(|e| Error::file(path, e.to_string()))?;
+            if way.is_identity() {
+                return Ok(GridChoice::Like(grid));
             }
+            return Ok(GridChoice::Apart(Cells::Like(grid), Box::new(Apart { crs: crs.clone(), way })));
         }
+        let Some(size) = self.cell_degrees else { return Ok(GridChoice::Cell(self.cell.unwrap_or_default())) };
+        let known = places.input_crs().and_then(Crs::geographic).zip(places.working_crs());
+        let Some((crs, working)) = known else {
+            let message =
+                "--cell-degrees needs contours whose coordinate reference system is known; name it with --crs";
+            return Err(Failure::Usage(message.into()));
+        };
+        let way = Transform::between(&crs, working)?;
+        Ok(GridChoice::Apart(Cells::Size(size), Box::new(Apart { crs, way })))
     }
+}
+
+/// The grid of square cells on multiples of their size over a box.
+fn grid_over(lo: DVec2, hi: DVec2, cell: f64, flag: &str) -> Result<Grid, Failure> {
+    let count = ((hi - lo) / cell).ceil();
+    if !count.is_finite() || count.x * count.y > MOST_CELLS {
+        return Err(Failure::Usage(format!(
+            "--{flag} {cell} gives {:.0} x {:.0} cells: choose a larger cell",
+            count.x, count.y
+        )));
+    }
+    Ok(Grid::on_multiples(lo, hi, cell))
 }
 
 /// The grid for a surface.
 pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure> {
     match choice {
-        GridChoice::Like(grid) => Ok(*grid),
+        GridChoice::Like(grid) | GridChoice::Apart(Cells::Like(grid), _) => Ok(*grid),
         GridChoice::Cell(cell) => {
             let (lo, hi) = extent(&surface.frame);
-            let count = ((hi - lo) / *cell).ceil();
-            if count.x * count.y > MOST_CELLS {
-                return Err(Failure::Usage(format!(
-                    "--cell {cell} gives {:.0} x {:.0} cells: choose a larger cell",
-                    count.x, count.y
-                )));
+            grid_over(lo, hi, *cell, "cell")
+        }
+        GridChoice::Apart(Cells::Size(cell), apart) => {
+            let (lo, hi) = extent_in(&surface.frame, &apart.way);
+            if !(lo.is_finite() && hi.is_finite()) {
+                return Err(Failure::Work(Error::Data("the frame has no place in degrees".into())));
             }
-            Ok(Grid::on_multiples(lo, hi, *cell))
+            grid_over(lo, hi, *cell, "cell-degrees")
         }
     }
 }
 
 impl GridChoice {
-    /// What the smooth surface needs to know about the cells.
-    pub fn wanted(&self) -> Wanted {
+    /// What the smooth surface needs to know about the cells: nothing if its nodes cannot be their centres.
+    pub fn wanted(&self) -> Option<Wanted> {
         match self {
-            Self::Cell(cell) => Wanted::Cell(*cell),
-            Self::Like(grid) => Wanted::Grid(*grid),
+            Self::Cell(cell) => Some(Wanted::Cell(*cell)),
+            Self::Like(grid) => Some(Wanted::Grid(*grid)),
+            Self::Apart(..) => None,
         }
     }
+}
+
+/// Points on each edge of the frame whose places in another system are looked at: edges are curves there.
+const POINTS_AN_EDGE: u32 = 16;
+
+/// The corners of the box around the frame in the system that `way` comes from.
+fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
+    let along =
+        |[a, b]: [DVec2; 2]| (0..POINTS_AN_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_AN_EDGE)));
+    let places = frame.edges().flat_map(along).filter_map(|p| way.inverse(p));
+    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
 
 /// The lower left and the upper right corner of the frame.
@@ -121,15 +183,21 @@ pub fn open_dem(path: &Path) -> Result<StagedOutput, Failure> {
 }
 
 impl DemOutput {
-    /// A height map of the grid that is asked for. `crs` is that of the contours.
-    pub fn new(staged: StagedOutput, grid: &GridArgs, crs: Option<&Crs>) -> Result<Self, Failure> {
-        Ok(Self { choice: grid.choice(crs)?, staged })
+    /// A height map of the grid that is asked for, over contours whose places are these.
+    pub fn new(staged: StagedOutput, grid: &GridArgs, places: &Places) -> Result<Self, Failure> {
+        Ok(Self { choice: grid.choice(places)?, staged })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
         let grid = grid_for(&self.choice, surface)?;
-        let dem = heights(surface, &grid, console);
+        let dem = match &self.choice {
+            GridChoice::Apart(_, apart) => {
+                let values = heights_on(surface, &grid, &|p| apart.way.forward(p), console);
+                Dem { grid, values, crs: Some(apart.crs.clone()) }
+            }
+            GridChoice::Cell(_) | GridChoice::Like(_) => heights(surface, &grid, console),
+        };
         let written = console.step("writing", || write_dem(&self.staged.path(), &dem));
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)

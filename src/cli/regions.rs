@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::io::{StagedOutput, VectorFormat, write_landforms};
+use tokosen::io::layer::of_landforms;
+use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
 use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::surface::{Tiling, tiling_with_water};
 use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::plane::ToCrsArgs;
 use super::surface::FrameArgs;
 use super::water::WaterArgs;
 use super::{Failure, output, preview, summary};
@@ -19,7 +21,7 @@ use super::{Failure, output, preview, summary};
 /// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope,
 /// water or branching), is_open (cut by the frame), band_lo and band_hi (the levels that it lies between), n_ib (number of contours
 /// inside), mixture (what a branching one consists of), parent (id of the area that encloses it), depth (how many do) and
-/// area. Depressions are found from the contours around them.
+/// area (in units of the working CRS). Depressions are found from the contours around them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RegionsArgs {
@@ -28,6 +30,8 @@ pub struct RegionsArgs {
     /// Areas to write: .geojson, .gpkg or .shp
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: ToCrsArgs,
     /// Also draw a picture of areas and lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -56,14 +60,15 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let frame = args.frame.read(&input.map)?;
-    let water = args.water.read(&input.map)?;
+    let frame = args.frame.read(&input)?;
+    let water = args.water.read(&input)?;
+    let back = args.to_crs.way(&input.places)?;
     let tiled = tiling_with_water(input.map, &frame, &water, console);
     let tiled = summary::or_tell(tiled, &input.findings, console)?.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
-    let crs = tiled.map.crs.as_ref();
-    console.step("writing", || write_landforms(&staged, &forms, &tiled.tin, &tiled.regions, crs))?;
+    let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);
+    console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
     if let Some(picture) = &picture {
         draw(picture, &tiled, &forms, console)?;
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::error::Error;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
-use tokosen::io::{VectorFormat, contour_files, write_layers};
+use tokosen::io::{VectorFormat, contour_files, write_layers_back};
 use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::surface::tiling_with_water;
@@ -13,6 +13,7 @@ use tokosen::tin::{Tin, TriangleKind};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::plane::ToCrsArgs;
 use super::surface::FrameArgs;
 use super::water::WaterArgs;
 use super::{Failure, output, preview, summary};
@@ -21,7 +22,7 @@ use super::{Failure, output, preview, summary};
 ///
 /// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one sub-domain
 /// (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its sub-domain),
-/// network (lines that meet have the same), length, upper_end and lower_end (contour, junction, peak, bottom, saddle,
+/// network (lines that meet have the same), length (in units of the working CRS), upper_end and lower_end (contour, junction, peak, bottom, saddle,
 /// frame, spot), upper_z and lower_z. They are the lines that the surface of the other verbs is made with.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -38,6 +39,8 @@ pub struct SkeletonArgs {
     /// Also write the layer curve_mesh: contours, edges of the junction triangles that were kept, ridge and canyon lines
     #[arg(long, help_heading = "Output")]
     curve_mesh: bool,
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: ToCrsArgs,
     /// Also draw a picture of ground and lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -76,9 +79,9 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let crs = input.map.crs.clone();
-    let frame = args.frame.read(&input.map)?;
-    let water = args.water.read(&input.map)?;
+    let back = args.to_crs.way(&input.places)?;
+    let frame = args.frame.read(&input)?;
+    let water = args.water.read(&input)?;
     let tiled = summary::or_tell(tiling_with_water(input.map, &frame, &water, console), &input.findings, console)?;
     let tiled = tiled.collect(&mut input.findings);
     args.input.check_strict(&input.findings, console)?;
@@ -93,7 +96,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
             edges = junction_edges(&tiled.tin, &tiled.regions, &found);
             layers.push(curve_mesh(&tiled, &found, &edges));
         }
-        write_layers(&staged, &layers, crs.as_ref())
+        write_layers_back(&staged, &layers, &back)
     })?;
     if let Some(picture) = &picture {
         let patches = args.triangles.then(|| triangles_by_kind(&tiled.tin, &found));

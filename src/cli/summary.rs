@@ -21,7 +21,7 @@ pub fn findings(findings: &[Finding], console: &Console) {
         console.warn(&format!("{}: {}", kind.title(), list.len()));
         let shown = if console.verbose { list.len() } else { SHOWN };
         for finding in list.iter().take(shown) {
-            console.warn(&format!("    {finding}"));
+            console.warn(&format!("    {}", console.told(finding)));
         }
         if list.len() > shown {
             console.warn(&format!("    and {} more; --verbose lists them", list.len() - shown));

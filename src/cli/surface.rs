@@ -11,9 +11,10 @@ use tokosen::tin::Frame;
 
 use super::Failure;
 use super::console::Console;
+use super::input::Input;
 use super::output::GridChoice;
-use super::summary;
 use super::water::WaterArgs;
+use super::{plane, summary};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -76,11 +77,12 @@ impl SurfaceArgs {
     /// The library's parameters; reads the boundary polygon and the lakes if there are any.
     pub fn params(
         &self,
-        map: &ContourMap,
+        input: &Input,
         grid: Option<&GridChoice>,
         triangles: Triangles,
     ) -> Result<SurfaceParams, Failure> {
-        let spline = SplineParams { wanted: grid.map(GridChoice::wanted), tension: self.tension, noise: self.noise };
+        let spline =
+            SplineParams { wanted: grid.and_then(GridChoice::wanted), tension: self.tension, noise: self.noise };
         let kind = match self.surface {
             KindArg::Linear => SurfaceKind::Linear,
             KindArg::Skeleton => SurfaceKind::Skeleton,
@@ -88,9 +90,9 @@ impl SurfaceArgs {
         };
         Ok(SurfaceParams {
             kind,
-            frame: self.frame.read(map)?,
+            frame: self.frame.read(input)?,
             resolution: self.resolution,
-            water: self.water.read(map)?,
+            water: self.water.read(input)?,
             spline,
             triangles,
         })
@@ -104,18 +106,13 @@ impl FrameArgs {
     }
 
     /// The frame; reads the boundary polygon if there is one.
-    pub fn read(&self, map: &ContourMap) -> Result<Frame, Failure> {
+    pub fn read(&self, input: &Input) -> Result<Frame, Failure> {
         let Some(path) = self.file() else {
             return Ok(if self.frame == "bbox" { Frame::Box } else { Frame::Hull });
         };
         let (area, crs) = read_area(path, &ReadOptions::default())?;
-        if let (Some(a), Some(b)) = (&map.crs, &crs)
-            && !a.matches(b)
-        {
-            let message = "is in another coordinate reference system than the contours; reproject one of them first";
-            return Err(Failure::Work(Error::file(path, message)));
-        }
-        Ok(Frame::Polygon(area))
+        let bring = plane::bringer(&input.places, path, crs.as_ref())?;
+        Ok(Frame::Polygon(bring.boundary(&area).map_err(|e| Error::file(path, e.to_string()))?))
     }
 }
 

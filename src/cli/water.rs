@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::contour::ContourMap;
+use tokosen::contour::Lake;
 use tokosen::error::Error;
 use tokosen::io::{ReadOptions, read_water};
 use tokosen::surface::Water;
 
 use super::Failure;
+use super::input::Input;
+use super::plane;
 
 #[derive(Debug, Clone, Args)]
 pub struct WaterArgs {
@@ -29,18 +31,19 @@ impl WaterArgs {
     }
 
     /// The water; reads the lakes if there are any.
-    pub fn read(&self, map: &ContourMap) -> Result<Water, Failure> {
+    pub fn read(&self, input: &Input) -> Result<Water, Failure> {
         if let Some(sea) = self.sea.filter(|sea| !sea.is_finite()) {
             return Err(Failure::Usage(format!("--sea is {sea}, which is no elevation")));
         }
         let Some(path) = &self.water else { return Ok(Water { lakes: Vec::new(), sea: self.sea }) };
         let (lakes, crs) = read_water(path, &ReadOptions::default())?;
-        if let (Some(a), Some(b)) = (&map.crs, &crs)
-            && !a.matches(b)
-        {
-            let message = "is in another coordinate reference system than the contours; reproject one of them first";
-            return Err(Failure::Work(Error::file(path, message)));
-        }
+        let bring = plane::bringer(&input.places, path, crs.as_ref())?;
+        let lake = |lake: Lake| -> Result<Lake, Error> {
+            let polygon = bring.polygon(&lake.polygon)?;
+            Ok(input.unit.lake_in_metres(Lake { polygon, ..lake }))
+        };
+        let lakes = lakes.into_iter().map(lake).collect::<Result<_, _>>();
+        let lakes = lakes.map_err(|e| Error::file(path, e.to_string()))?;
         Ok(Water { lakes, sea: self.sea })
     }
 }

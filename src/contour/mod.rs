@@ -9,6 +9,7 @@ mod lake;
 mod levels;
 mod line;
 pub mod sample;
+mod unit;
 
 pub(crate) use border::{Border, rings, with_vertices};
 pub use clean::{CleanParams, clean};
@@ -18,6 +19,7 @@ pub use lake::Lake;
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, Source};
 pub use sample::{SampleParams, Sampled, sample};
+pub use unit::ElevationUnit;
 
 use std::collections::BTreeMap;
 

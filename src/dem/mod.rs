@@ -4,6 +4,7 @@ pub mod compare;
 mod rasterise;
 pub mod shade;
 
+pub(crate) use rasterise::height;
 pub use rasterise::{locate, rasterise};
 
 use glam::DVec2;

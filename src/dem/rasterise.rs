@@ -44,7 +44,7 @@ pub fn locate(tin: &Tin, grid: &Grid, progress: &dyn Progress) -> Vec<u32> {
 }
 
 /// Height of triangle `t` at a position relative to the triangulation's origin, between its lowest and highest corner.
-fn height(tin: &Tin, t: u32, p: DVec2) -> f64 {
+pub(crate) fn height(tin: &Tin, t: u32, p: DVec2) -> f64 {
     let [a, b, c] = tin.corners(t);
     let heights = tin.corner_heights(t);
     let area = (b - a).perp_dot(c - a);

@@ -25,10 +25,10 @@ use geo::MultiPolygon;
 use glam::DVec3;
 
 use crate::contour::{ContourLayer, ContourMap, Lake};
-use crate::crs::Crs;
+use crate::crs::{Crs, Returner};
 use crate::error::{Error, Report, Result};
 use crate::tin::{Landform, Regions, Tin};
-use layer::Layer;
+use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
 pub use staged::StagedOutput;
@@ -217,6 +217,20 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         write(&out.sibling(file.file_name().unwrap_or_default()), layer, crs).map_err(|e| out.with_final_name(e))?;
     }
     Ok(files)
+}
+
+/// Writes layers of features in the coordinates that `back` leads to: vertices of the input get those that the input has
+/// for them, bit for bit. Attributes stay as they are, lengths and areas among them, which are those of the plane that the
+/// map was worked on.
+///
+/// # Errors
+/// As [`write_layers`], and if a vertex has no place there.
+pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &Returner) -> Result<Vec<PathBuf>> {
+    if back.is_identity() {
+        return write_layers(out, layers, back.crs());
+    }
+    let mut moved = MovedShapes::new(layers, back)?;
+    write_layers(out, &moved.layers(layers), back.crs())
 }
 
 /// The files that [`write_contours`] and [`write_layers`] write for layers of these names, so that they can be looked at before the work.

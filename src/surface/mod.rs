@@ -14,7 +14,7 @@ mod tiling;
 mod water;
 
 pub use build::build;
-pub use sample::heights;
+pub use sample::{heights, heights_on};
 pub use spline::{Accuracy, Chosen, Knobs, Reason, SplineParams, Wanted, WorkingGrid};
 pub use tiling::{Tiling, tiling, tiling_with_water};
 pub use water::Water;

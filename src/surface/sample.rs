@@ -1,29 +1,91 @@
 //! Heights of a surface on any grid.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::{Surface, WorkingGrid};
-use crate::dem::{Dem, Grid, locate, rasterise};
+use crate::dem::{Dem, Grid, height, locate, rasterise};
 use crate::progress::Progress;
-use crate::tin::NONE;
+use crate::tin::{NONE, Tin};
+
+/// Rows that one task fills.
+const BAND_ROWS: usize = 16;
 
 /// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
 ///
 /// Those of the smooth surface are the working grid's own where a centre is one of its nodes, else interpolated between
 /// them (cubic convolution) and kept in the band of the sub-domain. Other surfaces are triangles (see [`rasterise`]).
 pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
-    let Some(working) = &surface.working else {
+    if surface.working.is_none() {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
-    };
+    }
     let triangles = locate(&surface.tin, grid, progress);
     let height = |(i, t): (usize, u32)| {
-        let region = if t == NONE { None } else { surface.regions.region(t) };
-        let Some(region) = region else { return f32::NAN };
-        let value = working.at(grid.center(i % grid.cols, i / grid.cols));
-        value.clamp(region.band.lo as f32, region.band.hi as f32)
+        if t == NONE { f32::NAN } else { height_in(surface, t, grid.center(i % grid.cols, i / grid.cols)) }
     };
     let values = triangles.into_par_iter().enumerate().map(height).collect();
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
+}
+
+/// Heights of the surface at the cell centres of a grid that lies in other coordinates than the surface, row by row from
+/// the north-west, NaN outside the frame.
+///
+/// `to_surface` gives the place on the surface of a place in the grid's coordinates, or none. The surface is evaluated at
+/// each centre: no raster is resampled.
+pub fn heights_on(
+    surface: &Surface,
+    grid: &Grid,
+    to_surface: &(impl Fn(DVec2) -> Option<DVec2> + Sync),
+    progress: &dyn Progress,
+) -> Vec<f32> {
+    let tin = &surface.tin;
+    let mut values = vec![f32::NAN; grid.len()];
+    if values.is_empty() || tin.is_empty() {
+        return values;
+    }
+    progress.start("evaluating the surface", grid.rows as u64);
+    values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
+        // Centres are looked for from the triangle of the centre before, at the start of a row from that of the row before.
+        let mut start_of_row = 0;
+        for (k, row) in cells.chunks_mut(grid.cols).enumerate() {
+            let mut near = start_of_row;
+            for (col, value) in row.iter_mut().enumerate() {
+                let Some(p) = to_surface(grid.center(col, band * BAND_ROWS + k)) else { continue };
+                let found = tin.walk(near, p - tin.origin);
+                near = found.unwrap_or_else(|left| left);
+                if col == 0 {
+                    start_of_row = near;
+                }
+                if let Some(t) = found.ok().and_then(|t| with_height(tin, t, p - tin.origin)) {
+                    *value = height_in(surface, t, p);
+                }
+            }
+        }
+        progress.advance((cells.len() / grid.cols) as u64);
+    });
+    progress.finish();
+    values
+}
+
+/// The triangle itself or, for a place on its edge, a neighbour, whichever is inside the frame and has heights.
+fn with_height(tin: &Tin, t: u32, place: DVec2) -> Option<u32> {
+    let good = |t: u32| tin.is_inside(t) && tin.corner_heights(t).iter().all(|h| !h.is_nan());
+    if good(t) {
+        return Some(t);
+    }
+    let mut around = tin.neighbours[t as usize].into_iter();
+    around.find(|&n| n != NONE && good(n) && tin.holds(n, place))
+}
+
+/// The height of the surface at a place in triangle `t`.
+fn height_in(surface: &Surface, t: u32, p: DVec2) -> f32 {
+    match &surface.working {
+        None => height(&surface.tin, t, p - surface.tin.origin) as f32,
+        Some(working) => surface.regions.region(t).map_or(f32::NAN, |region| {
+            let (lo, hi) = (region.band.lo as f32, region.band.hi as f32);
+            working.at(p).clamp(lo, hi)
+        }),
+    }
 }
 
 impl WorkingGrid {

@@ -9,6 +9,12 @@ impl Tin {
     /// The triangle that a place (relative to the origin) lies in or on, walking from triangle `from`; none outside of the
     /// triangulation.
     pub fn locate(&self, from: u32, place: DVec2) -> Option<u32> {
+        self.walk(from, place).ok()
+    }
+
+    /// The triangle that a place (relative to the origin) lies in or on, walking from triangle `from`; as an error the
+    /// triangle where the way left the triangulation, from which the next walk is short.
+    pub fn walk(&self, from: u32, place: DVec2) -> Result<u32, u32> {
         let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
         let mut t = from;
         for step in 0..=self.len() {
@@ -18,12 +24,20 @@ impl Tin {
                 orient2d(coord(a), coord(b), coord(place)) < 0.0
             });
             match beyond {
-                None => return Some(t),
-                Some(i) if self.neighbours[t as usize][i] == NONE => return None,
+                None => return Ok(t),
+                Some(i) if self.neighbours[t as usize][i] == NONE => return Err(t),
                 Some(i) => t = self.neighbours[t as usize][i],
             }
         }
-        None
+        // A walk that goes on for so long goes round in a circle.
+        (0..self.len() as u32).find(|&t| self.holds(t, place)).ok_or(from)
+    }
+
+    /// Whether a place (relative to the origin) lies in or on triangle `t`.
+    pub fn holds(&self, t: u32, place: DVec2) -> bool {
+        let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
+        let [a, b, c] = self.corners(t);
+        [(a, b), (b, c), (c, a)].iter().all(|(u, v)| orient2d(coord(*u), coord(*v), coord(place)) >= 0.0)
     }
 }
 

@@ -11,8 +11,8 @@ const COLUMNS: &[Column] = &[
     Column { name: "closed", kind: Kind::Bool },
 ];
 
-/// The features of a layer of contours.
-pub(in crate::io) fn of_contours(layer: &ContourLayer) -> Layer<'_> {
+/// The features of a layer of contours; see [`write_contours`](crate::io::write_contours) for their attributes.
+pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
     let mut rows = Vec::with_capacity(layer.lines.len());
     for line in &layer.lines {
         let source = match line.source {

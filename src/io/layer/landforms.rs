@@ -20,8 +20,8 @@ const COLUMNS: &[Column] = &[
     Column { name: "area", kind: Kind::Real },
 ];
 
-/// The landforms, one a sub-domain, as areas.
-pub(in crate::io) fn of_landforms(forms: &[Landform], tin: &Tin, regions: &Regions) -> Layer<'static> {
+/// The landforms, one a sub-domain, as areas; see [`write_landforms`](crate::io::write_landforms) for their attributes.
+pub fn of_landforms(forms: &[Landform], tin: &Tin, regions: &Regions) -> Layer<'static> {
     let real = |number: f64| if number.is_finite() { Cell::Real(number) } else { Cell::Null };
     let row = |(id, form): (usize, &Landform)| {
         let band = regions.regions[id].band;

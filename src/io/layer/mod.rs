@@ -14,10 +14,12 @@ use crate::error::{Error, Result};
 
 mod contours;
 mod landforms;
+mod moved;
 mod skeleton;
 
-pub(super) use contours::of_contours;
-pub(super) use landforms::of_landforms;
+pub use contours::of_contours;
+pub use landforms::of_landforms;
+pub(super) use moved::MovedShapes;
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 
 /// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).

@@ -1,0 +1,474 @@
+//! Where the vertices of a map were before they were brought to the plane that the map is worked on in.
+//!
+//! A projection and its inverse do not give back the last bits. So every vertex of the input is remembered with its place
+//! on the plane, and on the way out it gets its own coordinates again; only new vertices come from the inverse.
+//!
+//! On the plane coordinates are whole micrometres, also those of maps that are in a plane system already. Digits below are
+//! noise of a projection or of a sum, which would otherwise decide between surfaces that are equally good; so a map that
+//! was brought to degrees and comes back to where it was gives the same lines again.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use geo::{Coord, LineString, MapCoords, MultiPolygon, Polygon};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::definition::label;
+use super::{Crs, Transform};
+use crate::contour::{Contour, ContourMap};
+use crate::error::{Error, Finding, FindingKind, Report, Result};
+
+/// Steps of coordinates on the plane to the metre.
+const STEPS: f64 = 1e6;
+/// How far the straight piece between two vertices of a boundary may lie from the boundary, metres.
+const STRAIGHT: f64 = 1e-3;
+/// How often a piece of a boundary is halved at most.
+const HALVINGS: u32 = 12;
+
+/// How the plane that a map is worked on lies to the coordinates of its file.
+#[derive(Debug, Clone, Default)]
+pub struct Places {
+    /// The system of the file.
+    input: Option<Crs>,
+    /// The system of the plane.
+    working: Option<Crs>,
+    way: Option<Transform>,
+    /// Whether coordinates on the plane are whole micrometres.
+    in_steps: bool,
+    /// Places on the plane with the coordinates they had in the file, by place.
+    originals: Arc<Vec<(Place, DVec2)>>,
+    /// The middle of the longitudes of the file, if some of them are beyond 180 degrees.
+    around: Option<f64>,
+}
+
+/// A place as a key: its bits.
+type Place = [u64; 2];
+
+fn key(p: DVec2) -> Place {
+    // Both zeros are one place.
+    [(p.x + 0.0).to_bits(), (p.y + 0.0).to_bits()]
+}
+
+fn on_steps(p: DVec2) -> DVec2 {
+    (p * STEPS).round() / STEPS + DVec2::ZERO
+}
+
+impl Places {
+    /// The places of a map that is worked on in the coordinates it has.
+    pub fn unmoved(crs: Option<Crs>) -> Self {
+        Self { input: crs.clone(), working: crs, ..Self::default() }
+    }
+
+    /// Brings a map to the plane of a projected system: coordinates are transformed, if it is another one than the map's,
+    /// and brought to whole micrometres.
+    ///
+    /// Vertices that would fall together by that keep all their digits. Those that fall together all the same become one,
+    /// with a finding.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on
+    /// the plane.
+    pub fn project(map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Self)>> {
+        let Some(input) = map.crs.clone() else {
+            return Err(Error::Data("the coordinate reference system of the contours is not known".to_owned()));
+        };
+        let way = Transform::between(&input, working)?;
+        let mut map = map;
+        let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, &input, working));
+        let pair = |p: &DVec2| Ok((key(on_steps(forward(*p)?)), *p));
+        let pairs = |line: &Contour| line.points.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
+        let pairs = map.contours.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
+        let mut originals = in_order(pairs.into_iter().flatten().collect());
+        check_way(&way, &originals, &input, working)?;
+        let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let crowded: HashSet<Place> = same_place.map(|pair| pair[0].0).collect();
+        let place = |p: DVec2| -> Result<DVec2> {
+            let exact = forward(p)?;
+            let place = on_steps(exact);
+            Ok(if crowded.contains(&key(place)) { exact } else { place })
+        };
+        map.contours.par_iter_mut().flat_map_iter(|line| &mut line.points).try_for_each(|p| {
+            *p = place(*p)?;
+            Ok::<(), Error>(())
+        })?;
+        for spot in &mut map.spots {
+            *spot = place(spot.truncate())?.extend(spot.z);
+        }
+        let mut findings = Vec::new();
+        if !crowded.is_empty() {
+            for (k, original) in &mut originals {
+                *k = if crowded.contains(k) { key(forward(*original)?) } else { *k };
+            }
+            originals = in_order(originals);
+            let before = originals.len();
+            originals.dedup_by_key(|(k, _)| *k);
+            let lost = before - originals.len();
+            if lost > 0 {
+                let message = format!("{lost} vertices fall together with another one and come out at its place");
+                findings.push(Finding::general(FindingKind::RepeatedPoint, message));
+            }
+        }
+        let around = input.is_geographic().then(|| beyond(&originals)).flatten();
+        if way.is_identity() {
+            // Most coordinates have no more digits than micrometres.
+            originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
+        }
+        originals.shrink_to_fit();
+        map.crs = Some(working.clone());
+        let places = Self {
+            input: Some(input),
+            working: Some(working.clone()),
+            way: (!way.is_identity()).then_some(way),
+            in_steps: true,
+            originals: Arc::new(originals),
+            around,
+        };
+        Ok(Report { value: (map, places), findings })
+    }
+
+    /// Whether the map is worked on in the system of its file.
+    pub fn are_unmoved(&self) -> bool {
+        self.way.is_none()
+    }
+
+    /// The system of the file, if it is known.
+    pub fn input_crs(&self) -> Option<&Crs> {
+        self.input.as_ref()
+    }
+
+    /// The system of the plane, if it is known.
+    pub fn working_crs(&self) -> Option<&Crs> {
+        self.working.as_ref()
+    }
+
+    /// The place in the file's coordinates: those that a vertex had, else by the inverse projection. `None` where there is
+    /// none.
+    pub fn in_input(&self, p: DVec2) -> Option<DVec2> {
+        if let Some(original) = self.original(p) {
+            return Some(original);
+        }
+        let Some(way) = &self.way else { return Some(p) };
+        let found = way.inverse(p)?;
+        Some(match self.around {
+            Some(middle) => DVec2::new(middle + (found.x - middle + 180.0).rem_euclid(360.0) - 180.0, found.y),
+            None => found,
+        })
+    }
+
+    /// The place on the plane of a place in the file's coordinates.
+    pub fn on_plane(&self, p: DVec2) -> Option<DVec2> {
+        self.way.as_ref().map_or(Some(p), |way| way.forward(p))
+    }
+
+    fn original(&self, p: DVec2) -> Option<DVec2> {
+        let found = self.originals.binary_search_by_key(&key(p), |(k, _)| *k).ok()?;
+        Some(self.originals[found].1)
+    }
+
+    /// The way for coordinates of another file in `crs`; coordinates of an unknown system are taken for the map's own.
+    ///
+    /// # Errors
+    /// As [`Transform::between`].
+    pub fn bring(&self, crs: Option<&Crs>) -> Result<Bringer> {
+        let (from, to) = match (crs.or(self.input.as_ref()), &self.working) {
+            (Some(from), Some(to)) => (from, to),
+            _ => return Ok(Bringer { way: None, in_steps: self.in_steps, names: String::new() }),
+        };
+        let way = Transform::between(from, to)?;
+        let names = format!("{} and {}", label(from), label(to));
+        Ok(Bringer { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
+    }
+
+    /// The way out, to the coordinates of the file or to those of another system.
+    ///
+    /// # Errors
+    /// As [`Transform::between`], and if another system is asked for and that of the file is not known.
+    pub fn give_back(&self, to: Option<&Crs>) -> Result<Returner> {
+        let Some(to) = to else {
+            return Ok(Returner { places: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
+        };
+        let (Some(input), Some(working)) = (&self.input, &self.working) else {
+            let message =
+                "the coordinate reference system of the contours is not known, so there is no way to another one";
+            return Err(Error::Data(message.to_owned()));
+        };
+        let onwards = if to.horizontal().matches(&input.horizontal()) {
+            Onwards::Input
+        } else {
+            Onwards::Other {
+                from_input: Transform::between(input, to)?,
+                from_working: Transform::between(working, to)?,
+            }
+        };
+        Ok(Returner { places: self.clone(), onwards, crs: Some(to.clone()) })
+    }
+}
+
+/// Sorted by place; coordinates that are the same at the same place are there once.
+fn in_order(mut pairs: Vec<(Place, DVec2)>) -> Vec<(Place, DVec2)> {
+    pairs.par_sort_unstable_by_key(|(k, p)| (*k, p.x.to_bits(), p.y.to_bits()));
+    pairs.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
+    pairs
+}
+
+fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {
+    Error::Data(format!(
+        "{} {} in {} has no place in {}; is that the right coordinate reference system? --crs names that of the input, \
+         --work-crs another one to work in",
+        p.x,
+        p.y,
+        label(from),
+        label(to)
+    ))
+}
+
+/// Far from where a projection is meant for, some give coordinates that do not lead back.
+fn check_way(way: &Transform, originals: &[(Place, DVec2)], from: &Crs, to: &Crs) -> Result<()> {
+    let step = originals.len().div_ceil(1024).max(1);
+    for (k, original) in originals.iter().step_by(step) {
+        let place = DVec2::new(f64::from_bits(k[0]), f64::from_bits(k[1]));
+        let back = way.inverse(place).and_then(|back| way.forward(back));
+        if !back.is_some_and(|back| back.distance(place) < 1e-3) {
+            return Err(no_place(*original, from, to));
+        }
+    }
+    Ok(())
+}
+
+/// The middle of the longitudes, if they go beyond 180 degrees.
+fn beyond(originals: &[(Place, DVec2)]) -> Option<f64> {
+    let span = |(lo, hi): (f64, f64), (_, p): &(Place, DVec2)| (lo.min(p.x), hi.max(p.x));
+    let (lo, hi) = originals.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
+    (lo < -180.0 || hi > 180.0).then_some(0.5 * (lo + hi))
+}
+
+/// Brings the coordinates of other files to the plane of the map.
+#[derive(Debug, Clone)]
+pub struct Bringer {
+    way: Option<Transform>,
+    in_steps: bool,
+    names: String,
+}
+
+impl Bringer {
+    fn place(&self, p: DVec2) -> Result<DVec2> {
+        let wrong = || Error::Data(format!("{} {} is a place in only one of {}", p.x, p.y, self.names));
+        let place = self.way.as_ref().map_or(Some(p), |way| way.forward(p)).ok_or_else(wrong)?;
+        Ok(if self.in_steps { on_steps(place) } else { place })
+    }
+
+    /// A point with its height.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if it has no place on the plane.
+    pub fn point(&self, p: DVec3) -> Result<DVec3> {
+        Ok(self.place(p.truncate())?.extend(p.z))
+    }
+
+    /// A polygon, by its vertices.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if a vertex has no place on the plane.
+    pub fn polygon(&self, polygon: &Polygon<f64>) -> Result<Polygon<f64>> {
+        polygon.try_map_coords(|c| self.place(DVec2::new(c.x, c.y)).map(|p| Coord { x: p.x, y: p.y }))
+    }
+
+    /// A boundary, with vertices added where a straight piece is a curve on the plane: a sheet's edge along a parallel is
+    /// long, and contours end on it.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if a vertex has no place on the plane.
+    pub fn boundary(&self, area: &MultiPolygon<f64>) -> Result<MultiPolygon<f64>> {
+        if self.way.is_none() {
+            return area.try_map_coords(|c| self.place(DVec2::new(c.x, c.y)).map(|p| Coord { x: p.x, y: p.y }));
+        }
+        let ring = |ring: &LineString<f64>| -> Result<LineString<f64>> {
+            let mut out = Vec::with_capacity(ring.0.len());
+            for line in ring.lines() {
+                let [a, b] = [line.start, line.end].map(|c| DVec2::new(c.x, c.y));
+                let (p, q) = (self.place(a)?, self.place(b)?);
+                out.push(p);
+                self.bend([a, b], [p, q], HALVINGS, &mut out)?;
+            }
+            out.extend(out.first().copied());
+            Ok(out.into_iter().map(|p| Coord { x: p.x, y: p.y }).collect())
+        };
+        let polygon = |polygon: &Polygon<f64>| -> Result<Polygon<f64>> {
+            let holes = polygon.interiors().iter().map(ring).collect::<Result<_>>()?;
+            Ok(Polygon::new(ring(polygon.exterior())?, holes))
+        };
+        Ok(MultiPolygon::new(area.iter().map(polygon).collect::<Result<_>>()?))
+    }
+
+    /// Adds the vertices between two on the plane.
+    fn bend(&self, [a, b]: [DVec2; 2], [p, q]: [DVec2; 2], halvings: u32, out: &mut Vec<DVec2>) -> Result<()> {
+        let c = a.midpoint(b);
+        let r = self.place(c)?;
+        if halvings == 0 || r.distance(p.midpoint(q)) < STRAIGHT {
+            return Ok(());
+        }
+        self.bend([a, c], [p, r], halvings - 1, out)?;
+        out.push(r);
+        self.bend([c, b], [r, q], halvings - 1, out)
+    }
+}
+
+/// Brings places on the plane to the coordinates of the output.
+#[derive(Debug, Clone)]
+pub struct Returner {
+    places: Places,
+    onwards: Onwards,
+    crs: Option<Crs>,
+}
+
+#[derive(Debug, Clone)]
+enum Onwards {
+    /// To the system of the file.
+    Input,
+    /// To another one: vertices of the input from their own coordinates.
+    Other { from_input: Transform, from_working: Transform },
+}
+
+impl Returner {
+    /// The system of the output, if it is known.
+    pub fn crs(&self) -> Option<&Crs> {
+        self.crs.as_ref()
+    }
+
+    /// Whether places on the plane are those of the output.
+    pub fn is_identity(&self) -> bool {
+        match &self.onwards {
+            Onwards::Input => self.places.are_unmoved() && self.places.originals.is_empty(),
+            Onwards::Other { from_working, .. } => from_working.is_identity(),
+        }
+    }
+
+    /// The place in the coordinates of the output; `None` where there is none.
+    pub fn place(&self, p: DVec2) -> Option<DVec2> {
+        match &self.onwards {
+            Onwards::Input => self.places.in_input(p),
+            Onwards::Other { from_input, from_working } => match self.places.original(p) {
+                Some(original) if !from_working.is_identity() => from_input.forward(original),
+                _ => from_working.forward(p),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(crs: u32, points: &[[f64; 2]]) -> ContourMap {
+        let points = points.iter().map(|p| DVec2::from(*p)).collect();
+        let contours = vec![Contour { elevation: 10.0, points, feature: 1 }];
+        ContourMap { contours, crs: Some(Crs::from_epsg(crs)), ..ContourMap::default() }
+    }
+
+    #[test]
+    fn vertices_come_back_bit_for_bit_and_others_nearly() {
+        let points: Vec<[f64; 2]> =
+            (0..2000).map(|k| [138.7 + f64::from(k) * 0.000_137, 35.3 + f64::from(k * k % 977) * 0.000_031]).collect();
+        let report = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap();
+        assert!(report.findings.is_empty());
+        let (flat, places) = report.value;
+        assert_eq!(flat.crs.as_ref().and_then(|crs| crs.epsg), Some(6676));
+        let back = places.give_back(None).unwrap();
+        for (p, q) in points.iter().zip(&flat.contours[0].points) {
+            assert_eq!(back.place(*q).map(|p| p.to_array().map(f64::to_bits)), Some(p.map(f64::to_bits)));
+            let near = back.place(*q + DVec2::splat(1e-5)).unwrap();
+            assert!(near.distance(DVec2::from(*p)) < 2e-10);
+        }
+        assert!(points.iter().any(|p| {
+            let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(6676)).unwrap();
+            way.inverse(way.forward(DVec2::from(*p)).unwrap()) != Some(DVec2::from(*p))
+        }));
+        // To another system they go from their own coordinates.
+        let onwards = places.give_back(Some(&Crs::from_epsg(32654))).unwrap();
+        let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(32654)).unwrap();
+        assert_eq!(onwards.place(flat.contours[0].points[7]), way.forward(DVec2::from(points[7])));
+        assert_eq!(onwards.crs().and_then(|crs| crs.epsg), Some(32654));
+    }
+
+    #[test]
+    fn coordinates_that_were_projected_come_back_to_where_they_were() {
+        let metric: Vec<DVec2> = (0..500)
+            .map(|k| DVec2::new(436_265.68 + f64::from(k) * 0.37, 6_444_259.96 + f64::from(k) * 0.11))
+            .collect();
+        let metric: Vec<DVec2> = metric.into_iter().map(|p| (p * 100.0).round() / 100.0).collect();
+        let way = Transform::between(&Crs::wgs84(), &Crs::from_epsg(25832)).unwrap();
+        let degrees: Vec<[f64; 2]> = metric.iter().map(|p| way.inverse(*p).unwrap().to_array()).collect();
+        let (flat, _) = Places::project(map(4326, &degrees), &Crs::from_epsg(25832)).unwrap().value;
+        assert_eq!(flat.contours[0].points, metric);
+    }
+
+    #[test]
+    fn vertices_that_fall_together_keep_their_digits_or_are_told() {
+        // Three hundred nanometres apart.
+        let near = [[138.7, 35.3], [138.7 + 3e-12, 35.3], [138.8, 35.3]];
+        let report = Places::project(map(6668, &near), &Crs::from_epsg(6676)).unwrap();
+        assert!(report.findings.is_empty(), "{:?}", report.findings);
+        let (flat, places) = report.value;
+        for (p, q) in near.iter().zip(&flat.contours[0].points) {
+            assert_eq!(places.in_input(*q).map(|p| p.to_array()), Some(*p));
+        }
+        // Near the meridian of Greenwich degrees have more digits than metres far from the equator.
+        let nearest = [[1e-18, 60.0], [2e-18, 60.0], [0.1, 60.0]];
+        let report = Places::project(map(4326, &nearest), &Crs::from_epsg(32631)).unwrap();
+        assert_eq!(report.findings.len(), 1, "{:?}", report.findings);
+    }
+
+    #[test]
+    fn noise_in_metres_is_taken_off_and_given_back() {
+        let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
+        let (flat, places) = Places::project(map(25832, &noisy), &Crs::from_epsg(25832)).unwrap().value;
+        assert_eq!(flat.contours[0].points[0], DVec2::new(436_203.79, 6_444_375.56));
+        assert!(places.are_unmoved() && places.originals.len() == 1);
+        let back = places.give_back(None).unwrap();
+        assert!(!back.is_identity());
+        for (p, q) in noisy.iter().zip(&flat.contours[0].points) {
+            assert_eq!(back.place(*q).map(|p| p.to_array()), Some(*p));
+        }
+        assert_eq!(back.place(DVec2::new(0.1, 0.2)), Some(DVec2::new(0.1, 0.2)));
+    }
+
+    #[test]
+    fn places_that_are_none_are_refused_with_the_flags_that_help() {
+        for points in [[[138.7, 35.3], [138.7, 95.0]], [[138.7, 35.3], [48.5, 0.0]]] {
+            let error = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap_err().to_string();
+            assert!(error.contains("--crs") && error.contains("--work-crs"), "{error}");
+        }
+        let nowhere = ContourMap { crs: None, ..map(6668, &[]) };
+        assert!(Places::project(nowhere, &Crs::from_epsg(6676)).is_err());
+    }
+
+    #[test]
+    fn longitudes_beyond_180_stay_there() {
+        let (flat, places) =
+            Places::project(map(4326, &[[179.9, -17.0], [180.2, -17.1]]), &Crs::from_epsg(32701)).unwrap().value;
+        let middle = flat.contours[0].points[0].midpoint(flat.contours[0].points[1]);
+        assert!((places.in_input(middle).unwrap().x - 180.05).abs() < 1e-3);
+    }
+
+    #[test]
+    fn boundaries_bend_and_lakes_do_not() {
+        let (_, places) =
+            Places::project(map(6668, &[[138.7, 35.3], [138.8, 35.4]]), &Crs::from_epsg(6676)).unwrap().value;
+        let bringer = places.bring(None).unwrap();
+        let corners = [(138.75, 35.3), (138.875, 35.3), (138.875, 35.4), (138.75, 35.4), (138.75, 35.3)];
+        let sheet = Polygon::new(LineString::from(corners.to_vec()), Vec::new());
+        assert_eq!(bringer.polygon(&sheet).unwrap().exterior().0.len(), 5);
+        let bent = bringer.boundary(&MultiPolygon::new(vec![sheet])).unwrap();
+        let ring = bent.0[0].exterior();
+        assert!(ring.is_closed() && ring.0.len() > 30 && ring.0.len() < 300, "{}", ring.0.len());
+        // Ends on the parallel lie within the tolerance of the boundary.
+        let end = bringer.point(DVec3::new(138.79, 35.3, 5.0)).unwrap();
+        let off = ring.lines().map(|l| {
+            let [a, b] = [l.start, l.end].map(|c| DVec2::new(c.x, c.y));
+            let t = ((end.truncate() - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            a.lerp(b, t).distance(end.truncate())
+        });
+        assert!(off.fold(f64::INFINITY, f64::min) < 2e-3);
+    }
+}

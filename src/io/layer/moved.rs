@@ -1,0 +1,68 @@
+//! Layers in the coordinates of the output, where those are not the coordinates that the map was worked on in.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::{Layer, Row, Shape};
+use crate::crs::Returner;
+use crate::error::{Error, Result};
+
+/// A shape that holds its vertices.
+enum Moved {
+    Contour(Vec<DVec2>, f64),
+    Line(Vec<DVec3>),
+    Area(Vec<Vec<DVec2>>),
+}
+
+/// The shapes of layers, moved.
+pub(in crate::io) struct MovedShapes(Vec<Vec<Moved>>);
+
+impl MovedShapes {
+    /// Moves all shapes of the layers. Vertices of the input get the coordinates that the input has for them.
+    ///
+    /// # Errors
+    /// If a vertex has no place in the system of the output.
+    pub fn new(layers: &[Layer<'_>], back: &Returner) -> Result<Self> {
+        let layer = |layer: &Layer<'_>| -> Result<Vec<Moved>> {
+            let place = |p: DVec2| {
+                let missing = || {
+                    let name = back.crs().and_then(|crs| crs.name()).unwrap_or_default();
+                    Error::Data(format!("layer {:?}: {:.3} {:.3} has no place in {name}", layer.name, p.x, p.y))
+                };
+                back.place(p).ok_or_else(missing)
+            };
+            let flat = |points: &[DVec2]| points.iter().map(|p| place(*p)).collect::<Result<Vec<DVec2>>>();
+            let shape = |row: &Row<'_>| {
+                Ok(match &row.shape {
+                    Shape::Contour(points, z) => Moved::Contour(flat(points)?, *z),
+                    Shape::Line(points) => {
+                        let place = |p: &DVec3| Ok(place(p.truncate())?.extend(p.z));
+                        Moved::Line(points.iter().map(place).collect::<Result<_>>()?)
+                    }
+                    Shape::Area(rings) => Moved::Area(rings.iter().map(|ring| flat(ring)).collect::<Result<_>>()?),
+                })
+            };
+            layer.rows.par_iter().map(shape).collect()
+        };
+        Ok(Self(layers.iter().map(layer).collect::<Result<_>>()?))
+    }
+
+    /// The layers with these shapes in place of their own.
+    pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
+        let row = |(row, moved): (&'a Row<'a>, &'a mut Moved)| {
+            let shape = match moved {
+                Moved::Contour(points, z) => Shape::Contour(points, *z),
+                Moved::Line(points) => Shape::Line(points),
+                Moved::Area(rings) => Shape::Area(std::mem::take(rings)),
+            };
+            Row { shape, cells: row.cells.clone() }
+        };
+        let layer = |(layer, moved): (&'a Layer<'a>, &'a mut Vec<Moved>)| Layer {
+            name: layer.name,
+            geometry: layer.geometry,
+            columns: layer.columns,
+            rows: layer.rows.iter().zip(moved).map(row).collect(),
+        };
+        layers.iter().zip(&mut self.0).map(layer).collect()
+    }
+}
