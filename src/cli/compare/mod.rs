@@ -7,16 +7,21 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
+use rayon::prelude::*;
 use serde::Serialize;
 use tokosen::contour::Interval;
-use tokosen::dem::Dem;
+use tokosen::crs::Transform;
 use tokosen::dem::compare::{
-    CompareParams, Comparison, at_check_points, compare, contour_distances, difference, height_figures, outside_bands,
+    BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, difference, height_figures,
+    outside_bands,
 };
+use tokosen::dem::{Grid, locate};
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::write_dem;
-use tokosen::io::{ReadOptions, SpotHeights, StagedOutput, read_spot_heights};
+use tokosen::io::{ReadOptions, StagedOutput, read_spot_heights};
 use tokosen::report::{ComparisonPage, HeightSource, comparison_page, remarks};
+use tokosen::surface::Surface;
+use tokosen::tin::{NONE, Tin};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -99,10 +104,16 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let mut findings = Vec::new();
     let pair = side::read(args, kinds, &mut findings, console)?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
-    let distances = pair.contours().map(|contours| {
-        let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
-        console.step("measuring distances", || contour_distances(contours, &b.grid, &Some, known))
-    });
+    let distances = match pair.surface() {
+        Some(surface) => {
+            let way = side::way(&args.b, b.crs.as_ref(), surface.map.crs.as_ref())?;
+            let to_map = |p: DVec2| side::along(way.as_ref(), p);
+            let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
+            let contours = &surface.map.contours;
+            Some(console.step("measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
+        }
+        None => None,
+    };
     let interval = args.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
     let metres_per_unit = b.metres_per_unit().unwrap_or(DVec2::ONE);
     let params = CompareParams { metres_per_unit, sigma: args.sigma, interval, distances: distances.as_deref() };
@@ -111,16 +122,16 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         // A height map that was interpolated has lost its decimals, and some of its terraces.
         if let Kind::Dem(dem) = &side.kind
-            && dem.grid != b.grid
+            && (dem.grid != b.grid || dem.crs != b.crs)
         {
             *figures = height_figures(&dem.values, interval.as_ref());
         }
     }
-    found.bands = bands(&pair, console);
+    found.bands = bands(&pair, console)?;
     if let Some(path) = &args.input.points {
-        let checks = read_check_points(path, &pair, &mut findings)?;
+        let checks = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
         for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-            figures.points = at_check_points(&side.at(&checks), &checks.points);
+            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
         }
         if found.a.points.is_none() && found.b.points.is_none() {
             return Err(Failure::Work(Error::file(path, "no check point lies where A or B have heights")));
@@ -186,15 +197,14 @@ fn check(args: &CompareArgs) -> Result<[side::Format; 2], Failure> {
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
         }
     }
-    let has_grid = args.grid.cell.is_some() || args.grid.like.is_some();
     if kinds == [side::Format::Contours; 2] {
-        if !has_grid {
+        if !args.grid.is_given() {
             return Err(Failure::Usage(
                 "two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into(),
             ));
         }
         args.grid.check()?;
-    } else if has_grid {
+    } else if args.grid.is_given() {
         return Err(Failure::Usage(
             "heights are compared at the cells of the height map: leave out --cell and --like".into(),
         ));
@@ -220,29 +230,37 @@ fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
 }
 
 /// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.
-fn bands(pair: &side::Pair, console: &Console) -> Option<tokosen::dem::compare::BandShare> {
-    let (surface, dem): (_, &Dem) = match (&pair.a.kind, &pair.b.kind) {
-        (Kind::Surface(surface), Kind::Dem(_)) => (surface, &pair.b_heights),
-        (Kind::Dem(_), Kind::Surface(surface)) => (surface, &pair.a_heights),
-        _ => return None,
+fn bands(pair: &side::Pair, console: &Console) -> Result<Option<BandShare>, Failure> {
+    let (side, surface, dem) = match (&pair.a.kind, &pair.b.kind) {
+        (Kind::Surface(surface), Kind::Dem(_)) => (&pair.a, surface, &pair.b_heights),
+        (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
+        _ => return Ok(None),
     };
-    let triangles = tokosen::dem::locate(&surface.tin, &dem.grid, console);
+    let way = side::way(&side.source.file, dem.crs.as_ref(), side.crs())?;
+    let triangles = match &way {
+        None => locate(&surface.tin, &dem.grid, console),
+        Some(way) => console.step("looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),
+    };
     // A height map that is a little off on water contradicts no contour.
     let band = |i: usize| {
-        let t = Some(triangles[i]).filter(|&t| t != tokosen::tin::NONE)?;
+        let t = Some(triangles[i]).filter(|&t| t != NONE)?;
         surface.regions.region(t).filter(|region| region.water.is_none()).map(|region| region.band)
     };
-    outside_bands(dem, band)
+    Ok(outside_bands(dem, band))
 }
 
-fn read_check_points(path: &Path, pair: &side::Pair, findings: &mut Vec<Finding>) -> Result<SpotHeights, Failure> {
-    let points = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
-    if let (Some(a), Some(b)) = (&points.crs, &pair.b_heights.crs)
-        && !a.matches(b)
-    {
-        return Err(Failure::Work(Error::file(path, "is in another coordinate reference system than B")));
-    }
-    Ok(points)
+/// The triangles of cell centres in another system, found by walking along each row.
+fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
+    let row = |row: usize| {
+        let mut near = 0;
+        (0..grid.cols).map(move |col| {
+            let Some(p) = way.forward(grid.center(col, row)) else { return NONE };
+            let found = tin.walk(near, p - tin.origin);
+            near = found.unwrap_or_else(|left| left);
+            found.unwrap_or(NONE)
+        })
+    };
+    if tin.is_empty() { vec![NONE; grid.len()] } else { (0..grid.rows).into_par_iter().flat_map_iter(row).collect() }
 }
 
 /// The summary: what was compared, the table, what it means.
@@ -268,8 +286,8 @@ fn tell(pair: &side::Pair, found: &Comparison, console: &Console) {
 
 /// The two sides with their heights on one grid.
 impl side::Pair {
-    fn contours(&self) -> Option<&[tokosen::contour::Contour]> {
-        [&self.b, &self.a].into_iter().find_map(Side::surface).map(|s| s.map.contours.as_slice())
+    fn surface(&self) -> Option<&Surface> {
+        [&self.b, &self.a].into_iter().find_map(Side::surface)
     }
 
     fn height_sources(&self) -> [HeightSource; 2] {
@@ -280,6 +298,6 @@ impl side::Pair {
     }
 
     fn interval(&self) -> Option<Interval> {
-        [&self.b, &self.a].into_iter().find_map(Side::surface).map(|s| s.interval)
+        self.surface().map(|surface| surface.interval)
     }
 }

@@ -4,17 +4,18 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 use serde::Serialize;
-use tokosen::crs::Crs;
+use tokosen::crs::{Crs, Transform};
 use tokosen::dem::compare::{height_at, heights_between};
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::{READABLE_EXTENSIONS, read_dem};
 use tokosen::io::{SpotHeights, VectorFormat};
-use tokosen::surface::{Surface, Triangles, heights};
+use tokosen::surface::{Surface, Triangles, heights, heights_on};
 
 use super::CompareArgs;
 use crate::cli::Failure;
 use crate::cli::console::Console;
+use crate::cli::input::InputArgs;
 use crate::cli::output::{GridChoice, grid_for};
 use crate::cli::surface::build_surface;
 
@@ -87,10 +88,13 @@ pub struct Pair {
     pub notes: Vec<String>,
 }
 
+/// The cells that heights are compared at, and the system that they are in.
+type Nodes = (Grid, Option<Crs>);
+
 /// Reads both sides and brings them onto one grid.
 pub fn read(
     args: &CompareArgs,
-    kinds: [Format; 2],
+    formats: [Format; 2],
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Pair, Failure> {
@@ -103,49 +107,55 @@ pub fn read(
         let read = console.step("reading", || read_dem(path))?;
         Ok(Some(side_of_dem(path, read.collect(findings).dem)))
     };
-    let (dem_a, dem_b) = (dem(path_a, kinds[0])?, dem(path_b, kinds[1])?);
-    let grid_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| (dem.grid, dem.crs.clone()));
-    let asked = grid_of(&dem_b).or_else(|| grid_of(&dem_a));
+    let (dem_a, dem_b) = (dem(path_a, formats[0])?, dem(path_b, formats[1])?);
+    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| (dem.grid, dem.crs.clone()));
+    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a));
     let b = match dem_b {
         Some(side) => side,
-        None => side_of_contours(args, path_b, asked.as_ref(), findings, console)?,
+        None => side_of_contours(args, path_b, &mut nodes, findings, console)?,
     };
     let a = match dem_a {
         Some(side) => side,
-        None => side_of_contours(args, path_a, asked.as_ref(), findings, console)?,
+        None => side_of_contours(args, path_a, &mut nodes, findings, console)?,
     };
-    same_crs(path_a, a.crs(), b.crs())?;
+    let Some((grid, crs)) = nodes else {
+        return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
+    };
+    let note = note(&a, &b, &grid);
+    let a_heights = a.on(&grid, crs.as_ref(), console)?;
+    let b_heights = b.on(&grid, crs.as_ref(), console)?;
+    Ok(Pair { a, b, a_heights, b_heights, notes: vec![note] })
+}
 
-    let mut notes = Vec::new();
-    let grid = match &asked {
-        Some((grid, _)) => *grid,
-        None => {
-            let surface = b.surface().or_else(|| a.surface());
-            let choice = args.grid.choice(b.crs())?;
-            surface.map(|surface| grid_for(&choice, surface)).transpose()?.unwrap_or(EMPTY)
-        }
-    };
-    let on_grid = |side: &Side| match &side.kind {
-        Kind::Dem(dem) if dem.grid == grid => dem.clone(),
-        Kind::Dem(dem) => Dem { grid, values: heights_between(dem, &grid, &Some), crs: dem.crs.clone() },
-        Kind::Surface(surface) => heights(surface, &grid, console),
-    };
-    let (a_heights, b_heights) = (on_grid(&a), on_grid(&b));
-    notes.push(match (&a.kind, &b.kind) {
+fn note(a: &Side, b: &Side, grid: &Grid) -> String {
+    match (&a.kind, &b.kind) {
         (Kind::Surface(_), Kind::Dem(_)) => "The surface of A is evaluated at the cell centres of B.".into(),
         (Kind::Dem(_), Kind::Surface(_)) => "The surface of B is evaluated at the cell centres of A.".into(),
         (Kind::Surface(_), Kind::Surface(_)) => {
-            format!("Both surfaces are evaluated at the centres of cells of {} x {}.", grid.cell.x, grid.cell.y)
+            format!(
+                "Both surfaces are evaluated at the centres of cells of {} x {}.",
+                plain(grid.cell.x),
+                plain(grid.cell.y)
+            )
         }
-        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid == grid => "Both have the same cells.".into(),
+        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid == *grid => "Both have the same cells.".into(),
         (Kind::Dem(_), Kind::Dem(_)) => {
             "A is on another grid: it is interpolated (bilinear) at the cell centres of B, which stays as it is.".into()
         }
-    });
-    Ok(Pair { a, b, a_heights, b_heights, notes })
+    }
 }
 
-const EMPTY: Grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 0, rows: 0 };
+/// The way from one system to another; none if a place is the same in both, or if one of them is not known.
+pub fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>, Failure> {
+    let Some((from, to)) = from.zip(to) else { return Ok(None) };
+    let way = Transform::between(from, to).map_err(|e| Error::file(path, e.to_string()))?;
+    Ok(Some(way).filter(|way| !way.is_identity()))
+}
+
+/// A place after a way.
+pub fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
+    way.map_or(Some(p), |way| way.forward(p))
+}
 
 impl Side {
     pub fn surface(&self) -> Option<&Surface> {
@@ -162,23 +172,42 @@ impl Side {
         }
     }
 
-    fn crs(&self) -> Option<&Crs> {
+    /// The system that the heights are in: for contours the one that they were worked on in.
+    pub fn crs(&self) -> Option<&Crs> {
         match &self.kind {
             Kind::Dem(dem) => dem.crs.as_ref(),
             Kind::Surface(surface) => surface.map.crs.as_ref(),
         }
     }
 
-    /// Heights at check points, NaN where there are none.
-    pub fn at(&self, checks: &SpotHeights) -> Vec<f64> {
-        let height = |p: DVec2| match &self.kind {
-            Kind::Dem(dem) => height_at(dem, p),
-            Kind::Surface(surface) => {
-                let grid = Grid { corner: p + DVec2::new(-0.5, 0.5), cell: DVec2::ONE, cols: 1, rows: 1 };
-                heights(surface, &grid, &()).values[0].into()
-            }
+    /// Heights at the cell centres of a grid in some system.
+    fn on(&self, grid: &Grid, crs: Option<&Crs>, console: &Console) -> Result<Dem, Failure> {
+        let way = way(&self.source.file, crs, self.crs())?;
+        let to_side = |p: DVec2| along(way.as_ref(), p);
+        let values = match &self.kind {
+            Kind::Dem(dem) if dem.grid == *grid && way.is_none() => dem.values.clone(),
+            Kind::Dem(dem) => console.step("interpolating", || heights_between(dem, grid, &to_side)),
+            Kind::Surface(surface) if way.is_none() => heights(surface, grid, console).values,
+            Kind::Surface(surface) => heights_on(surface, grid, &to_side, console),
         };
-        checks.points.iter().map(|p| height(p.truncate())).collect()
+        Ok(Dem { grid: *grid, values, crs: crs.cloned() })
+    }
+
+    /// Heights at check points, NaN where there are none.
+    pub fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>, Failure> {
+        let way = way(path, checks.crs.as_ref(), self.crs())?;
+        let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
+        Ok(match &self.kind {
+            Kind::Dem(dem) => {
+                (0..checks.points.len()).map(|k| place(k).map_or(f64::NAN, |p| height_at(dem, p))).collect()
+            }
+            Kind::Surface(surface) => {
+                // The points one after the other are the cells of a row.
+                let row = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: checks.points.len(), rows: 1 };
+                let heights = heights_on(surface, &row, &|p: DVec2| place(p.x as usize), &());
+                heights.into_iter().map(f64::from).collect()
+            }
+        })
     }
 }
 
@@ -198,47 +227,37 @@ fn plain(size: f64) -> f64 {
     format!("{size:.11e}").parse().unwrap_or(size)
 }
 
+/// Reads contours and builds their surface: for the cells that heights are compared at or, if these are not known yet, for
+/// those that are asked for, which are then the ones.
 fn side_of_contours(
     args: &CompareArgs,
     path: &Path,
-    asked: Option<&(Grid, Option<Crs>)>,
+    nodes: &mut Option<Nodes>,
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Side, Failure> {
     // Check points must not be known to the surface that they check.
-    let reading = crate::cli::input::InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
+    let reading = InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
     let mut input = reading.read(console)?;
-    let choice = match asked {
-        Some((grid, crs)) => {
-            same_crs(path, input.map.crs.as_ref(), crs.as_ref())?;
-            GridChoice::Like(*grid)
-        }
-        None => args.grid.choice(input.map.crs.as_ref())?,
+    let working = input.map.crs.clone();
+    let choice = match nodes {
+        Some((grid, crs)) => way(path, crs.as_ref(), working.as_ref())?.is_none().then_some(GridChoice::Like(*grid)),
+        None => Some(args.grid.choice(&input.places)?),
     };
-    let params = args.surface.params(&input.map, Some(&choice), Triangles::Guide)?;
+    let params = args.surface.params(&input, choice.as_ref(), Triangles::Guide)?;
+    let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     reading.check_strict(&input.findings, console)?;
     findings.append(&mut input.findings);
-    let source = Source {
-        file: path.to_owned(),
-        kind: "contours",
-        crs: surface.map.crs.as_ref().and_then(Crs::name),
-        about: format!(
-            "surface ({}) of {} contours, interval {} m",
-            args.surface.surface.name(),
-            surface.map.contours.len(),
-            surface.interval.step
-        ),
-    };
-    Ok(Side { source, kind: Kind::Surface(Box::new(surface)) })
-}
-
-fn same_crs(path: &Path, a: Option<&Crs>, b: Option<&Crs>) -> Result<(), Failure> {
-    if let (Some(a), Some(b)) = (a, b)
-        && !a.matches(b)
-    {
-        let message = "is in another coordinate reference system than what it is compared with; reproject one of them";
-        return Err(Failure::Work(Error::file(path, message)));
+    if let (None, Some(choice)) = (&nodes, &choice) {
+        *nodes = Some((grid_for(choice, &surface)?, choice.crs(working.as_ref()).cloned()));
     }
-    Ok(())
+    let about = format!(
+        "surface ({}) of {} contours, interval {} m",
+        args.surface.surface.name(),
+        surface.map.contours.len(),
+        surface.interval.step
+    );
+    let source = Source { file: path.to_owned(), kind: "contours", crs, about };
+    Ok(Side { source, kind: Kind::Surface(Box::new(surface)) })
 }
