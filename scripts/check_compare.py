@@ -127,7 +127,9 @@ def main():
     checks.classes("elevation", found["by_elevation"], heights_b[use], d)
     if o.contours:
         lines, _ = terrain.read_lines(o.contours)
-        tree = shapely.STRtree(lines)
+        # Single segments, because the boxes around whole lines say little.
+        ends = [np.stack([xy[:-1], xy[1:]], axis=1) for xy in map(shapely.get_coordinates, lines)]
+        tree = shapely.STRtree(shapely.linestrings(np.concatenate(ends)))
         centres = shapely.points(*terrain.to_map(transform, row, column))
         _, distance = tree.query_nearest(centres, return_distance=True, all_matches=False)
         checks.classes("distance", found["by_distance"], distance, d)
@@ -136,9 +138,9 @@ def main():
         if levels is None:
             continue
         h = heights[np.isfinite(heights)]
-        share = ((h - levels["base"]) / levels["interval"]) % 1
-        counts, _ = np.histogram(share, bins=len(levels["shares"]), range=(0, 1))
-        for k, count in enumerate(counts):
+        bins = len(levels["shares"])
+        of = np.floor(bins * (h - levels["base"]) / levels["interval"]) % bins
+        for k, count in enumerate(np.bincount(of.astype(int), minlength=bins)):
             checks.same(f"levels of {side}, bin {k}", levels["shares"][k], count / len(h))
     if found["significance"]:
         beyond = (np.abs(d) > 1.96 * found["significance"]["sigma"]).mean()

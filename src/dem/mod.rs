@@ -81,3 +81,23 @@ impl Dem {
 const SEMI_MAJOR: f64 = 6_378_137.0;
 /// Square of its eccentricity.
 const ECCENTRICITY_2: f64 = 0.006_694_380_022_9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_degree_is_as_long_as_on_the_ellipsoid() {
+        let of = |epsg: Option<u32>, north: f64| {
+            let grid = Grid { corner: DVec2::new(138.0, north), cell: DVec2::splat(0.5), cols: 4, rows: 2 };
+            Dem { grid, values: vec![], crs: epsg.map(Crs::from_epsg) }.metres_per_unit()
+        };
+        // The middle of the second row is at 36 degrees: 1' of latitude is 1849.32 m there.
+        let degree = of(Some(6668), 36.75).unwrap();
+        assert!((degree.y / 60.0 - 1849.3).abs() < 0.2 && (degree.x / 60.0 - 1502.8).abs() < 0.5, "{degree}");
+        let equator = of(Some(4326), 0.75).unwrap();
+        assert!((equator.x - 111_319.49).abs() < 0.01 && (equator.y - 110_574.28).abs() < 0.02, "{equator}");
+        assert_eq!(of(Some(6690), 36.0), Some(DVec2::ONE));
+        assert_eq!(of(None, 36.0), None);
+    }
+}

@@ -63,6 +63,8 @@ pub(super) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::crs::Crs;
     use crate::dem::Grid;

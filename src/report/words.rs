@@ -101,5 +101,5 @@ fn terraces(name: &str, side: &HeightFigures, source: HeightSource) -> Option<St
 /// A place in map units; degrees need more decimals than metres.
 pub(super) fn place(p: glam::DVec2) -> String {
     let decimals = if p.x.abs() <= 180.0 && p.y.abs() <= 90.0 { 6 } else { 1 };
-    format!("{:.decimals$} {:.decimals$}", p.x, p.y)
+    format!("{} {}", number(p.x, decimals), number(p.y, decimals))
 }

@@ -213,18 +213,24 @@ impl Side {
 
 fn side_of_dem(path: &Path, dem: Dem) -> Side {
     let Grid { cols, rows, cell, .. } = dem.grid;
+    let is_degrees = dem.crs.as_ref().is_some_and(Crs::is_geographic);
+    let (factor, unit) = if is_degrees { (3600.0, " seconds of arc") } else { (1.0, "") };
     let source = Source {
         file: path.to_owned(),
         kind: "dem",
         crs: dem.crs.as_ref().and_then(Crs::name),
-        about: format!("height map, {cols} x {rows} cells of {} x {}", plain(cell.x), plain(cell.y)),
+        about: format!(
+            "height map, {cols} x {rows} cells of {} x {}{unit}",
+            plain(cell.x * factor),
+            plain(cell.y * factor)
+        ),
     };
     Side { source, kind: Kind::Dem(dem) }
 }
 
-/// A size to twelve digits, which is more than it means.
+/// A size to nine digits: what dividing left behind them says nothing.
 fn plain(size: f64) -> f64 {
-    format!("{size:.11e}").parse().unwrap_or(size)
+    format!("{size:.8e}").parse().unwrap_or(size)
 }
 
 /// Reads contours and builds their surface: for the cells that heights are compared at or, if these are not known yet, for
