@@ -151,8 +151,8 @@ fn tables(found: &Comparison) -> Markup {
             table {
                 thead { tr { th { "metres" } @for column in COLUMNS { th scope="col" { (column) } } } }
                 tbody {
-                    @for group in groups(found) {
-                        @if group.rows.len() > 1 { tr.group { th colspan=(COLUMNS.len() + 1) { (group.title) } } }
+                    @for (k, group) in groups(found).into_iter().enumerate() {
+                        @if k > 0 { tr.group { th colspan=(COLUMNS.len() + 1) { (group.title) } } }
                         @for r in &group.rows { (row(r)) }
                     }
                 }

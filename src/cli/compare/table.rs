@@ -18,14 +18,15 @@ pub fn lines(found: &Comparison) -> Vec<String> {
     let padded =
         |row: &[String; 11]| -> String { row.iter().zip(widths).map(|(cell, w)| format!("{cell:>w$}")).collect() };
     let mut out = vec![format!("{:label_width$}{}", "", padded(&COLUMNS.map(String::from)))];
-    for Group { title, rows } in &groups {
-        if rows.len() > 1 {
+    for (k, Group { title, rows }) in groups.iter().enumerate() {
+        // The row of all cells, which comes first, needs no heading.
+        if k > 0 {
             out.push((*title).to_string());
         }
         for r in rows {
             let figures =
                 r.statistics.map_or_else(|| format!("{:>w$}", "-", w = widths[0]), |s| padded(&row(&s, decimals)));
-            let indented = if rows.len() > 1 { format!(" {}", r.label) } else { r.label.clone() };
+            let indented = if k > 0 { format!(" {}", r.label) } else { r.label.clone() };
             out.push(format!("{indented:label_width$}{figures}"));
         }
     }

@@ -34,7 +34,8 @@ pub(super) fn elevation_bounds(lowest: f64, highest: f64) -> Vec<f64> {
         return Vec::new();
     }
     // A range on bounds takes one class more than it is wide.
-    let mut step = round_up(((highest - lowest) / MOST_CLASSES).max(1e-3));
+    let range = if highest > lowest { (highest - lowest).max(1e-2) } else { MOST_CLASSES };
+    let mut step = round_up(range / MOST_CLASSES);
     let count = |step: f64| (highest / step).floor() - (lowest / step).floor() + 1.0;
     while count(step) > MOST_CLASSES {
         step = round_up(step * 1.01);
