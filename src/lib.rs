@@ -27,6 +27,8 @@
 //! | [`dem::derive`] | a height map | slope, aspect, hillshade, steep places |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`preview::render`] | all of them | a picture |
+//! | [`dem::compare::compare`] | two height maps | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
+//! | [`report::comparison_page`] | a comparison | a page for people |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
 //! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
@@ -79,6 +81,7 @@ pub mod io;
 pub mod mesh;
 pub mod preview;
 pub mod progress;
+pub mod report;
 mod rows;
 pub mod skeleton;
 pub mod slice;

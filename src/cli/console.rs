@@ -56,6 +56,11 @@ impl Console {
         }
     }
 
+    /// What was asked for as text on standard output; `--quiet` leaves it.
+    pub fn result(&self, text: &str) {
+        let _ = writeln!(std::io::stdout(), "{text}");
+    }
+
     /// One line about a finding, on standard error.
     pub fn warn(&self, line: &str) {
         if !self.quiet {

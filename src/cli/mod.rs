@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod compare;
 mod console;
 mod dem;
 mod densify;
@@ -42,6 +43,7 @@ Examples:
   tokosen densify degrees.shp --crs EPSG:6668 -i 2 -o dense.gpkg
   tokosen derive dem.tif --slope slope.tif --steep steep.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
+  tokosen compare contours.gpkg published_dem.tif --report compare.html
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
@@ -53,6 +55,7 @@ enum Verb {
     Dem(Box<dem::DemArgs>),
     Derive(Box<derive::DeriveArgs>),
     Mesh(Box<mesh::MeshArgs>),
+    Compare(Box<compare::CompareArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
 }
@@ -104,6 +107,7 @@ pub fn main() -> ExitCode {
         Verb::Dem(args) => dem::run(args, &console),
         Verb::Derive(args) => derive::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
+        Verb::Compare(args) => compare::run(args, &console),
         Verb::Regions(args) => regions::run(args, &console),
         Verb::Skeleton(args) => skeleton::run(args, &console),
     };

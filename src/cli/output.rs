@@ -172,6 +172,14 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
 }
 
 impl GridChoice {
+    /// The system that the cells are in, where `working` is that of the surface.
+    pub fn crs<'a>(&'a self, working: Option<&'a Crs>) -> Option<&'a Crs> {
+        match self {
+            Self::Cell(_) | Self::Like(_) => working,
+            Self::Apart(_, apart) => Some(&apart.crs),
+        }
+    }
+
     /// What the smooth surface needs to know about the cells: nothing if its nodes cannot be their centres.
     pub fn wanted(&self) -> Option<Wanted> {
         match self {

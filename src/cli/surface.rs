@@ -57,6 +57,17 @@ pub enum KindArg {
     Spline,
 }
 
+impl KindArg {
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Skeleton => "skeleton",
+            Self::Spline => "spline",
+        }
+    }
+}
+
 impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {

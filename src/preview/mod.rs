@@ -172,7 +172,7 @@ fn range(values: &[f32]) -> Option<(f64, f64)> {
 /// The tinted and shaded surface.
 fn relief(dem: &Dem, range: Option<(f64, f64)>) -> Result<Pixmap> {
     let mut map = pixmap(dem.grid.cols, dem.grid.rows)?;
-    let metres_per_unit = scale::metres_per_unit(dem).unwrap_or(DVec2::ONE);
+    let metres_per_unit = dem.metres_per_unit().unwrap_or(DVec2::ONE);
     let exaggeration = exaggeration(&steepness(dem, metres_per_unit));
     let params = ShadeParams { exaggeration, metres_per_unit, ..ShadeParams::soft() };
     let (light, level) = (hillshade(dem, &params), params.level());

@@ -1,13 +1,9 @@
 //! Round numbers for the legend, and the size of a map unit on the ground.
 
-use glam::DVec2;
-
 use crate::dem::Dem;
 
 /// The longest scale bar, as a share of the map's width and in pixels.
 const LONGEST: (f64, f64) = (0.4, 230.0);
-/// Metres a degree of latitude, and of longitude at the equator (mean radius 6371.0088 km).
-const METRES_PER_DEGREE: f64 = 111_195.08;
 /// About as many numbers stand below the tint.
 const TICKS: f64 = 4.0;
 
@@ -21,19 +17,9 @@ pub(super) struct Bar {
     pub label: String,
 }
 
-/// Metres a map unit in x and y; `None` if the unit is not known.
-pub(super) fn metres_per_unit(dem: &Dem) -> Option<DVec2> {
-    let crs = dem.crs.as_ref()?;
-    if crs.is_geographic() {
-        let latitude = dem.grid.center(dem.grid.cols / 2, dem.grid.rows / 2).y.clamp(-89.0, 89.0);
-        return Some(DVec2::new(latitude.to_radians().cos(), 1.0) * METRES_PER_DEGREE);
-    }
-    crs.length_unit().map(|unit| DVec2::splat(unit.metres))
-}
-
 /// A scale bar of a round length. `None` if a pixel has no sensible size.
 pub(super) fn bar(dem: &Dem) -> Option<Bar> {
-    let metres = metres_per_unit(dem);
+    let metres = dem.metres_per_unit();
     let pixel = dem.grid.cell.x * metres.map_or(1.0, |m| m.x);
     let longest = (dem.grid.cols as f64 * LONGEST.0).min(LONGEST.1);
     let length = round_down(pixel * longest)?;
@@ -77,6 +63,8 @@ pub(super) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::crs::Crs;
     use crate::dem::Grid;

@@ -46,6 +46,8 @@ pub enum Quantity {
     /// Height in metres.
     #[default]
     Height,
+    /// Height above another surface, metres.
+    Difference,
     /// Steepness in degrees.
     Slope,
     /// The direction that a slope faces, degrees clockwise from north.
@@ -59,6 +61,7 @@ impl Quantity {
     pub fn name(self) -> &'static str {
         match self {
             Self::Height => "height",
+            Self::Difference => "difference in height",
             Self::Slope => "slope",
             Self::Aspect => "aspect",
             Self::Shade => "brightness",
@@ -68,7 +71,7 @@ impl Quantity {
     /// Its unit as programs name it, and in words.
     fn unit(self) -> Option<(&'static str, &'static str)> {
         match self {
-            Self::Height => Some(("m", "metres")),
+            Self::Height | Self::Difference => Some(("m", "metres")),
             Self::Slope | Self::Aspect => Some(("degree", "degrees")),
             Self::Shade => None,
         }

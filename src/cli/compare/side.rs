@@ -1,0 +1,246 @@
+//! The two sides of a comparison: read, built, and brought onto one grid.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use serde::Serialize;
+use tokosen::crs::{Crs, Transform};
+use tokosen::dem::compare::{height_at, heights_between};
+use tokosen::dem::{Dem, Grid};
+use tokosen::error::{Error, Finding};
+use tokosen::io::raster::{DemFile, read_dem};
+use tokosen::io::{Content, SpotHeights};
+use tokosen::surface::{Surface, Triangles, heights, heights_on};
+
+use super::CompareArgs;
+use crate::cli::Failure;
+use crate::cli::console::Console;
+use crate::cli::input::InputArgs;
+use crate::cli::output::{GridChoice, grid_for};
+use crate::cli::surface::build_surface;
+
+/// One side.
+pub struct Side {
+    pub source: Source,
+    pub kind: Kind,
+    /// Stated accuracy of the product, as a standard deviation, metres.
+    pub sigma: Option<f64>,
+}
+
+/// What the heights of a side come from.
+pub enum Kind {
+    Dem(Dem),
+    Surface(Box<Surface>),
+}
+
+/// What a side is, for people and for `--json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Source {
+    /// The file.
+    pub file: PathBuf,
+    /// `dem` or `contours`.
+    pub kind: &'static str,
+    /// Name of the coordinate reference system.
+    pub crs: Option<String>,
+    /// What it is made of.
+    pub about: String,
+}
+
+impl Source {
+    /// In one line.
+    pub fn title(&self) -> String {
+        let crs = self.crs.as_deref().unwrap_or("unknown coordinate reference system");
+        format!("{}: {}, {crs}", self.file.display(), self.about)
+    }
+}
+
+/// Both sides with their heights on one grid.
+pub struct Pair {
+    pub a: Side,
+    pub b: Side,
+    pub a_heights: Dem,
+    pub b_heights: Dem,
+    /// How they came onto it, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// The cells that heights are compared at, and the system that they are in.
+type Nodes = (Grid, Option<Crs>);
+
+/// Reads both sides and brings them onto one grid.
+pub fn read(
+    args: &CompareArgs,
+    contents: [Content; 2],
+    findings: &mut Vec<Finding>,
+    console: &Console,
+) -> Result<Pair, Failure> {
+    let (path_a, path_b) = (&args.input.contours, &args.b);
+    // Height maps come first: the surface is drawn for their cells.
+    let mut dem = |path: &Path, content: Content| -> Result<Option<Side>, Failure> {
+        if content == Content::Contours {
+            return Ok(None);
+        }
+        let read = console.step("reading", || read_dem(path))?;
+        Ok(Some(side_of_dem(path, read.collect(findings))))
+    };
+    let (dem_a, dem_b) = (dem(path_a, contents[0])?, dem(path_b, contents[1])?);
+    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| (dem.grid, dem.crs.clone()));
+    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a));
+    let b = match dem_b {
+        Some(side) => side,
+        None => side_of_contours(args, path_b, &mut nodes, findings, console)?,
+    };
+    let a = match dem_a {
+        Some(side) => side,
+        None => side_of_contours(args, path_a, &mut nodes, findings, console)?,
+    };
+    let Some((grid, crs)) = nodes else {
+        return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
+    };
+    let note = note(&a, &b, &grid);
+    let a_heights = a.on(&grid, crs.as_ref(), console)?;
+    let b_heights = b.on(&grid, crs.as_ref(), console)?;
+    Ok(Pair { a, b, a_heights, b_heights, notes: vec![note] })
+}
+
+fn note(a: &Side, b: &Side, grid: &Grid) -> String {
+    match (&a.kind, &b.kind) {
+        (Kind::Surface(_), Kind::Dem(_)) => "The surface of A is evaluated at the cell centres of B.".into(),
+        (Kind::Dem(_), Kind::Surface(_)) => "The surface of B is evaluated at the cell centres of A.".into(),
+        (Kind::Surface(_), Kind::Surface(_)) => {
+            format!(
+                "Both surfaces are evaluated at the centres of cells of {} x {}.",
+                plain(grid.cell.x),
+                plain(grid.cell.y)
+            )
+        }
+        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid == *grid => "Both have the same cells.".into(),
+        (Kind::Dem(_), Kind::Dem(_)) => {
+            "A is on another grid: it is interpolated (bilinear) at the cell centres of B, which stays as it is.".into()
+        }
+    }
+}
+
+/// The way from one system to another; none if a place is the same in both, or if one of them is not known.
+pub fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>, Failure> {
+    let Some((from, to)) = from.zip(to) else { return Ok(None) };
+    let way = Transform::between(from, to).map_err(|e| Error::file(path, e.to_string()))?;
+    Ok(Some(way).filter(|way| !way.is_identity()))
+}
+
+/// A place after a way.
+pub fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
+    way.map_or(Some(p), |way| way.forward(p))
+}
+
+impl Side {
+    pub fn surface(&self) -> Option<&Surface> {
+        match &self.kind {
+            Kind::Surface(surface) => Some(surface),
+            Kind::Dem(_) => None,
+        }
+    }
+
+    fn dem(&self) -> Option<&Dem> {
+        match &self.kind {
+            Kind::Dem(dem) => Some(dem),
+            Kind::Surface(_) => None,
+        }
+    }
+
+    /// The system that the heights are in: for contours the one that they were worked on in.
+    pub fn crs(&self) -> Option<&Crs> {
+        match &self.kind {
+            Kind::Dem(dem) => dem.crs.as_ref(),
+            Kind::Surface(surface) => surface.map.crs.as_ref(),
+        }
+    }
+
+    /// Heights at the cell centres of a grid in some system.
+    fn on(&self, grid: &Grid, crs: Option<&Crs>, console: &Console) -> Result<Dem, Failure> {
+        let way = way(&self.source.file, crs, self.crs())?;
+        let to_side = |p: DVec2| along(way.as_ref(), p);
+        let values = match &self.kind {
+            Kind::Dem(dem) if dem.grid == *grid && way.is_none() => dem.values.clone(),
+            Kind::Dem(dem) => console.step("interpolating", || heights_between(dem, grid, &to_side)),
+            Kind::Surface(surface) if way.is_none() => heights(surface, grid, console).values,
+            Kind::Surface(surface) => heights_on(surface, grid, &to_side, console),
+        };
+        Ok(Dem { grid: *grid, values, crs: crs.cloned() })
+    }
+
+    /// Heights at check points, NaN where there are none.
+    pub fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>, Failure> {
+        let way = way(path, checks.crs.as_ref(), self.crs())?;
+        let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
+        Ok(match &self.kind {
+            Kind::Dem(dem) => {
+                (0..checks.points.len()).map(|k| place(k).map_or(f64::NAN, |p| height_at(dem, p))).collect()
+            }
+            Kind::Surface(surface) => {
+                // The points one after the other are the cells of a row.
+                let row = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: checks.points.len(), rows: 1 };
+                let heights = heights_on(surface, &row, &|p: DVec2| place(p.x as usize), &());
+                heights.into_iter().map(f64::from).collect()
+            }
+        })
+    }
+}
+
+fn side_of_dem(path: &Path, DemFile { dem, product }: DemFile) -> Side {
+    let name = product.map_or("height map", |product| product.name());
+    let Grid { cols, rows, cell, .. } = dem.grid;
+    let is_degrees = dem.crs.as_ref().is_some_and(Crs::is_geographic);
+    let (factor, unit) = if is_degrees { (3600.0, " seconds of arc") } else { (1.0, "") };
+    let source = Source {
+        file: path.to_owned(),
+        kind: "dem",
+        crs: dem.crs.as_ref().and_then(Crs::name),
+        about: format!(
+            "{name}, {cols} x {rows} cells of {} x {}{unit}",
+            plain(cell.x * factor),
+            plain(cell.y * factor)
+        ),
+    };
+    Side { source, kind: Kind::Dem(dem), sigma: product.map(|product| product.sigma()) }
+}
+
+/// A size to nine digits: what dividing left behind them says nothing.
+fn plain(size: f64) -> f64 {
+    format!("{size:.8e}").parse().unwrap_or(size)
+}
+
+/// Reads contours and builds their surface: for the cells that heights are compared at or, if these are not known yet, for
+/// those that are asked for, which are then the ones.
+fn side_of_contours(
+    args: &CompareArgs,
+    path: &Path,
+    nodes: &mut Option<Nodes>,
+    findings: &mut Vec<Finding>,
+    console: &Console,
+) -> Result<Side, Failure> {
+    // Check points must not be known to the surface that they check.
+    let reading = InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
+    let mut input = reading.read(console)?;
+    let working = input.map.crs.clone();
+    let choice = match nodes {
+        Some((grid, crs)) => way(path, crs.as_ref(), working.as_ref())?.is_none().then_some(GridChoice::Like(*grid)),
+        None => Some(args.grid.choice(&input.places)?),
+    };
+    let params = args.surface.params(&mut input, choice.as_ref(), Triangles::Guide)?;
+    let crs = input.places.input_crs().and_then(Crs::name);
+    let surface = build_surface(input.map, &params, &mut input.findings, console)?;
+    reading.check_strict(&input.findings, console)?;
+    findings.append(&mut input.findings);
+    if let (None, Some(choice)) = (&nodes, &choice) {
+        *nodes = Some((grid_for(choice, &surface)?, choice.crs(working.as_ref()).cloned()));
+    }
+    let about = format!(
+        "surface ({}) of {} contours, interval {} m",
+        args.surface.surface.name(),
+        surface.map.contours.len(),
+        surface.interval.step
+    );
+    let source = Source { file: path.to_owned(), kind: "contours", crs, about };
+    Ok(Side { source, kind: Kind::Surface(Box::new(surface)), sigma: None })
+}

@@ -1,0 +1,72 @@
+//! Heights outside the contours' bands: where a height map contradicts the contours for certain.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::Extreme;
+use super::statistics::sum;
+use crate::dem::Dem;
+use crate::tin::Band;
+
+/// How much of a height map lies outside the bands of the sub-domains that its cells lie in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BandShare {
+    /// Cells with a height and a band.
+    pub cells: usize,
+    /// Those of them whose height is not between the two levels around.
+    pub outside: usize,
+    /// Their share.
+    pub share: f64,
+    /// Mean distance of the heights outside from their band, metres; 0 if there are none.
+    pub mean_excess: f64,
+    /// The height furthest outside: how far (less than 0 below the band), metres, and where.
+    pub furthest: Option<Extreme>,
+}
+
+/// Counts the cells of `dem` outside the band that `band_of` has for them, by their index. None if no cell has one.
+pub fn outside_bands(dem: &Dem, band_of: impl Fn(usize) -> Option<Band> + Sync) -> Option<BandShare> {
+    let excess = |i: usize| {
+        let height = f64::from(dem.values[i]);
+        let band = if height.is_finite() { band_of(i) } else { None };
+        band.map_or(f64::NAN, |band| height - height.max(band.lo).min(band.hi))
+    };
+    let excess: Vec<f64> = (0..dem.grid.len()).into_par_iter().map(excess).collect();
+    let cells = excess.par_iter().filter(|e| e.is_finite()).count();
+    if cells == 0 {
+        return None;
+    }
+    let outside: Vec<usize> =
+        (0..excess.len()).into_par_iter().filter(|&i| excess[i].is_finite() && excess[i] != 0.0).collect();
+    let size = |i: usize| excess[i].abs();
+    let furthest = outside.par_iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
+    let sizes: Vec<f64> = outside.par_iter().map(|&i| size(i)).collect();
+    Some(BandShare {
+        cells,
+        outside: outside.len(),
+        share: outside.len() as f64 / cells as f64,
+        mean_excess: sum(&sizes, |e| e) / outside.len().max(1) as f64,
+        furthest: furthest
+            .map(|i| Extreme { value: excess[i], place: dem.grid.center(i % dem.grid.cols, i / dem.grid.cols) }),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::dem::Grid;
+
+    #[test]
+    fn cells_outside_are_counted_with_their_excess() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 5, rows: 1 };
+        let dem = Dem { grid, values: vec![10.0, 20.5, 7.0, f32::NAN, 99.0], crs: None };
+        let share = outside_bands(&dem, |i| (i < 4).then_some(Band { lo: 10.0, hi: 20.0 })).unwrap();
+        assert_eq!((share.cells, share.outside), (3, 2));
+        assert!((share.share - 2.0 / 3.0).abs() < 1e-12 && (share.mean_excess - 1.75).abs() < 1e-12);
+        assert_eq!(share.furthest, Some(Extreme { value: -3.0, place: DVec2::new(2.5, -0.5) }));
+        assert_eq!(outside_bands(&dem, |_| None), None);
+        let none = outside_bands(&dem, |_| Some(Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY })).unwrap();
+        assert_eq!((none.outside, none.mean_excess, none.furthest), (0, 0.0, None));
+    }
+}

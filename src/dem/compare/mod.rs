@@ -1,0 +1,324 @@
+//! How far two height maps differ, and where: figures over all cells and by class.
+//!
+//! The difference is A − B everywhere; B is the reference. [`compare`] takes heights of both at the same cell centres.
+//! A surface is evaluated there ([`heights`](crate::surface::heights)), a height map on another grid is interpolated
+//! ([`heights_between`]): which of the two stays as it is, is the caller's choice and should be B.
+//!
+//! Everything is reckoned in double precision from the heights as they are stored. The figures do not depend on the number of
+//! threads.
+
+mod bands;
+mod classes;
+mod distance;
+mod levels;
+mod precision;
+mod sample;
+mod statistics;
+
+pub use bands::{BandShare, outside_bands};
+pub use classes::{Class, SLOPE_BOUNDS};
+pub use distance::contour_distances;
+pub use levels::{BINS, LevelHistogram, find_terraces, level_histogram};
+pub use precision::{Precision, precision};
+pub use sample::{height_at, heights_between};
+pub use statistics::{Extreme, Statistics, statistics};
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::Dem;
+use super::shade::steepness;
+use crate::contour::Interval;
+use crate::error::{Error, Result};
+use classes::{distance_bounds, elevation_bounds, round_up};
+use statistics::sum;
+
+/// Differences of more than so many standard deviations come by chance once in twenty times.
+const SIGNIFICANT: f64 = 1.96;
+
+/// What is known besides the heights.
+#[derive(Debug, Clone, Copy)]
+pub struct CompareParams<'a> {
+    /// Metres a map unit in x and y, for slopes on maps in feet or degrees.
+    pub metres_per_unit: DVec2,
+    /// Stated accuracy of the heights that A is measured against, as a standard deviation in metres.
+    pub sigma: Option<f64>,
+    /// The contour interval, if contours are part of the comparison. Without it the usual intervals are tried.
+    pub interval: Option<Interval>,
+    /// Distance of every cell to the nearest contour, if there are contours; see [`contour_distances`].
+    pub distances: Option<&'a [f64]>,
+}
+
+impl Default for CompareParams<'_> {
+    fn default() -> Self {
+        Self { metres_per_unit: DVec2::ONE, sigma: None, interval: None, distances: None }
+    }
+}
+
+/// What a comparison found. Written as JSON its keys are the names of these fields.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Figures of all cells with heights in both, metres.
+    pub overall: Statistics,
+    /// The same by the slope of B, degrees (Horn 1981; at the edge of the data carried on in a straight line).
+    pub by_slope: Vec<Class>,
+    /// The same by the elevation of B, metres.
+    pub by_elevation: Vec<Class>,
+    /// The same by the distance to the nearest contour, map units; empty if there are no contours.
+    pub by_distance: Vec<Class>,
+    /// The error of slopes; none if no cell has all its neighbours in both.
+    pub slope: Option<SlopeError>,
+    /// What the accuracy of the other data says about the differences; none if it is not known.
+    pub significance: Option<Significance>,
+    /// How much of a height map lies outside the contours' bands; none if there are no contours. [`compare`] leaves it to
+    /// its caller, see [`outside_bands`].
+    pub bands: Option<BandShare>,
+    /// About the heights of A.
+    pub a: HeightFigures,
+    /// About the heights of B.
+    pub b: HeightFigures,
+}
+
+/// The difference of slopes, A − B.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlopeError {
+    /// Cells that have all eight neighbours in both.
+    pub cells: usize,
+    /// Root mean square difference, degrees.
+    pub rmse: f64,
+    /// Mean difference, degrees: less than 0 where A is smoother.
+    pub bias: f64,
+}
+
+/// How much of the difference is more than the accuracy of the other data accounts for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Significance {
+    /// That accuracy, as a standard deviation in metres.
+    pub sigma: f64,
+    /// 1.96 times that.
+    pub limit: f64,
+    /// Share of the cells where |d| is more than the limit; 0.05 would come by chance if A were right everywhere.
+    pub share: f64,
+    /// Root of rmse² − sigma²: what is left for A if the errors of both are independent; 0 if nothing is.
+    pub rmse_beyond: f64,
+}
+
+/// What the heights of one side tell by themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeightFigures {
+    /// Cells with a height.
+    pub cells: usize,
+    /// What all heights are multiples of, if anything coarse.
+    pub precision: Option<Precision>,
+    /// Heights modulo the contour interval; without a given one there is a histogram only where terraces were seen.
+    pub levels: Option<LevelHistogram>,
+    /// Figures of height − check height at check points; none if there are no check points here.
+    pub points: Option<Statistics>,
+}
+
+/// Looks at the heights of one side.
+pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFigures {
+    let precision = precision(heights);
+    let levels = match interval {
+        Some(interval) => level_histogram(heights, interval, precision),
+        None => find_terraces(heights, precision),
+    };
+    let cells = heights.par_iter().filter(|h| h.is_finite()).count();
+    HeightFigures { cells, precision, levels, points: None }
+}
+
+/// Compares two height maps on the same grid.
+///
+/// # Errors
+/// [`Error::Parameter`] when the grids are not the same or a parameter is out of its range, [`Error::Data`] when no cell
+/// has a height in both.
+pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Comparison> {
+    let grid = b.grid;
+    if a.grid != grid || a.values.len() != grid.len() || b.values.len() != grid.len() {
+        return Err(Error::Parameter(
+            "height maps are compared on one grid: evaluate A at the cells of B first".into(),
+        ));
+    }
+    if let Some(sigma) = params.sigma
+        && !(sigma.is_finite() && sigma > 0.0)
+    {
+        return Err(Error::Parameter(format!("the standard deviation is {sigma} m, it must be more than 0")));
+    }
+    let differences = differences(a, b);
+    let place = |i: usize| grid.center(i % grid.cols, i / grid.cols);
+    let Some(overall) = statistics(&differences, place, |_| true) else {
+        return Err(Error::Data("there is no place where both A and B have heights: do they overlap at all?".into()));
+    };
+    let classes = |bounds: &[f64], value: &(dyn Fn(usize) -> f64 + Sync)| -> Vec<Class> {
+        let class = |bound: &[f64]| Class {
+            from: bound[0],
+            to: Some(bound[1]).filter(|to| to.is_finite()),
+            statistics: statistics(&differences, place, |i| (bound[0]..bound[1]).contains(&value(i))),
+        };
+        bounds.windows(2).map(class).collect()
+    };
+    let (steep_a, steep_b) = (steepness(a, params.metres_per_unit), steepness(b, params.metres_per_unit));
+    let by_slope = classes(&SLOPE_BOUNDS, &|i| degrees(steep_b[i]));
+    let compared = || (0..grid.len()).into_par_iter().filter(|&i| differences[i].is_finite()).map(|i| b.values[i]);
+    let lowest = compared().reduce(|| f32::INFINITY, f32::min);
+    let highest = compared().reduce(|| f32::NEG_INFINITY, f32::max);
+    let by_elevation = classes(&elevation_bounds(lowest.into(), highest.into()), &|i| f64::from(b.values[i]));
+    let by_distance = params.distances.map_or_else(Vec::new, |distances| {
+        let of_compared = distances.iter().zip(&differences).filter(|(_, d)| d.is_finite()).map(|(d, _)| *d);
+        classes(&distance_bounds(of_compared), &|i| distances[i])
+    });
+    Ok(Comparison {
+        overall,
+        by_slope,
+        by_elevation,
+        by_distance,
+        slope: slope_error(a, b, &steep_a, &steep_b),
+        significance: params.sigma.map(|sigma| significance(&differences, &overall, sigma)),
+        bands: None,
+        a: height_figures(&a.values, params.interval.as_ref()),
+        b: height_figures(&b.values, params.interval.as_ref()),
+    })
+}
+
+/// The difference A − B of two height maps on one grid; NaN where one has no height.
+pub fn difference(a: &Dem, b: &Dem) -> Dem {
+    let values = differences(a, b).into_iter().map(|d| d as f32).collect();
+    Dem { grid: b.grid, values, crs: b.crs.clone() }
+}
+
+/// Figures of height − check height. `heights` are those of a surface or a height map at the check points' places, NaN
+/// where it has none.
+pub fn at_check_points(heights: &[f64], points: &[DVec3]) -> Option<Statistics> {
+    let differences: Vec<f64> = heights.iter().zip(points).map(|(h, p)| h - p.z).collect();
+    statistics(&differences, |i| points[i].truncate(), |_| true)
+}
+
+/// A round number of metres that nearly all differences are within: the limit of a scale of colours.
+pub fn round_limit(statistics: &Statistics) -> f64 {
+    let most = statistics.le95.max(1e-3);
+    round_up(most)
+}
+
+fn differences(a: &Dem, b: &Dem) -> Vec<f64> {
+    let difference =
+        |(&a, &b): (&f32, &f32)| if a.is_finite() && b.is_finite() { f64::from(a) - f64::from(b) } else { f64::NAN };
+    a.values.par_iter().zip(&b.values).map(difference).collect()
+}
+
+fn degrees(steepness: f32) -> f64 {
+    f64::from(steepness).atan().to_degrees()
+}
+
+/// The slopes' difference where all neighbours are known in both, so that no height is carried on.
+fn slope_error(a: &Dem, b: &Dem, steep_a: &[f32], steep_b: &[f32]) -> Option<SlopeError> {
+    let (cols, rows) = (b.grid.cols, b.grid.rows);
+    let is_whole = |i: usize| {
+        let (col, row) = (i % cols, i / cols);
+        let inside = col > 0 && row > 0 && col + 1 < cols && row + 1 < rows;
+        let known = |j: usize| a.values[j].is_finite() && b.values[j].is_finite();
+        inside && [i - cols, i, i + cols].into_iter().all(|j| known(j - 1) && known(j) && known(j + 1))
+    };
+    let differences: Vec<f64> = (0..b.grid.len())
+        .into_par_iter()
+        .filter(|&i| is_whole(i))
+        .map(|i| degrees(steep_a[i]) - degrees(steep_b[i]))
+        .collect();
+    let count = differences.len() as f64;
+    (count > 0.0).then(|| SlopeError {
+        cells: differences.len(),
+        rmse: (sum(&differences, |d| d * d) / count).sqrt(),
+        bias: sum(&differences, |d| d) / count,
+    })
+}
+
+fn significance(differences: &[f64], overall: &Statistics, sigma: f64) -> Significance {
+    let limit = SIGNIFICANT * sigma;
+    let beyond = differences.par_iter().filter(|d| d.abs() > limit).count();
+    Significance {
+        sigma,
+        limit,
+        share: beyond as f64 / overall.cells as f64,
+        rmse_beyond: (overall.rmse * overall.rmse - sigma * sigma).max(0.0).sqrt(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dem::Grid;
+
+    fn plane(height: impl Fn(f64, f64) -> f64) -> Dem {
+        let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::splat(10.0), cols: 20, rows: 10 };
+        let values = (0..200).map(|i| height((i % 20) as f64, (i / 20) as f64) as f32).collect();
+        Dem { grid, values, crs: None }
+    }
+
+    #[test]
+    fn a_shifted_plane_is_off_by_the_shift() {
+        let b = plane(|x, y| 100.0 + 4.0 * x - 2.0 * y);
+        let a = plane(|x, y| 103.0 + 4.0 * x - 2.0 * y);
+        let found = compare(&a, &b, &CompareParams { sigma: Some(2.0), ..CompareParams::default() }).unwrap();
+        let s = found.overall;
+        assert_eq!((s.cells, s.bias, s.rmse, s.mae, s.median, s.le90, s.le95), (200, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0));
+        assert_eq!((s.rmse_debiased, s.nmad), (0.0, 0.0));
+        assert_eq!((s.lowest.place, s.highest.place), (DVec2::new(1005.0, 1995.0), DVec2::new(1005.0, 1995.0)));
+        // atan(sqrt(0.4² + 0.2²)) = 24.1 degrees: all cells are in the third class, those at the edge too.
+        assert_eq!(
+            found.by_slope.iter().map(|c| c.statistics.map_or(0, |s| s.cells)).collect::<Vec<_>>(),
+            [0, 0, 200, 0, 0]
+        );
+        let slope = found.slope.unwrap();
+        assert_eq!((slope.cells, slope.rmse, slope.bias), (18 * 8, 0.0, 0.0));
+        let significance = found.significance.unwrap();
+        assert_eq!((significance.share, significance.limit), (0.0, 3.92));
+        assert!((significance.rmse_beyond - 5f64.sqrt()).abs() < 1e-12);
+        assert_eq!(found.by_elevation.iter().filter_map(|c| c.statistics).map(|s| s.cells).sum::<usize>(), 200);
+        assert!(found.by_distance.is_empty() && found.bands.is_none());
+        assert_eq!(found.a.precision, Some(Precision::WholeMetres));
+        assert_eq!(difference(&a, &b).values, vec![3.0f32; 200]);
+    }
+
+    #[test]
+    fn slopes_differ_by_what_the_planes_differ() {
+        let found = compare(&plane(|x, _| 10.0 * x), &plane(|_, _| 5.0), &CompareParams::default()).unwrap();
+        let slope = found.slope.unwrap();
+        assert!((slope.rmse - 45.0).abs() < 1e-9 && (slope.bias - 45.0).abs() < 1e-9);
+        // In feet the same planes are steeper.
+        let feet = CompareParams { metres_per_unit: DVec2::splat(0.5), ..CompareParams::default() };
+        let found = compare(&plane(|x, _| 10.0 * x), &plane(|_, _| 5.0), &feet).unwrap();
+        assert!((found.slope.unwrap().rmse - 2f64.atan().to_degrees()).abs() < 1e-5);
+    }
+
+    #[test]
+    fn classes_share_the_cells_among_them() {
+        let distances: Vec<f64> = (0..200).map(|i| if i < 10 { f64::NAN } else { f64::from(i % 20) }).collect();
+        let params = CompareParams { distances: Some(&distances), ..CompareParams::default() };
+        let found = compare(&plane(|x, _| x), &plane(|x, _| x * x), &params).unwrap();
+        let cells = |classes: &[Class]| classes.iter().filter_map(|c| c.statistics).map(|s| s.cells).sum::<usize>();
+        assert_eq!((cells(&found.by_slope), cells(&found.by_elevation), cells(&found.by_distance)), (200, 200, 190));
+        assert_eq!(found.by_distance.last().unwrap().to, None);
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_an_error() {
+        let (a, b) = (plane(|_, _| f64::NAN), plane(|_, _| 1.0));
+        let error = compare(&a, &b, &CompareParams::default()).unwrap_err();
+        assert!(matches!(&error, Error::Data(m) if m.contains("overlap")), "{error}");
+        let mut other = b.clone();
+        other.grid.corner.x += 1.0;
+        assert!(matches!(compare(&other, &b, &CompareParams::default()), Err(Error::Parameter(_))));
+        for sigma in [0.0, -1.0, f64::NAN] {
+            let params = CompareParams { sigma: Some(sigma), ..CompareParams::default() };
+            assert!(matches!(compare(&b, &b, &params), Err(Error::Parameter(_))));
+        }
+    }
+
+    #[test]
+    fn check_points_count_where_there_are_heights() {
+        let points = [DVec3::new(1.0, 2.0, 10.0), DVec3::new(3.0, 4.0, 20.0), DVec3::new(5.0, 6.0, 30.0)];
+        let s = at_check_points(&[11.0, f64::NAN, 28.0], &points).unwrap();
+        assert_eq!((s.cells, s.bias, s.lowest.place), (2, -0.5, DVec2::new(5.0, 6.0)));
+        assert_eq!(at_check_points(&[f64::NAN], &points[..1]), None);
+    }
+}

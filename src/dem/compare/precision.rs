@@ -1,0 +1,60 @@
+//! To how many decimals a height map gives its heights.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What all heights of a height map are multiples of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// Whole metres.
+    WholeMetres,
+    /// Tenths of a metre.
+    Tenths,
+}
+
+impl Precision {
+    /// The step, metres.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::WholeMetres => 1.0,
+            Self::Tenths => 0.1,
+        }
+    }
+
+    /// The decimal number that a height in single precision stands for.
+    pub(super) fn decimal(self, height: f32) -> f64 {
+        match self {
+            Self::WholeMetres => height.into(),
+            Self::Tenths => (f64::from(height) * 10.0).round() / 10.0,
+        }
+    }
+}
+
+/// What all heights are multiples of; none if they are finer than tenths, or if there are none.
+pub fn precision(heights: &[f32]) -> Option<Precision> {
+    heights.par_iter().find_any(|h| h.is_finite())?;
+    let all = |test: fn(f32) -> bool| heights.par_iter().all(|&h| !h.is_finite() || test(h));
+    if all(|h| h == h.round()) {
+        Some(Precision::WholeMetres)
+    } else if all(|h| h == Precision::Tenths.decimal(h) as f32) {
+        Some(Precision::Tenths)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_seen_through_single_precision() {
+        assert_eq!(precision(&[1.0, f32::NAN, -3.0, 2999.0]), Some(Precision::WholeMetres));
+        assert_eq!(precision(&[1.0, 1234.1, -0.3, 2999.9]), Some(Precision::Tenths));
+        assert_eq!(precision(&[1.0, 1234.15]), None);
+        assert_eq!(precision(&[0.1 + 1e-4]), None);
+        assert_eq!(precision(&[f32::NAN]), None);
+        assert_eq!(precision(&[]), None);
+    }
+}

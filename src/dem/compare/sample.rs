@@ -1,0 +1,88 @@
+//! Heights of a height map between its cell centres.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::dem::{Dem, Grid};
+
+/// A place so near to a cell centre, in cells, has that cell's height, whatever the cells around have.
+const ON_CENTRE: f64 = 1e-6;
+
+/// The height at a place, bilinear between the four cell centres around it; NaN where one that is needed has none.
+///
+/// Nothing is carried on beyond the outermost centres.
+pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
+    let grid = &dem.grid;
+    let first = grid.center(0, 0);
+    let (x, y) = ((place.x - first.x) / grid.cell.x, (first.y - place.y) / grid.cell.y);
+    let settled = |v: f64| if (v - v.round()).abs() < ON_CENTRE { v.round() } else { v };
+    let (x, y) = (settled(x), settled(y));
+    let inside = |v: f64, count: usize| v >= 0.0 && v <= count as f64 - 1.0;
+    if !inside(x, grid.cols) || !inside(y, grid.rows) {
+        return f64::NAN;
+    }
+    let (col, row) = (x.floor(), y.floor());
+    let (right, down) = (x - col, y - row);
+    let corners =
+        [(0, 0, 1.0 - right, 1.0 - down), (1, 0, right, 1.0 - down), (0, 1, 1.0 - right, down), (1, 1, right, down)];
+    let mut height = 0.0;
+    for (i, j, across, along) in corners {
+        let weight: f64 = across * along;
+        if weight > 0.0 {
+            height += weight * f64::from(dem.values[(row as usize + j) * grid.cols + col as usize + i]);
+        }
+    }
+    height
+}
+
+/// The heights of `dem` at the cell centres of another grid, see [`height_at`]. `to_dem` takes a place of `grid` to the
+/// coordinates of `dem`.
+pub fn heights_between(dem: &Dem, grid: &Grid, to_dem: &(impl Fn(DVec2) -> Option<DVec2> + Sync)) -> Vec<f32> {
+    let height = |i: usize| {
+        let place = to_dem(grid.center(i % grid.cols, i / grid.cols));
+        place.map_or(f32::NAN, |place| height_at(dem, place) as f32)
+    };
+    (0..grid.len()).into_par_iter().map(height).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dem() -> Dem {
+        let grid = Grid { corner: DVec2::new(100.0, 200.0), cell: DVec2::new(10.0, 20.0), cols: 4, rows: 3 };
+        let values = (0..12).map(|i| (i % 4) as f32 * 2.0 - (i / 4) as f32 * 8.0).collect();
+        Dem { grid, values, crs: None }
+    }
+
+    #[test]
+    fn a_plane_is_met_between_centres() {
+        let dem = dem();
+        let height = |x, y| height_at(&dem, DVec2::new(x, y));
+        assert_eq!(height(105.0, 190.0), 0.0);
+        assert!((height(111.0, 184.0) - (0.6 * 2.0 - 0.3 * 8.0)).abs() < 1e-12);
+        assert_eq!(height(135.0, 150.0), 6.0 - 16.0);
+        assert!(height(104.0, 190.0).is_nan() && height(120.0, 195.0).is_nan() && height(f64::NAN, 190.0).is_nan());
+    }
+
+    #[test]
+    fn a_hole_spoils_what_needs_it_only() {
+        let mut dem = dem();
+        dem.values[5] = f32::NAN;
+        let height = |x, y| height_at(&dem, DVec2::new(x, y));
+        assert!(height(115.0, 170.0).is_nan() && height(112.0, 172.0).is_nan());
+        // On the centre beside the hole, and on the line between two cells with heights.
+        assert_eq!(height(105.0, 170.0), -8.0);
+        assert_eq!(height(110.0, 190.0), 1.0);
+    }
+
+    #[test]
+    fn the_own_grid_gives_the_own_heights() {
+        let mut dem = dem();
+        dem.values[6] = f32::NAN;
+        let same = heights_between(&dem, &dem.grid, &Some);
+        assert!(same.iter().zip(&dem.values).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())));
+        let empty = Dem { grid: Grid { cols: 0, rows: 0, ..dem.grid }, values: vec![], crs: None };
+        assert!(heights_between(&empty, &dem.grid, &Some).iter().all(|h| h.is_nan()));
+    }
+}

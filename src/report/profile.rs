@@ -1,0 +1,51 @@
+//! Heights of both along a line through the largest difference, down the slope there: where a comparison is worth a look.
+
+use glam::DVec2;
+
+use crate::dem::Dem;
+use crate::dem::compare::{Comparison, height_at};
+
+/// Cells from the middle of the line to each end.
+const REACH: f64 = 60.0;
+/// Points a cell.
+const DENSITY: f64 = 2.0;
+/// Cells on each side that the direction of the slope is taken from.
+const LOOK: f64 = 3.0;
+
+/// A profile.
+pub(super) struct Profile {
+    /// Ends of the line, map units.
+    pub ends: [DVec2; 2],
+    /// Distance from the first end in metres, and the heights of A and B; NaN where there is none.
+    pub points: Vec<(f64, [f64; 2])>,
+}
+
+/// The profile through the larger of the two extreme differences.
+pub(super) fn profile(found: &Comparison, a: &Dem, b: &Dem, metres_per_unit: DVec2) -> Profile {
+    let (lowest, highest) = (found.overall.lowest, found.overall.highest);
+    let middle = if lowest.value.abs() > highest.value.abs() { lowest.place } else { highest.place };
+    let cell = b.grid.cell;
+    let rise = |step: DVec2| {
+        let d = height_at(b, middle + step * LOOK) - height_at(b, middle - step * LOOK);
+        if d.is_finite() { d } else { 0.0 }
+    };
+    let east = rise(DVec2::new(cell.x, 0.0)) / (cell.x * metres_per_unit.x);
+    let north = rise(DVec2::new(0.0, cell.y)) / (cell.y * metres_per_unit.y);
+    let down = DVec2::new(-east, -north).try_normalize().unwrap_or(DVec2::X);
+    // From west to east, as a map is read.
+    let ahead = if down.x < 0.0 { -down } else { down };
+    let size = (cell * metres_per_unit).min_element();
+    let step = ahead * size / metres_per_unit / DENSITY;
+    let count = (REACH * DENSITY) as i32;
+    let is_known = |k: i32| height_at(b, middle + step * f64::from(k)).is_finite();
+    let (mut first, mut last) = (0, 0);
+    (-count..=count).filter(|&k| is_known(k)).for_each(|k| {
+        first = first.min(k);
+        last = last.max(k);
+    });
+    let at = |k: i32| middle + step * f64::from(k);
+    let points = (first..=last)
+        .map(|k| (f64::from(k - first) * size / DENSITY, [height_at(a, at(k)), height_at(b, at(k))]))
+        .collect();
+    Profile { ends: [at(first), at(last)], points }
+}

@@ -1,0 +1,267 @@
+//! `tokosen compare` as its users meet it, and that its figures are what they are said to be.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::Value;
+use tempfile::TempDir;
+use tokosen::io::raster::read_dem;
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes an ESRI ASCII grid with its north-west corner at (1000, 2000 + 10 * rows).
+    fn put_grid(&self, name: &str, west: f64, size: [usize; 2], height: impl Fn(usize, usize) -> f64) -> &Self {
+        let [cols, rows] = size;
+        let mut text =
+            format!("ncols {cols}\nnrows {rows}\nxllcorner {west}\nyllcorner 2000\ncellsize 10\nNODATA_value -9999\n");
+        for row in 0..rows {
+            let heights: Vec<String> = (0..cols).map(|col| height(col, row).to_string()).collect();
+            text.push_str(&heights.join(" "));
+            text.push('\n');
+        }
+        fs::write(self.path(name), text).unwrap();
+        self
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        let arguments: Vec<String> = arguments.split_whitespace().map(|a| a.replace("SAMPLE", &sample())).collect();
+        let output = cargo_bin_cmd!("tokosen").current_dir(self.0.path()).args(&arguments).output().unwrap();
+        assert!(!stderr(&output).contains("panicked"), "{arguments:?}: {}", stderr(&output));
+        output
+    }
+
+    fn succeeds(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn json(&self, arguments: &str) -> Value {
+        serde_json::from_str(&self.succeeds(&format!("{arguments} --json"))).unwrap()
+    }
+
+    fn fails(&self, arguments: &str, status: i32, word: &str) {
+        let output = self.run(arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(status), "{arguments}: {text}");
+        assert!(text.contains("error: ") && text.contains(word), "{arguments}: no {word:?} in {text}");
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The contours of the sample, and the ground that they were cut from.
+fn sample() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join("caryville_20m").display().to_string()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn a_plane_and_the_same_plane_shifted() {
+    let folder = Folder::new();
+    let plane = |col: usize, row: usize| 100.0 + 2.5 * col as f64 + row as f64;
+    folder.put_grid("b.asc", 1000.0, [12, 9], plane).put_grid("a.asc", 1000.0, [12, 9], |c, r| plane(c, r) - 1.25);
+    let found = folder.json("compare a.asc b.asc --sigma 0.5 -o d.tif");
+    let overall = &found["overall"];
+    assert_eq!(overall["cells"], 108);
+    for (key, value) in
+        [("bias", -1.25), ("rmse", 1.25), ("rmse_debiased", 0.0), ("mae", 1.25), ("nmad", 0.0), ("le90", 1.25)]
+    {
+        assert_eq!(number(&overall[key]), value, "{key}");
+    }
+    assert_eq!(number(&found["slope"]["rmse"]), 0.0);
+    assert_eq!(number(&found["significance"]["share"]), 1.0);
+    assert_eq!(number(&found["significance"]["rmse_beyond"]), (1.25f64 * 1.25 - 0.25).sqrt());
+    // atan(hypot(0.25, 0.1)) = 15.07 degrees.
+    assert_eq!(found["by_slope"][2]["statistics"]["cells"], 108);
+    assert!(found["by_slope"][0]["statistics"].is_null());
+    let difference = read_dem(&folder.path("d.tif")).unwrap().value.dem;
+    assert!(difference.values.len() == 108 && difference.values.iter().all(|d| *d == -1.25));
+}
+
+#[test]
+fn the_reference_stays_as_it_is_on_other_grids() {
+    let folder = Folder::new();
+    let plane = |col: usize, row: usize| 3.0 * col as f64 - row as f64;
+    folder.put_grid("b.asc", 1000.0, [12, 9], plane).put_grid("a.asc", 1015.0, [12, 9], |c, r| plane(c, r) + 4.5);
+    // Columns 2 to 11 of B lie between the centres of A, one and a half cells further east.
+    let found = folder.json("compare a.asc b.asc");
+    assert_eq!(found["overall"]["cells"], 10 * 9);
+    assert!(number(&found["overall"]["rmse"]) < 1e-6, "{}", found["overall"]);
+    assert!(found["notes"][0].as_str().unwrap().contains("interpolated"), "{}", found["notes"]);
+    assert_eq!((&found["b"]["precision"], &found["a"]["precision"]), (&"whole-metres".into(), &"tenths".into()));
+    let text = folder.succeeds("compare a.asc b.asc");
+    assert!(text.contains("All heights of A are tenths of a metre") && text.contains("RMSE"), "{text}");
+}
+
+#[test]
+fn terraces_are_told_of_a_triangulation_and_of_nothing_else() {
+    let folder = Folder::new();
+    let linear = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear");
+    let spline = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif");
+    assert_eq!(linear["a"]["levels"]["terraced"], true, "{}", linear["a"]["levels"]);
+    assert_eq!(linear["b"]["levels"]["terraced"], false, "{}", linear["b"]["levels"]);
+    assert_eq!(spline["a"]["levels"]["terraced"], false, "{}", spline["a"]["levels"]);
+    assert!(number(&spline["overall"]["rmse"]) < number(&linear["overall"]["rmse"]));
+    // A height map made so betrays itself without its contours.
+    folder.succeeds("dem SAMPLE.gpkg --surface linear --like SAMPLE_truth.tif -o tin.tif");
+    let text = folder.succeeds("compare tin.tif SAMPLE_truth.tif");
+    assert!(text.contains("A has terraces") && text.contains("contours 20 m apart"), "{text}");
+    assert!(!text.contains("B has terraces"), "{text}");
+    // The figures are those of the height map at the same cells.
+    let through_file = folder.json("compare tin.tif SAMPLE_truth.tif");
+    assert_eq!(through_file["overall"], linear["overall"]);
+}
+
+#[test]
+fn the_keys_that_are_promised_are_there() {
+    let folder = Folder::new();
+    let found = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --sigma 2");
+    for key in [
+        "sources",
+        "notes",
+        "size",
+        "cell",
+        "overall",
+        "by_slope",
+        "by_elevation",
+        "by_distance",
+        "slope",
+        "significance",
+        "bands",
+        "a",
+        "b",
+        "findings",
+    ] {
+        assert!(!found[key].is_null(), "{key}");
+    }
+    for key in ["cells", "bias", "rmse", "rmse_debiased", "mae", "median", "nmad", "le90", "le95"] {
+        assert!(found["overall"][key].is_number(), "{key}");
+    }
+    assert!(found["overall"]["lowest"]["place"][1].is_number());
+    let cells = |classes: &Value| -> u64 {
+        classes.as_array().unwrap().iter().filter_map(|c| c["statistics"]["cells"].as_u64()).sum()
+    };
+    for classes in ["by_slope", "by_elevation", "by_distance"] {
+        assert_eq!(cells(&found[classes]), found["overall"]["cells"].as_u64().unwrap(), "{classes}");
+    }
+    // The contours were cut from this ground, so that hardly a cell of it is on the wrong side of one.
+    assert!(number(&found["bands"]["share"]) < 0.02, "{}", found["bands"]);
+    let one = folder.succeeds("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --sigma 2 --json --threads 1");
+    assert_eq!(serde_json::from_str::<Value>(&one).unwrap(), found);
+}
+
+#[test]
+fn contours_may_stand_on_either_side_and_on_both() {
+    let folder = Folder::new();
+    let ahead = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface skeleton");
+    let back = folder.json("compare SAMPLE_truth.tif SAMPLE.gpkg --surface skeleton");
+    assert_eq!(number(&ahead["overall"]["rmse"]), number(&back["overall"]["rmse"]));
+    assert_eq!(number(&ahead["overall"]["bias"]), -number(&back["overall"]["bias"]));
+    let same = folder.json("compare SAMPLE.gpkg SAMPLE.gpkg --surface skeleton --cell 50");
+    assert_eq!(number(&same["overall"]["rmse"]), 0.0);
+    assert!(same["bands"].is_null());
+}
+
+#[test]
+fn degrees_are_compared_where_they_are() {
+    let folder = Folder::new();
+    folder.succeeds("dem SAMPLE.gpkg --surface skeleton --cell-degrees 2s -o degrees.tif");
+    let found = folder.json("compare SAMPLE.gpkg degrees.tif --surface skeleton");
+    assert!(number(&found["overall"]["highest"]["value"]) < 1e-3, "{}", found["overall"]);
+    assert!(number(&found["bands"]["share"]) < 1e-3, "{}", found["bands"]);
+    // Slopes are those of the ground, and not of metres over degrees.
+    let steep = found["by_slope"][4]["statistics"]["cells"].as_u64().unwrap_or(0);
+    assert!(steep * 5 < found["overall"]["cells"].as_u64().unwrap(), "{steep}");
+}
+
+#[test]
+fn check_points_check_and_are_not_built_in() {
+    let folder = Folder::new();
+    let plane = |col: usize, row: usize| 100.0 + 2.0 * col as f64 + row as f64;
+    folder.put_grid("b.asc", 1000.0, [12, 9], plane).put_grid("a.asc", 1000.0, [12, 9], |c, r| plane(c, r) + 1.0);
+    let point = |x: f64, y: f64, z: f64| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"elev":{z}}},"geometry":{{"type":"Point","coordinates":[{x},{y}]}}}}"#
+        )
+    };
+    // On the centre of column 3, row 8, and between columns 3 and 4; the third lies outside.
+    let points = [point(1035.0, 2005.0, 113.0), point(1040.0, 2005.0, 115.5), point(9000.0, 9000.0, 1.0)];
+    let file = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, points.join(","));
+    fs::write(folder.path("points.geojson"), &file).unwrap();
+    let found = folder.json("compare a.asc b.asc --points points.geojson");
+    let (a, b) = (&found["a"]["points"], &found["b"]["points"]);
+    // A is 115 and 116 there, B a metre less.
+    assert_eq!((&a["cells"], number(&a["bias"]), number(&a["highest"]["value"])), (&2.into(), 1.25, 2.0));
+    assert_eq!((number(&b["bias"]), number(&b["lowest"]["value"])), (0.25, -0.5));
+    let far = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, point(9000.0, 9000.0, 1.0));
+    fs::write(folder.path("far.geojson"), far).unwrap();
+    folder.fails("compare a.asc b.asc --points far.geojson", 1, "no check point");
+
+    // A surface must not know the points that it is checked at.
+    let truth = read_dem(Path::new(&format!("{}_truth.tif", sample()))).unwrap().value.dem;
+    let (cols, rows) = (truth.grid.cols, truth.grid.rows);
+    let points: Vec<String> = (1..100)
+        .map(|k| (cols * (k % 10) / 10, rows * (k / 10) / 10))
+        .map(|(col, row)| (truth.grid.center(col, row), truth.values[row * cols + col]))
+        .map(|(p, z)| point(p.x, p.y, z.into()))
+        .collect();
+    let file = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, points.join(","));
+    fs::write(folder.path("points.geojson"), file).unwrap();
+    let plain = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear");
+    let found = folder.json("compare SAMPLE.gpkg SAMPLE_truth.tif --surface linear --points points.geojson");
+    assert_eq!(found["overall"], plain["overall"]);
+    assert!(number(&found["a"]["points"]["rmse"]) > 0.5, "{}", found["a"]);
+    assert!(number(&found["b"]["points"]["rmse"]) < 1e-3, "{}", found["b"]);
+}
+
+#[test]
+fn the_page_needs_nothing_else() {
+    let folder = Folder::new();
+    folder.put_grid("b&b.asc", 1000.0, [12, 9], |c, r| (c * r) as f64);
+    folder.put_grid("a<i>.asc", 1000.0, [12, 9], |c, r| if c == 4 { -9999.0 } else { (c + r) as f64 });
+    folder.succeeds("compare a<i>.asc b&b.asc --report page.html");
+    let page = fs::read_to_string(folder.path("page.html")).unwrap();
+    assert!(page.contains("a&lt;i&gt;.asc") && page.contains("b&amp;b.asc") && !page.contains("<i>"));
+    assert!(page.matches("<svg").count() >= 6 && page.contains("data:image/png;base64,"));
+    assert!(!page.contains("<script") && !page.contains("<link"));
+    assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+}
+
+#[test]
+fn what_cannot_be_compared_is_told() {
+    let folder = Folder::new();
+    folder.put_grid("a.asc", 1000.0, [4, 4], |c, _| c as f64).put_grid("far.asc", 9000.0, [4, 4], |c, _| c as f64);
+    folder.put_grid("void.asc", 1000.0, [4, 4], |_, _| -9999.0);
+    folder.fails("compare a.asc far.asc", 1, "overlap");
+    folder.fails("compare a.asc void.asc", 1, "");
+    folder.fails("compare a.asc missing.tif", 1, "missing.tif");
+    fs::write(folder.path("notes.txt"), "x").unwrap();
+    folder.fails("compare a.asc notes.txt", 1, "neither a height map");
+    folder.fails("compare SAMPLE.gpkg SAMPLE.gpkg", 2, "--cell");
+    folder.fails("compare a.asc a.asc --cell 5", 2, "--cell");
+    folder.fails("compare a.asc a.asc --sigma 0", 2, "--sigma");
+    folder.fails("compare a.asc a.asc --interval -1", 2, "--interval");
+    folder.fails("compare a.asc a.asc --report page.pdf", 2, ".html");
+    folder.fails("compare a.asc a.asc -o a.asc", 2, "is an input");
+    folder.fails("compare a.asc", 2, "<B>");
+    assert!(!folder.path("page.pdf").exists());
+}
