@@ -25,8 +25,8 @@ use super::{Failure, summary};
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg or .shp. With several intervals a GeoPackage gets a layer each, the other
-    /// formats a file each
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals a GeoPackage gets a layer each,
+    /// the other formats a file each
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Interval of the new contours [metres], or several: 5,2,1
@@ -81,7 +81,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Usage("--cell and --like are about a height map: add --dem FILE".into()));
     }
     if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: contours are written as .geojson, .gpkg or .shp", args.output.display());
+        let message = format!("{}: contours are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
     let targets = args.targets()?;
