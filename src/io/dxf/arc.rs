@@ -18,10 +18,9 @@ pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, most: usize, poin
         return true;
     }
     let angle = 4.0 * bulge.atan();
-    // The middle of a chord is by 1 - cos(half its angle) radii away from the arc.
-    let widest = 2.0 * (1.0 - (TOLERANCE / radius).min(1.0)).acos();
-    // Where the tolerance drowns in the radius, the arc is straight.
-    let count = if widest > 0.0 { (angle.abs() / widest).ceil() } else { 1.0 };
+    // The middle of a chord is by 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
+    let widest = 4.0 * (TOLERANCE / (2.0 * radius)).min(1.0).sqrt().asin();
+    let count = (angle.abs() / widest).ceil();
     if count > most as f64 {
         return false;
     }

@@ -25,17 +25,19 @@ struct Content {
 pub(super) struct Layers(BTreeMap<String, Content>);
 
 impl Layers {
-    /// Notes that a layer exists.
-    pub fn note(&mut self, layer: &str) {
-        if !self.0.contains_key(layer) {
-            self.0.insert(layer.to_owned(), Content::default());
+    /// Notes an entity, with how many lines it is.
+    pub fn note(&mut self, layer: &str, lines: u64) {
+        match self.0.get_mut(layer) {
+            Some(content) => content.lines += lines,
+            None => {
+                self.0.insert(layer.to_owned(), Content { lines, at_zero: 0 });
+            }
         }
     }
 
-    /// Notes a line.
-    pub fn note_line(&mut self, layer: &str, z: &[f64]) {
+    /// Notes the heights of a line.
+    pub fn note_heights(&mut self, layer: &str, z: &[f64]) {
         if let Some(content) = self.0.get_mut(layer) {
-            content.lines += 1;
             content.at_zero += u64::from(z.iter().all(|&z| z == 0.0));
         }
     }

@@ -12,6 +12,12 @@ use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 /// Vertices that arcs may add to a drawing of any size; larger ones may add one a byte.
 const ROOM: usize = 1 << 20;
 
+const TILTED: &str = "polyline in a tilted plane";
+
+/// Entities besides closed lines that may bound an area.
+const SURFACES: &[&str] =
+    &["CIRCLE", "ELLIPSE", "SPLINE", "HATCH", "MPOLYGON", "REGION", "SOLID", "TRACE", "3DFACE", TILTED];
+
 /// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model, numbered from 0 in the order of all of its
 /// entities. Closed lines are areas where areas are asked for.
 ///
@@ -122,12 +128,13 @@ impl<'a> Drawing<'a> {
         let number = self.number;
         self.number += 1;
         let layer = entity.find(8).map_or_else(|| "0".to_owned(), |group| self.script.text(group.word()));
-        self.layers.note(&layer);
+        let is_line = matches!(kind, b"LWPOLYLINE" | b"LINE") || matches!(polyline, Some(Some(_)));
+        self.layers.note(&layer, u64::from(is_line));
         if !self.wanted.has(&layer) {
             return Ok(());
         }
         if entity.flags(67)? == 1 {
-            self.table.leave_out("entity of a layout");
+            self.leave_out("entity of a layout");
             return Ok(());
         }
         let mut feature = Feature { number, ..Feature::default() };
@@ -136,7 +143,7 @@ impl<'a> Drawing<'a> {
             b"POLYLINE" => polyline.flatten(),
             b"LINE" => {
                 let ends = [entity.point(10)?, entity.point(11)?];
-                self.layers.note_line(&layer, &ends.map(|p| p.z));
+                self.layers.note_heights(&layer, &ends.map(|p| p.z));
                 feature.push_line(ends.map(|p| p.truncate()).to_vec(), &ends.map(|p| p.z));
                 None
             }
@@ -151,10 +158,10 @@ impl<'a> Drawing<'a> {
             (Some(line), _) => self.add_polyline(line, entity, kind, &layer, &mut feature)?,
             (None, b"LINE" | b"POINT") => {}
             (None, b"INSERT") => self.inserts += 1,
-            (None, b"POLYLINE") => self.table.leave_out("POLYLINE mesh"),
+            (None, b"POLYLINE") => self.leave_out("POLYLINE mesh"),
             (None, _) => {
                 self.texts += u64::from(matches!(kind, b"TEXT" | b"MTEXT"));
-                self.table.leave_out(&String::from_utf8_lossy(kind));
+                self.leave_out(&String::from_utf8_lossy(kind));
             }
         }
         let field = self.table.field("layer");
@@ -163,6 +170,13 @@ impl<'a> Drawing<'a> {
         }
         self.table.push(feature);
         Ok(())
+    }
+
+    /// Counts what is left out. Where areas are asked for, only what may bound one is missed.
+    fn leave_out(&mut self, kind: &str) {
+        if !self.table.wants_polygons || SURFACES.contains(&kind) {
+            self.table.leave_out(kind);
+        }
     }
 
     /// The line of a `POLYLINE` with the vertices that follow it; `None` if it is a mesh.
@@ -196,14 +210,14 @@ impl<'a> Drawing<'a> {
         let is_flat = kind == b"LWPOLYLINE" || entity.flags(70)? & HAS_HEIGHTS == 0;
         let plane = if is_flat { entity.plane()? } else { Plane::Level };
         if plane == Plane::Tilted {
-            self.table.leave_out("polyline in a tilted plane");
+            self.leave_out(TILTED);
             return Ok(());
         }
         let mut line = line.finish(self.path, &mut self.room)?;
         if plane == Plane::Mirrored {
             line.mirror();
         }
-        self.layers.note_line(layer, &line.z);
+        self.layers.note_heights(layer, &line.z);
         if self.table.wants_polygons && line.is_closed {
             feature.note_polygon_z(&line.z);
             feature.polygons.push(vec![line.points]);
