@@ -380,6 +380,7 @@ fn layers_of_a_dxf_choose_the_lines() {
     assert_eq!(levels("HILL,road"), [10.0, 0.0]);
     let error = read_layers(&path, "HILL,nope").unwrap_err().to_string();
     assert!(error.contains("\"nope\"") && error.contains("\"ROAD\" (1 lines)"), "{error}");
+    assert!(read_layers(&path, "road").unwrap_err().to_string().contains("on the layers that were named"));
     // The layer is an attribute too, if one asks for it.
     let named = line("125", 0.0);
     let path = dxf_file(&dir, "", &[named.as_str()]);

@@ -97,10 +97,12 @@ impl VectorFormat {
 ///
 /// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
 /// A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]), whose contours are cut at the edges of
-/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them.
+/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them. Of a DXF, polylines, lines and
+/// points are read; arcs in polylines become chords that stay within 0.01 units, and blocks are not expanded.
 ///
 /// # Errors
-/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are.
+/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are: in a DXF also if all lines of some
+/// layers lie at 0 and no layer is named.
 pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
     let table = read_table(path, options, Purpose::Contours)?;
     elevation::contour_map(path, table, options.elevation_field.as_deref())
@@ -118,7 +120,8 @@ pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<Sp
 /// Reads the area inside the polygons of a boundary file, with the coordinate reference system if the file names one.
 ///
 /// Polygons of all features go together: those that overlap or share an edge are united, which may move their vertices
-/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at.
+/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at. In a
+/// DXF each closed polyline is a polygon, and none is a hole in another.
 ///
 /// # Errors
 /// If the file cannot be read or has no polygon, or if a ring has fewer than four points (the last repeats the first),

@@ -61,12 +61,13 @@ impl Layers {
             .map(|(layer, _)| layer.as_str())
             .collect();
         if with_lines().next().is_some() && with_lines().all(|(_, content)| content.at_zero == content.lines) {
+            let what = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
             let texts = match texts {
                 0 => String::new(),
                 n => format!(", and the {n} texts that may tell them are not read"),
             };
             let message = format!(
-                "there are no elevations in this drawing: all lines lie at 0{texts}; give the lines their elevations in the \
+                "there are no elevations {what}: all lines lie at 0{texts}; give the lines their elevations in the \
                  program that drew them (-a z takes the 0 all the same)"
             );
             return Err(Error::file(path, message));
