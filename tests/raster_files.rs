@@ -287,7 +287,7 @@ fn a_hillshade_is_grey_with_a_place() {
 #[test]
 fn what_is_no_height_map_is_refused() {
     let dir = TempDir::new().unwrap();
-    for name in ["a.geojson", "b", "c.xml"] {
+    for name in ["a.geojson", "b", "c.doc"] {
         let path = dir.path().join(name);
         fs::write(&path, "{}").unwrap();
         assert!(read_dem(&path).unwrap_err().to_string().contains("not a height map format"));

@@ -21,14 +21,15 @@ use super::{Failure, summary};
 ///
 /// All contours of the input come out unchanged, vertex for vertex, with new lines between them. Each line has the
 /// attributes elev, source (input or interpolated), is_index, depression (lower inside) and closed; higher ground is on
-/// the right of its direction.
+/// the right of its direction. A DXF tells source and index contours by its layers (CONTOUR-INPUT-INDEX), and neither the
+/// other attributes nor the coordinate reference system.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg or .shp. With several intervals a GeoPackage gets a layer each, the other
-    /// formats a file each
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals a GeoPackage gets a layer each,
+    /// the other formats a file each
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Interval of the new contours [metres], or several: 5,2,1
@@ -87,7 +88,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Usage("--cell, --cell-degrees and --like are about a height map: add --dem FILE".into()));
     }
     if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: contours are written as .geojson, .gpkg or .shp", args.output.display());
+        let message = format!("{}: contours are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
     let targets = args.targets()?;

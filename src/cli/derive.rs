@@ -71,8 +71,8 @@ pub struct DeriveArgs {
     surface: SurfaceArgs,
 }
 
-const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png), or contour lines (.geojson, .json, .gpkg, .shp) in a \
-                          projected coordinate reference system";
+const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .dxf), \
+                          or a .xml, .zip or folder of 基盤地図情報";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -16,12 +16,13 @@ use super::{Failure, plane, summary};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg) or shapefile (.shp), in any coordinate reference system
+    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf), or
+    /// 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
     pub contours: PathBuf,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
     pub elevation_field: Option<String>,
-    /// Layer of a GeoPackage with several
+    /// Layer of a GeoPackage with several, or layers of a DXF: A,B
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
     /// Spot heights: points with an elevation, which the surface then passes through

@@ -27,7 +27,7 @@ use super::{Failure, output, preview, summary};
 pub struct RegionsArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Areas to write: .geojson, .gpkg or .shp
+    /// Areas to write: .geojson, .gpkg, .fgb, .dxf (outlines alone) or .shp
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
@@ -50,7 +50,7 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: areas are written as .geojson, .gpkg or .shp", args.output.display());
+        let message = format!("{}: areas are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
     let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).chain(args.water.file()).collect();

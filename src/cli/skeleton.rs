@@ -29,8 +29,8 @@ use super::{Failure, output, preview, summary};
 pub struct SkeletonArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Lines to write: .geojson, .gpkg or .shp. With several layers a GeoPackage holds them all, the other formats have a
-    /// file each
+    /// Lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several layers a GeoPackage holds them all, the other
+    /// formats have a file each
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Also write the layer triangles: the triangulation, with kind (terminal, sleeve, junction, eliminated), region, band
@@ -62,7 +62,7 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: lines are written as .geojson, .gpkg or .shp", args.output.display());
+        let message = format!("{}: lines are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
     if !args.resolution.is_finite() || args.resolution < 0.0 {

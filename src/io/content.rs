@@ -31,7 +31,7 @@ pub fn content(path: &Path) -> Result<Content> {
     VectorFormat::from_path(path).map(|_| Content::Contours).map_err(|_| {
         let heights = READABLE_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
         let message = format!(
-            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp), nor a .xml, .zip or \
+            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp, .fgb, .dxf), nor a .xml, .zip or \
              folder of 基盤地図情報"
         );
         Error::file(path, message)

@@ -1,4 +1,5 @@
-//! Vector files in and out: GeoJSON, GeoPackage, shapefile, chosen by the file's extension; files of 基盤地図情報 in.
+//! Vector files in and out: GeoJSON, GeoPackage, FlatGeobuf, DXF, shapefile, chosen by the file's extension; files of
+//! 基盤地図情報 in.
 //!
 //! Reading goes file → table of features → elevations: each format has a file that fills the table, and
 //! one place decides what the elevation is. Writing goes lines → layers of features → file. Every
@@ -9,7 +10,9 @@
 mod area;
 mod content;
 mod depression;
+mod dxf;
 mod elevation;
+mod flatgeobuf;
 mod geojson;
 mod gpkg;
 pub mod gsi;
@@ -42,7 +45,7 @@ pub struct ReadOptions {
     /// The attribute that holds the elevation, in any letter case; `z` also names the z coordinate where no attribute
     /// has that name. Chosen from known names and the z coordinate if `None`.
     pub elevation_field: Option<String>,
-    /// The layer of a GeoPackage with several.
+    /// The layer of a GeoPackage with several, or the layers of a DXF, with commas between them.
     pub layer: Option<String>,
 }
 
@@ -62,6 +65,10 @@ pub enum VectorFormat {
     GeoJson,
     /// `.gpkg`
     GeoPackage,
+    /// `.fgb`
+    FlatGeobuf,
+    /// `.dxf`
+    Dxf,
     /// `.shp` with its companions
     Shapefile,
 }
@@ -76,11 +83,13 @@ impl VectorFormat {
         match extension.as_str() {
             "geojson" | "json" => Ok(Self::GeoJson),
             "gpkg" => Ok(Self::GeoPackage),
+            "fgb" => Ok(Self::FlatGeobuf),
+            "dxf" => Ok(Self::Dxf),
             "shp" => Ok(Self::Shapefile),
             _ => Err(Error::file(
                 path,
                 "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
             )),
         }
     }
@@ -90,10 +99,12 @@ impl VectorFormat {
 ///
 /// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
 /// A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]), whose contours are cut at the edges of
-/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them.
+/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them. Of a DXF, polylines, lines and
+/// points are read; arcs in polylines become chords that stay within 0.01 units, and blocks are not expanded.
 ///
 /// # Errors
-/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are.
+/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are: in a DXF also if all lines of some
+/// layers lie at 0 and no layer is named.
 pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
     let table = read_table(path, options, Purpose::Contours)?;
     elevation::contour_map(path, table, options.elevation_field.as_deref())
@@ -111,7 +122,8 @@ pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<Sp
 /// Reads the area inside the polygons of a boundary file, with the coordinate reference system if the file names one.
 ///
 /// Polygons of all features go together: those that overlap or share an edge are united, which may move their vertices
-/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at.
+/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at. In a
+/// DXF each closed polyline is a polygon, and none is a hole in another.
 ///
 /// # Errors
 /// If the file cannot be read or has no polygon, or if a ring has fewer than four points (the last repeats the first),
@@ -150,7 +162,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     if meta.is_file() && meta.len() == 0 {
         return Err(Error::file(path, "the file is empty"));
     }
-    if format != VectorFormat::GeoPackage {
+    if matches!(format, VectorFormat::GeoJson | VectorFormat::Shapefile) {
         let stem = path.file_stem().and_then(|s| s.to_str());
         if let Some(layer) = request.layer.filter(|&layer| Some(layer) != stem) {
             return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));
@@ -159,6 +171,8 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     match format {
         VectorFormat::GeoJson => geojson::read(path, &request),
         VectorFormat::GeoPackage => gpkg::read(path, &request),
+        VectorFormat::FlatGeobuf => flatgeobuf::read(path, &request),
+        VectorFormat::Dxf => dxf::read(path, &request),
         VectorFormat::Shapefile => shapefile::read(path, &request),
     }
 }
@@ -173,7 +187,8 @@ pub fn looks_like_degrees(map: &ContourMap) -> bool {
 /// Writes contour lines, in the format that the target's extension names.
 ///
 /// Lines are three-dimensional, z is the elevation. The attributes are `elev`, `source` (`input` or `interpolated`),
-/// `is_index`, `depression` and `closed`. A GeoPackage takes all layers into the one file. The other formats hold one
+/// `is_index`, `depression` and `closed`. A DXF has no attributes but the name of the layer, such as `CONTOUR-INPUT-INDEX`
+/// or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system. A GeoPackage takes all layers into the one file. The other formats hold one
 /// layer a file: a single layer gets exactly the target's name, several are written beside each other as
 /// `STEM_SUFFIX.EXT`, where the suffix is the layer's name without a leading `contours_`; the returned paths are the
 /// final ones.
@@ -221,8 +236,15 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         return Ok(files);
     }
     for (layer, file) in layers.iter().zip(&files) {
-        let write = if format == VectorFormat::Shapefile { shapefile::write } else { geojson::write };
-        write(&out.sibling(file.file_name().unwrap_or_default()), layer, crs).map_err(|e| out.with_final_name(e))?;
+        let path = out.sibling(file.file_name().unwrap_or_default());
+        let written = match format {
+            VectorFormat::GeoJson => geojson::write(&path, layer, crs),
+            VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs),
+            VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
+            VectorFormat::Dxf => dxf::write(&path, layer),
+            VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
+        };
+        written.map_err(|e| out.with_final_name(e))?;
     }
     Ok(files)
 }

@@ -37,7 +37,7 @@ use side::{Kind, Side};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).value_name("A").help(
-    "What is measured: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp), or a .xml, .zip or \
+    "What is measured: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("points", |arg| arg.help(
     "Check points: points with an elevation, at which A and B are measured, too")))]

@@ -201,7 +201,7 @@ impl Walk<'_> {
 
     fn note_foreign(&mut self, name: &str) {
         let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        if ["shp", "geojson", "json", "gpkg", "kml", "gml"].contains(&extension.as_str()) {
+        if ["shp", "geojson", "json", "gpkg", "fgb", "dxf", "kml", "gml"].contains(&extension.as_str()) {
             self.seen.foreign.get_or_insert(extension);
         }
     }

@@ -5,7 +5,7 @@ use encoding_rs::{Encoding, SHIFT_JIS, UTF_8, WINDOWS_1252};
 use crate::io::elevation::is_elevation_name;
 
 /// The encoding that a `.cpg` file names: `UTF-8`, `1252`, `ANSI 932`, `ISO 88591` and the like.
-pub(super) fn of_label(label: &str) -> Option<&'static Encoding> {
+pub(in crate::io) fn of_label(label: &str) -> Option<&'static Encoding> {
     let label = label.trim().trim_start_matches('\u{feff}').to_ascii_lowercase();
     if let Some(encoding) = Encoding::for_label(label.as_bytes()) {
         return Some(encoding);

@@ -2,7 +2,7 @@
 //! coordinate reference system in `.prj`, the encoding of text in `.cpg`.
 
 mod dbf;
-mod encoding;
+pub(super) mod encoding;
 mod polygon;
 mod read;
 mod write;

@@ -1,0 +1,184 @@
+//! Entities, and the shapes of those that can be contours or spot heights.
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use super::arc;
+use super::groups::{Group, Groups};
+use crate::error::{Error, Result};
+
+/// Groups from this code on belong to other programs.
+const FIRST_FOREIGN: i32 = 1000;
+/// Begins an object inside the entity that repeats the entity's codes.
+const EMBEDDED: i32 = 101;
+
+/// What lies between two groups of code 0.
+pub(super) struct Entity<'a> {
+    path: &'a Path,
+    groups: Vec<Group<'a>>,
+}
+
+impl<'a> Entity<'a> {
+    /// Reads up to the next entity.
+    pub fn read(groups: &mut Groups<'a>) -> Result<Self> {
+        let mut own = Vec::new();
+        let mut embedded = false;
+        loop {
+            let group = groups.must("entities")?;
+            if group.code == 0 {
+                groups.put_back(group);
+                return Ok(Self { path: groups.path, groups: own });
+            }
+            embedded |= group.code == EMBEDDED;
+            if !embedded && group.code < FIRST_FOREIGN {
+                own.push(group);
+            }
+        }
+    }
+
+    /// The first group of a code.
+    pub fn find(&self, code: i32) -> Option<&Group<'a>> {
+        self.groups.iter().find(|group| group.code == code)
+    }
+
+    /// A number, or 0 where there is none.
+    pub fn number(&self, code: i32) -> Result<f64> {
+        self.find(code).map_or(Ok(0.0), |group| group.number(self.path))
+    }
+
+    /// Bits, or none of them where there are none.
+    pub fn flags(&self, code: i32) -> Result<i64> {
+        self.find(code).map_or(Ok(0), |group| group.flags(self.path))
+    }
+
+    /// A point, by the code of its x.
+    pub fn point(&self, x: i32) -> Result<DVec3> {
+        Ok(DVec3::new(self.number(x)?, self.number(x + 10)?, self.number(x + 20)?))
+    }
+
+    /// How the plane of a flat entity lies in the drawing.
+    pub fn plane(&self) -> Result<Plane> {
+        if self.find(210).or(self.find(220)).or(self.find(230)).is_none() {
+            return Ok(Plane::Level);
+        }
+        let normal = self.point(210)?;
+        Ok(match normal.z {
+            z if normal.x != 0.0 || normal.y != 0.0 || z == 0.0 || z.is_nan() => Plane::Tilted,
+            z if z < 0.0 => Plane::Mirrored,
+            _ => Plane::Level,
+        })
+    }
+
+    /// The line of an `LWPOLYLINE`.
+    pub fn light_polyline(&self) -> Result<Polyline> {
+        let mut line = Polyline::new(self.flags(70)?);
+        for group in &self.groups {
+            match group.code {
+                10 => line.push(DVec3::new(group.number(self.path)?, f64::NAN, 0.0), 0.0),
+                20 => {
+                    if let Some(last) = line.points.last_mut() {
+                        last.y = group.number(self.path)?;
+                    }
+                }
+                42 => {
+                    if let Some(last) = line.bulges.last_mut() {
+                        *last = group.number(self.path)?;
+                    }
+                }
+                _ => {}
+            }
+        }
+        line.z.fill(self.number(38)?);
+        Ok(line)
+    }
+
+    /// Adds a `VERTEX` to the line of a `POLYLINE`, unless it only guides a curve.
+    pub fn add_vertex(&self, line: &mut Polyline) -> Result<()> {
+        if self.flags(70)? & GUIDES_CURVE == 0 {
+            line.push(self.point(10)?, self.number(42)?);
+        }
+        Ok(())
+    }
+}
+
+/// Flag of polylines: the last vertex is joined to the first.
+const CLOSED: i64 = 1;
+/// Flag of a `POLYLINE`: every vertex has a height of its own.
+pub(super) const HAS_HEIGHTS: i64 = 8;
+/// Flags of a `POLYLINE` that is a mesh and no line.
+pub(super) const IS_MESH: i64 = 16 | 64;
+/// Flag of a `VERTEX` that the line does not pass through.
+const GUIDES_CURVE: i64 = 16;
+
+/// How the plane of a flat entity lies in the drawing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Plane {
+    Level,
+    /// Seen from below: x and z change their sign.
+    Mirrored,
+    /// No level plane, so that the entity is no contour.
+    Tilted,
+}
+
+/// A line of vertices with bulges.
+#[derive(Default)]
+pub(super) struct Polyline {
+    pub points: Vec<DVec2>,
+    /// One a vertex.
+    pub z: Vec<f64>,
+    bulges: Vec<f64>,
+    pub is_closed: bool,
+}
+
+impl Polyline {
+    /// A line without vertices, with these flags.
+    pub fn new(flags: i64) -> Self {
+        Self { is_closed: flags & CLOSED != 0, ..Self::default() }
+    }
+
+    fn push(&mut self, point: DVec3, bulge: f64) {
+        self.points.push(point.truncate());
+        self.z.push(point.z);
+        self.bulges.push(bulge);
+    }
+
+    /// Gives all vertices of a flat line its elevation. Some programs leave that at 0 and write it into every vertex.
+    pub fn flatten(&mut self, elevation: f64) {
+        if elevation != 0.0 {
+            self.z.fill(elevation);
+        }
+    }
+
+    /// Repeats the first vertex of a closed line at its end, and replaces arcs by chords. `room` is how many vertices may
+    /// still be added to all lines.
+    pub fn finish(mut self, path: &Path, room: &mut usize) -> Result<Self> {
+        let (Some(&first), Some(&last)) = (self.points.first(), self.points.last()) else { return Ok(self) };
+        if self.is_closed && (first != last || self.points.len() < 3) {
+            self.push(first.extend(self.z[0]), 0.0);
+        }
+        if self.bulges.iter().all(|&bulge| bulge == 0.0) {
+            return Ok(self);
+        }
+        let mut line = Self { is_closed: self.is_closed, ..Self::default() };
+        for i in 0..self.points.len() {
+            line.push(self.points[i].extend(self.z[i]), 0.0);
+            let Some(&next) = self.points.get(i + 1).filter(|_| self.bulges[i] != 0.0) else { continue };
+            let before = line.points.len();
+            if !arc::push_between(self.points[i], next, self.bulges[i], *room, &mut line.points) {
+                let message = "its polylines have arcs that are too large to be drawn as chords; are they meant to be?";
+                return Err(Error::file(path, message));
+            }
+            *room -= line.points.len() - before;
+            line.z.resize(line.points.len(), self.z[i]);
+            line.bulges.resize(line.points.len(), 0.0);
+        }
+        Ok(line)
+    }
+
+    /// The line as one sees it from above.
+    pub fn mirror(&mut self) {
+        self.points.iter_mut().for_each(|p| p.x = -p.x);
+        self.z.iter_mut().for_each(|z| *z = -*z);
+    }
+}

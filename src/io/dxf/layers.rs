@@ -1,0 +1,102 @@
+//! The layers that lines were met on, and what to say when it is not clear which of them are contours.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::names::Wanted;
+use crate::error::{Error, Result};
+
+/// What a layer's name contains if its lines are contours, in lower case.
+const CONTOUR_WORDS: &[&str] = &["contour", "isoline", "hoehenlinie", "höhenlinie", "curva", "courbe", "等高線"];
+
+/// Layers shown in a message.
+const SHOWN: usize = 20;
+
+/// What lies on a layer.
+#[derive(Default)]
+struct Content {
+    lines: u64,
+    /// Lines that lie at 0 all along.
+    at_zero: u64,
+}
+
+/// The layers of a drawing that have entities.
+#[derive(Default)]
+pub(super) struct Layers(BTreeMap<String, Content>);
+
+impl Layers {
+    /// Notes an entity, with how many lines it is.
+    pub fn note(&mut self, layer: &str, lines: u64) {
+        match self.0.get_mut(layer) {
+            Some(content) => content.lines += lines,
+            None => {
+                self.0.insert(layer.to_owned(), Content { lines, at_zero: 0 });
+            }
+        }
+    }
+
+    /// Notes the heights of a line.
+    pub fn note_heights(&mut self, layer: &str, z: &[f64]) {
+        if let Some(content) = self.0.get_mut(layer) {
+            content.at_zero += u64::from(z.iter().all(|&z| z == 0.0));
+        }
+    }
+
+    /// Refuses a name that no layer has.
+    pub fn check_named(&self, path: &Path, wanted: &Wanted) -> Result<()> {
+        match wanted.missing(self.0.keys()) {
+            Some(missing) => {
+                Err(Error::file(path, format!("there is no layer {missing:?}; its layers are {}", self.list())))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses drawings whose lines have no elevations, and those where some layers have them and others lie at 0, as
+    /// the sheet's edge and its roads do: their lines would be taken for contours of the sea.
+    pub fn check_elevations(&self, path: &Path, wanted: &Wanted, texts: u64) -> Result<()> {
+        let with_lines = || self.0.iter().filter(|(layer, content)| wanted.has(layer) && content.lines > 0);
+        let flat: Vec<&str> = with_lines()
+            .filter(|(layer, content)| content.at_zero == content.lines && !says_contour(layer))
+            .map(|(layer, _)| layer.as_str())
+            .collect();
+        if with_lines().next().is_some() && with_lines().all(|(_, content)| content.at_zero == content.lines) {
+            let what = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
+            let texts = match texts {
+                0 => String::new(),
+                n => format!(", and the {n} texts that may tell them are not read"),
+            };
+            let message = format!(
+                "there are no elevations {what}: all lines lie at 0{texts}; give the lines their elevations in the \
+                 program that drew them (-a z takes the 0 all the same)"
+            );
+            return Err(Error::file(path, message));
+        }
+        if flat.is_empty() || wanted.is_named() {
+            return Ok(());
+        }
+        let list = shortened(flat.iter().map(|layer| format!("{layer:?}")));
+        let message = format!(
+            "the lines of some layers all lie at 0, which may not be meant as their elevation: {list}; its layers are {}; \
+             name those of contours with --layer A,B",
+            self.list()
+        );
+        Err(Error::file(path, message))
+    }
+
+    fn list(&self) -> String {
+        shortened(self.0.iter().map(|(layer, content)| format!("{layer:?} ({} lines)", content.lines)))
+    }
+}
+
+fn says_contour(layer: &str) -> bool {
+    let layer = layer.to_lowercase();
+    CONTOUR_WORDS.iter().any(|word| layer.contains(word))
+}
+
+fn shortened(names: impl Iterator<Item = String>) -> String {
+    let names: Vec<String> = names.collect();
+    let more = names.len().saturating_sub(SHOWN);
+    let shown = names[..names.len() - more].join(", ");
+    if more == 0 { shown } else { format!("{shown} and {more} more") }
+}

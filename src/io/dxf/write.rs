@@ -1,0 +1,178 @@
+//! Writes a layer of features as a DXF of AutoCAD 2000, the oldest version that has light polylines.
+//!
+//! Contours and areas become `LWPOLYLINE`s, the rings of an area one each; lines that climb become three-dimensional
+//! `POLYLINE`s. Layers tell what else is worth telling, such as `CONTOUR-INPUT-INDEX`. Numbers have as many digits as it takes
+//! for every f64 to come back bit for bit.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{BufWriter, Result as Written, Write};
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use super::tables::{self, MODEL_SPACE};
+use crate::error::{Error, Result};
+use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+
+/// Handles up to here belong to the tables, those above to layers and entities.
+const FIRST_HANDLE: u64 = 0x100;
+
+/// Writes one file.
+pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
+    let names: Vec<String> = layer.rows.iter().map(|row| layer_name(layer, row)).collect();
+    let mut layers: BTreeMap<&str, bool> = BTreeMap::new();
+    for (name, row) in names.iter().zip(&layer.rows) {
+        layers.insert(name, is_index(layer, row));
+    }
+    let handles = layers.len() as u64 + layer.rows.iter().map(handles_of).sum::<u64>();
+    let bounds = layer.rows.iter().fold(NO_BOUNDS, |bounds, row| joined(bounds, row.shape.bounds()));
+    let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
+    let run = || -> Written<()> {
+        let file = File::create(path)?;
+        let mut out = Groups { file: BufWriter::with_capacity(1 << 16, file), handle: FIRST_HANDLE };
+        write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
+        tables::write(&mut out, &layers, bounds)?;
+        out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
+        for (name, row) in names.iter().zip(&layer.rows) {
+            write_shape(&mut out, name, &row.shape)?;
+        }
+        out.pairs(&[(0, "ENDSEC")])?;
+        tables::write_objects(&mut out)?;
+        out.pairs(&[(0, "EOF")])?;
+        out.file.flush()
+    };
+    run().map_err(|e| Error::io("write", path, e))
+}
+
+/// The groups written so far.
+pub(super) struct Groups {
+    file: BufWriter<File>,
+    handle: u64,
+}
+
+impl Groups {
+    /// Writes a group.
+    pub fn put(&mut self, code: i32, value: impl Display) -> Written<()> {
+        writeln!(self.file, "{code:>3}\n{value}")
+    }
+
+    /// Writes several groups.
+    pub fn pairs(&mut self, pairs: &[(i32, &str)]) -> Written<()> {
+        pairs.iter().try_for_each(|(code, value)| self.put(*code, value))
+    }
+
+    /// Writes numbers under this and the following codes, each ten on, as coordinates have them.
+    pub fn numbers(&mut self, code: i32, numbers: &[f64]) -> Written<()> {
+        (code..).step_by(10).zip(numbers).try_for_each(|(code, number)| self.put(code, format_args!("{number:?}")))
+    }
+
+    /// Begins an object with a handle that no other has, and gives that back.
+    pub fn begin(&mut self, kind: &str, owner: u64) -> Written<u64> {
+        let handle = self.handle;
+        self.handle += 1;
+        self.put(0, kind)?;
+        self.put(5, format_args!("{handle:X}"))?;
+        self.put(330, format_args!("{owner:X}"))?;
+        Ok(handle)
+    }
+
+    fn begin_entity(&mut self, kind: &str, owner: u64, layer: &str) -> Written<u64> {
+        let handle = self.begin(kind, owner)?;
+        self.pairs(&[(100, "AcDbEntity"), (8, layer)])?;
+        Ok(handle)
+    }
+}
+
+fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+    out.pairs(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")])?;
+    out.pairs(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED")])?;
+    out.put(5, format_args!("{next_handle:X}"))?;
+    // Metres, in the metric system.
+    out.pairs(&[(9, "$INSUNITS"), (70, "6"), (9, "$MEASUREMENT"), (70, "1"), (9, "$EXTMIN")])?;
+    out.numbers(10, &[min_x, min_y, 0.0])?;
+    out.pairs(&[(9, "$EXTMAX")])?;
+    out.numbers(10, &[max_x, max_y, 0.0])?;
+    out.pairs(&[(0, "ENDSEC")])
+}
+
+/// How many handles the entities of a feature take.
+fn handles_of(row: &Row<'_>) -> u64 {
+    match &row.shape {
+        Shape::Contour(..) => 1,
+        // The line, its vertices and their end.
+        Shape::Line(points) => points.len() as u64 + 2,
+        Shape::Area(rings) => rings.len() as u64,
+    }
+}
+
+fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> {
+    match shape {
+        Shape::Contour(points, elevation) => write_level(out, layer, points, *elevation),
+        Shape::Line(points) => write_climbing(out, layer, points),
+        Shape::Area(_) => {
+            for ring in shape.rings(Outer::Counterclockwise) {
+                write_level(out, layer, &ring.collect::<Vec<DVec2>>(), 0.0)?;
+            }
+            Ok(())
+        }
+    }
+}
+
+fn write_level(out: &mut Groups, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
+    // A closed line does not repeat its first vertex. One that goes there and back again is none.
+    let bits = |p: &DVec2| p.to_array().map(f64::to_bits);
+    let is_closed = points.len() > 3 && points.first().map(bits) == points.last().map(bits);
+    let points = if is_closed { &points[..points.len() - 1] } else { points };
+    out.begin_entity("LWPOLYLINE", MODEL_SPACE, layer)?;
+    out.pairs(&[(100, "AcDbPolyline")])?;
+    out.put(90, points.len())?;
+    out.put(70, u8::from(is_closed))?;
+    out.numbers(43, &[0.0])?;
+    out.numbers(38, &[elevation])?;
+    points.iter().try_for_each(|p| out.numbers(10, &p.to_array()))
+}
+
+fn write_climbing(out: &mut Groups, layer: &str, points: &[DVec3]) -> Written<()> {
+    let line = out.begin_entity("POLYLINE", MODEL_SPACE, layer)?;
+    out.pairs(&[(100, "AcDb3dPolyline"), (66, "1")])?;
+    out.numbers(10, &[0.0; 3])?;
+    out.pairs(&[(70, "8")])?;
+    for p in points {
+        out.begin_entity("VERTEX", line, layer)?;
+        out.pairs(&[(100, "AcDbVertex"), (100, "AcDb3dPolylineVertex")])?;
+        out.numbers(10, &p.to_array())?;
+        out.pairs(&[(70, "32")])?;
+    }
+    out.begin_entity("SEQEND", line, layer)?;
+    Ok(())
+}
+
+/// The name of the layer that a feature goes to: what the layer holds, of which kind the feature is, and whether it is an
+/// index contour.
+fn layer_name(layer: &Layer<'_>, row: &Row<'_>) -> String {
+    let mut name = match layer.name.starts_with("contours") {
+        true => "CONTOUR".to_owned(),
+        false => layer.name.to_uppercase(),
+    };
+    let kind = ["source", "kind", "class"].iter().find_map(|column| match cell(layer, row, column) {
+        Some(Cell::Text(text)) if !text.is_empty() => Some(text.to_uppercase()),
+        _ => None,
+    });
+    for part in kind.as_deref().into_iter().chain(is_index(layer, row).then_some("INDEX")) {
+        name.push('-');
+        name.push_str(part);
+    }
+    // Names of that version have few signs, and all its text is in a code page.
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).take(255).collect()
+}
+
+fn is_index(layer: &Layer<'_>, row: &Row<'_>) -> bool {
+    layer.geometry == Geometry::Lines && cell(layer, row, "is_index") == Some(&Cell::Bool(true))
+}
+
+fn cell<'a>(layer: &Layer<'_>, row: &'a Row<'_>, column: &str) -> Option<&'a Cell<'a>> {
+    let place = layer.columns.iter().position(|c| c.name == column)?;
+    row.cells.get(place)
+}
