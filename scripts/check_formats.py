@@ -9,8 +9,8 @@ the command line tools (gdalinfo, gdal_translate) if they are installed and have
 
 Vectors: coordinate reference system, number of features, every coordinate bit for bit, every attribute that the format can
 keep, and how many features a window finds. Features may come in another order, rings may turn the other way. Rasters:
-coordinate reference system, placement to a billionth of a cell, cells without data, heights. Exit status 1 if anything
-differs.
+coordinate reference system, placement to a billionth of a cell, cells without data, heights; on a plane and in degrees.
+Exit status 1 if anything differs.
 """
 import argparse
 import collections
@@ -32,10 +32,13 @@ VECTOR_RUNS = [("densify", "-i 5"), ("skeleton", ""), ("regions", "")]
 # Extension, whether the format names the system, whether it keeps attributes.
 VECTORS = [("geojson", True, True), ("shp", True, True), ("fgb", True, True), ("dxf", False, False)]
 
-CELL = 20.0  # metres
+# What is written, with the options that place its cells.
+RASTER_RUNS = [("dem", "--cell 20"), ("dem in degrees", "--cell-degrees 1s")]
 # Extension, whether the format names the system, how far a height may be off: a number of metres, or "step" for half the
 # step that the file states.
-RASTERS = [("exr", True, 0.0), ("png", True, "step")]
+RASTERS = [("exr", True, 0.0), ("png", True, "step"), ("asc", True, 0.0), ("xyz", False, 0.0)]
+# Formats that list the cells with data, so that rows and columns without any at the edges are missing.
+LISTS = ["xyz"]
 
 
 def run(program, verb, options, output):
@@ -177,13 +180,29 @@ def readable(path, extension):
     return converted
 
 
+def laid_out(found, reference):
+    """A list of cells on the cells of the reference; as it is if it does not fit on them."""
+    values, transform, system, step = found
+    whole, placement = reference[0].shape, reference[1]
+    column, row = ~placement @ (transform.c, transform.f)
+    left, top = round(column), round(row)
+    fits = max(abs(column - left), abs(row - top)) < 1e-9 and min(left, top) >= 0
+    if not fits or left + values.shape[1] > whole[1] or top + values.shape[0] > whole[0]:
+        return found
+    laid = numpy.full(whole, numpy.nan)
+    laid[top : top + values.shape[0], left : left + values.shape[1]] = values
+    origin = rasterio.Affine(transform.a, transform.b, placement.c, transform.d, transform.e, placement.f)
+    return laid, origin, system, step
+
+
 def compare_rasters(reference, found, has_system, tolerance):
+    """The differences, as words."""
     wrong = []
     values, transform, system, _ = reference
     other, other_transform, other_system, step = found
     if has_system and not same_system(system, other_system):
         wrong.append(f"system {other_system}")
-    if any(abs(a - b) > 1e-9 * CELL for a, b in zip(transform, other_transform)):
+    if any(abs(a - b) > 1e-9 * transform.a for a, b in zip(transform, other_transform)):
         wrong.append(f"placement {tuple(other_transform)}")
     if values.shape != other.shape:
         return [*wrong, f"{other.shape} cells"]
@@ -222,19 +241,23 @@ def check_vectors(program, folder):
 
 def check_rasters(program, folder):
     failed = False
-    options = f"--cell {CELL}"
-    run(program, "dem", options, folder / "dem.tif")
-    reference = heights(folder / "dem.tif")
-    rows, columns = reference[0].shape
-    for extension, has_system, tolerance in RASTERS:
-        path = folder / f"dem.{extension}"
-        run(program, "dem", options, path)
-        opened = readable(path, extension)
-        if opened is None:
-            print(f"{'dem':<16} {extension:<8} {'':<24} skipped: this GDAL cannot read it")
-            continue
-        wrong = compare_rasters(reference, heights(opened), has_system, tolerance)
-        failed |= show("dem", extension, f"{columns} x {rows} cells", wrong)
+    for number, (what, options) in enumerate(RASTER_RUNS):
+        name = f"dem{number}"
+        run(program, "dem", options, folder / f"{name}.tif")
+        reference = heights(folder / f"{name}.tif")
+        rows, columns = reference[0].shape
+        for extension, has_system, tolerance in RASTERS:
+            # Names of their own, because formats share the names of files beside them.
+            path = folder / f"{name}_{extension}.{extension}"
+            run(program, "dem", options, path)
+            opened = readable(path, extension)
+            if opened is None:
+                print(f"{what:<16} {extension:<8} {'':<24} skipped: this GDAL cannot read it")
+                continue
+            found = heights(opened)
+            found = laid_out(found, reference) if extension in LISTS else found
+            wrong = compare_rasters(reference, found, has_system, tolerance)
+            failed |= show(what, extension, f"{columns} x {rows} cells", wrong)
     return failed
 
 

@@ -73,7 +73,7 @@ class Rasters(unittest.TestCase):
     def setUp(self):
         self.values = numpy.arange(12.0).reshape(3, 4)
         self.values[1, 1] = numpy.nan
-        self.placement = rasterio.Affine(check_formats.CELL, 0, 1000, 0, -check_formats.CELL, 2000)
+        self.placement = rasterio.Affine(20, 0, 1000, 0, -20, 2000)
 
     def differences(self, values, placement=None, system="EPSG:6677", tolerance=0.0, step=1.0):
         reference = (self.values, self.placement, "EPSG:6677", 1.0)
@@ -94,6 +94,15 @@ class Rasters(unittest.TestCase):
         self.assertTrue(self.differences(self.values, placement=self.placement @ rasterio.Affine.translation(1e-6, 0)))
         self.assertTrue(self.differences(self.values, system="EPSG:6678"))
         self.assertTrue(self.differences(self.values, system=None))
+
+    def test_lists_of_cells(self):
+        self.values[0], self.values[:, 0] = numpy.nan, numpy.nan
+        reference = (self.values, self.placement, None, 1.0)
+        for columns, rows, same in [(1, 1, True), (2, 1, False), (1, 0, False), (1.1, 1, False)]:
+            moved = self.placement @ rasterio.Affine.translation(columns, rows)
+            listed = (self.values[1:, 1:], moved, None, 1.0)
+            laid = check_formats.laid_out(listed, reference)
+            self.assertEqual(check_formats.compare_rasters(reference, laid, False, 0.0) == [], same)
 
 
 if __name__ == "__main__":
