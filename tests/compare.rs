@@ -247,6 +247,21 @@ fn the_page_needs_nothing_else() {
 }
 
 #[test]
+fn denser_contours_and_the_comparison_come_from_one_run() {
+    let folder = Folder::new();
+    let text = folder.succeeds("densify SAMPLE.gpkg -i 10 -o o.gpkg --compare SAMPLE_truth.tif --report page.html");
+    assert!(folder.path("o.gpkg").exists() && folder.path("page.html").exists());
+    let alone = folder.succeeds("compare SAMPLE.gpkg SAMPLE_truth.tif");
+    // The smooth surface is on its own grid there, and on that of the height map here.
+    let cells = |text: &str| text.lines().find(|line| line.starts_with("all cells")).unwrap().to_owned();
+    let (here, there) = (cells(&text), cells(&alone));
+    assert_eq!(here.split_whitespace().nth(2), there.split_whitespace().nth(2), "{here} {there}");
+    folder.fails("densify SAMPLE.gpkg -i 10 -o p.gpkg --compare SAMPLE.gpkg", 1, "holds contours");
+    folder.fails("densify SAMPLE.gpkg -i 10 -o p.gpkg --report q.html", 2, "--compare");
+    assert!(!folder.path("p.gpkg").exists());
+}
+
+#[test]
 fn what_cannot_be_compared_is_told() {
     let folder = Folder::new();
     folder.put_grid("a.asc", 1000.0, [4, 4], |c, _| c as f64).put_grid("far.asc", 9000.0, [4, 4], |c, _| c as f64);

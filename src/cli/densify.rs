@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::contour::{ContourLayer, Source};
+use tokosen::crs::Crs;
+use tokosen::error::Error;
 use tokosen::io::layer::{Layer, of_contours};
-use tokosen::io::{VectorFormat, contour_files, write_layers_back};
+use tokosen::io::{Content, VectorFormat, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::Triangles;
 
+use super::compare::{Options, Pair, Side, draw, measure, open_page, tell};
 use super::console::Console;
 use super::input::InputArgs;
 use super::output::{self, DemOutput, GridArgs};
@@ -66,6 +69,12 @@ pub struct DensifyArgs {
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,
+    /// Also compare the surface with this height map, at the centres of its cells; 'tokosen compare' has more on it
+    #[arg(long, value_name = "RASTER", help_heading = "Output")]
+    compare: Option<PathBuf>,
+    /// Page with maps, charts and tables of that comparison: .html
+    #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output")]
+    report: Option<PathBuf>,
     /// Also draw a picture of surface and lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -80,6 +89,7 @@ Examples:
   tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
   tokosen densify feet.gpkg --unit ft -i 5 -o dense.gpkg
+  tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
 
 /// Runs the verb.
@@ -94,9 +104,10 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
-    let outputs: Vec<&Path> =
-        files.iter().map(PathBuf::as_path).chain(args.dem.as_deref()).chain(args.preview.as_deref()).collect();
+    let others = [&args.grid.like, &args.compare].into_iter().flatten().map(PathBuf::as_path);
+    let inputs: Vec<&Path> = args.input.files().chain(others).chain(args.surface.files()).collect();
+    let others = [&args.dem, &args.report, &args.preview].into_iter().flatten();
+    let outputs: Vec<&Path> = files.iter().chain(others).map(PathBuf::as_path).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
     let dem_file = match &args.dem {
@@ -107,12 +118,24 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         None => None,
     };
     let picture = preview::open(args.preview.as_deref())?;
+    if let Some(path) = &args.compare
+        && content(path)? == Content::Contours
+    {
+        let message = "holds contours; --compare takes a height map, and 'tokosen compare' two maps";
+        return Err(Failure::Work(Error::file(path, message)));
+    }
+    let page = args.report.as_deref().map(open_page).transpose()?;
+    let mut findings = Vec::new();
+    let reference =
+        args.compare.as_deref().map(|path| Side::of_height_map(path, &mut findings, console)).transpose()?;
 
     let mut input = args.input.read(console)?;
+    input.findings.append(&mut findings);
     let back = args.to_crs.way(&input.places)?;
     let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, &input.places)).transpose()?;
     let params =
         args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
+    let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
@@ -141,6 +164,19 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         output::describe(&path, dem, console);
     }
     preview::commit(picture, console)?;
+    if let Some((reference, nodes)) = reference.and_then(|side| side.nodes().map(|nodes| (side, nodes))) {
+        console.say("");
+        let side = Side::of_surface(&args.input.contours, crs, args.surface.surface, surface);
+        let pair = Pair::on(side, reference, nodes, console)?;
+        let found = measure(&pair, &Options::default(), &mut input.findings, console)?;
+        if let Some(page) = page {
+            draw(&page, &pair, &found, console)?;
+            let path = page.target().to_owned();
+            page.commit()?;
+            console.say(&format!("written    {}", path.display()));
+        }
+        tell(&pair, &found, console);
+    }
     summary::close(input.findings.len(), console);
     Ok(())
 }

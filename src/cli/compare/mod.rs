@@ -28,7 +28,8 @@ use super::input::InputArgs;
 use super::output::{self, GridArgs};
 use super::surface::SurfaceArgs;
 use super::{Failure, summary};
-use side::{Kind, Side};
+use side::Kind;
+pub use side::{Pair, Side};
 
 /// How far a height map or the surface of contours is from another
 ///
@@ -104,64 +105,16 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     let mut findings = Vec::new();
     let pair = side::read(args, contents, &mut findings, console)?;
+    let options = Options { sigma: args.sigma, interval: args.interval, points: args.input.points.as_deref() };
+    let found = measure(&pair, &options, &mut findings, console)?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
-    let distances = match pair.surface() {
-        Some(surface) => {
-            let way = side::way(&args.b, b.crs.as_ref(), surface.map.crs.as_ref())?;
-            let to_map = |p: DVec2| side::along(way.as_ref(), p);
-            let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
-            let contours = &surface.map.contours;
-            Some(console.step("measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
-        }
-        None => None,
-    };
-    let interval = args.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
-    // The reference's own figure, else that of what is measured.
-    let sigma = args.sigma.or(pair.b.sigma).or(pair.a.sigma);
-    let metres_per_unit = b.metres_per_unit().unwrap_or(DVec2::ONE);
-    let params = CompareParams { metres_per_unit, sigma, interval, distances: distances.as_deref() };
-    let compared = console.step("comparing", || compare(a, b, &params));
-    let mut found = summary::or_tell(compared, &findings, console)?;
-    for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-        // A height map that was interpolated has lost its decimals, and some of its terraces.
-        if let Kind::Dem(dem) = &side.kind
-            && (dem.grid != b.grid || dem.crs != b.crs)
-        {
-            *figures = height_figures(&dem.values, interval.as_ref());
-        }
-    }
-    found.bands = bands(&pair, console)?;
-    if let Some(path) = &args.input.points {
-        let checks = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
-        for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
-        }
-        if found.a.points.is_none() && found.b.points.is_none() {
-            return Err(Failure::Work(Error::file(path, "no check point lies where A or B have heights")));
-        }
-    }
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
         let written = console.step("writing", || write_raster(&staged.path(), &difference(a, b), &params));
         written.map_err(|e| staged.with_final_name(e))?;
     }
     if let Some(staged) = &page {
-        let content = ComparisonPage {
-            a_name: &pair.a.source.title(),
-            b_name: &pair.b.source.title(),
-            sources: pair.height_sources(),
-            notes: &pair.notes,
-            a,
-            b,
-            found: &found,
-            metres_per_unit,
-        };
-        let written = console.step("drawing", || {
-            let html = comparison_page(&content)?;
-            let path = staged.path();
-            std::fs::write(&path, html).map_err(|e| Error::io("write", &path, e))
-        });
-        written.map_err(|e| staged.with_final_name(e))?;
+        draw(staged, &pair, &found, console)?;
     }
 
     summary::findings(&findings, console);
@@ -191,6 +144,83 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         summary::close(findings.len(), console);
     }
     Ok(())
+}
+
+/// What a comparison may be told besides the two sides.
+#[derive(Default)]
+pub struct Options<'a> {
+    /// Stated accuracy as a standard deviation, metres; that of the product if `None`.
+    pub sigma: Option<f64>,
+    /// Contour interval at whose levels terraces are looked for, metres.
+    pub interval: Option<f64>,
+    /// A file of check points.
+    pub points: Option<&'a Path>,
+}
+
+/// All figures of a comparison.
+pub fn measure(
+    pair: &Pair,
+    options: &Options<'_>,
+    findings: &mut Vec<Finding>,
+    console: &Console,
+) -> Result<Comparison, Failure> {
+    let (a, b) = (&pair.a_heights, &pair.b_heights);
+    let distances = match pair.surface() {
+        Some(surface) => {
+            let way = side::way(&pair.b.source.file, b.crs.as_ref(), surface.map.crs.as_ref())?;
+            let to_map = |p: DVec2| side::along(way.as_ref(), p);
+            let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
+            let contours = &surface.map.contours;
+            Some(console.step("measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
+        }
+        None => None,
+    };
+    let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
+    // The reference's own figure, else that of what is measured.
+    let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
+    let params =
+        CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
+    let compared = console.step("comparing", || compare(a, b, &params));
+    let mut found = summary::or_tell(compared, findings, console)?;
+    for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
+        // A height map that was interpolated has lost its decimals, and some of its terraces.
+        if let Kind::Dem(dem) = &side.kind
+            && (dem.grid != b.grid || dem.crs != b.crs)
+        {
+            *figures = height_figures(&dem.values, interval.as_ref());
+        }
+    }
+    found.bands = bands(pair, console)?;
+    if let Some(path) = options.points {
+        let checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
+        for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
+            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
+        }
+        if found.a.points.is_none() && found.b.points.is_none() {
+            return Err(Failure::Work(Error::file(path, "no check point lies where A or B have heights")));
+        }
+    }
+    Ok(found)
+}
+
+/// Writes the page, still under its temporary name.
+pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Console) -> Result<(), Failure> {
+    let content = ComparisonPage {
+        a_name: &pair.a.source.title(),
+        b_name: &pair.b.source.title(),
+        sources: pair.height_sources(),
+        notes: &pair.notes,
+        a: &pair.a_heights,
+        b: &pair.b_heights,
+        found,
+        metres_per_unit: pair.metres_per_unit(),
+    };
+    let written = console.step("drawing", || {
+        let html = comparison_page(&content)?;
+        let path = staged.path();
+        std::fs::write(&path, html).map_err(|e| Error::io("write", &path, e))
+    });
+    Ok(written.map_err(|e| staged.with_final_name(e))?)
 }
 
 /// Checks what can be checked before anything is read, and tells what A and B are.
@@ -226,7 +256,7 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
 }
 
 /// Opens the page's file.
-fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
+pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
         return Err(Failure::Usage(format!("{}: the report is written as .html", path.display())));
     }
@@ -234,7 +264,7 @@ fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
 }
 
 /// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.
-fn bands(pair: &side::Pair, console: &Console) -> Result<Option<BandShare>, Failure> {
+fn bands(pair: &Pair, console: &Console) -> Result<Option<BandShare>, Failure> {
     let (side, surface, dem) = match (&pair.a.kind, &pair.b.kind) {
         (Kind::Surface(surface), Kind::Dem(_)) => (&pair.a, surface, &pair.b_heights),
         (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
@@ -268,7 +298,7 @@ fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
 }
 
 /// The summary: what was compared, the table, what it means.
-fn tell(pair: &side::Pair, found: &Comparison, console: &Console) {
+pub fn tell(pair: &Pair, found: &Comparison, console: &Console) {
     console.say(&format!("A          {}", pair.a.source.title()));
     console.say(&format!("B          {}", pair.b.source.title()));
     let grid = &pair.b_heights.grid;
@@ -289,7 +319,7 @@ fn tell(pair: &side::Pair, found: &Comparison, console: &Console) {
 }
 
 /// The two sides with their heights on one grid.
-impl side::Pair {
+impl Pair {
     fn surface(&self) -> Option<&Surface> {
         [&self.b, &self.a].into_iter().find_map(Side::surface)
     }
@@ -299,6 +329,10 @@ impl side::Pair {
             Kind::Dem(_) => HeightSource::HeightMap,
             Kind::Surface(_) => HeightSource::Surface,
         })
+    }
+
+    fn metres_per_unit(&self) -> DVec2 {
+        self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
     }
 
     fn interval(&self) -> Option<Interval> {

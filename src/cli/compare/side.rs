@@ -17,7 +17,7 @@ use crate::cli::Failure;
 use crate::cli::console::Console;
 use crate::cli::input::InputArgs;
 use crate::cli::output::{GridChoice, grid_for};
-use crate::cli::surface::build_surface;
+use crate::cli::surface::{KindArg, build_surface};
 
 /// One side.
 pub struct Side {
@@ -65,7 +65,7 @@ pub struct Pair {
 }
 
 /// The cells that heights are compared at, and the system that they are in.
-type Nodes = (Grid, Option<Crs>);
+pub type Nodes = (Grid, Option<Crs>);
 
 /// Reads both sides and brings them onto one grid.
 pub fn read(
@@ -80,11 +80,10 @@ pub fn read(
         if content == Content::Contours {
             return Ok(None);
         }
-        let read = console.step("reading", || read_dem(path))?;
-        Ok(Some(side_of_dem(path, read.collect(findings))))
+        Side::of_height_map(path, findings, console).map(Some)
     };
     let (dem_a, dem_b) = (dem(path_a, contents[0])?, dem(path_b, contents[1])?);
-    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| (dem.grid, dem.crs.clone()));
+    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::nodes);
     let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a));
     let b = match dem_b {
         Some(side) => side,
@@ -97,10 +96,17 @@ pub fn read(
     let Some((grid, crs)) = nodes else {
         return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
     };
-    let note = note(&a, &b, &grid);
-    let a_heights = a.on(&grid, crs.as_ref(), console)?;
-    let b_heights = b.on(&grid, crs.as_ref(), console)?;
-    Ok(Pair { a, b, a_heights, b_heights, notes: vec![note] })
+    Pair::on(a, b, (grid, crs), console)
+}
+
+impl Pair {
+    /// Both at the cells of a grid in some system.
+    pub fn on(a: Side, b: Side, (grid, crs): Nodes, console: &Console) -> Result<Self, Failure> {
+        let notes = vec![note(&a, &b, &grid)];
+        let a_heights = a.on(&grid, crs.as_ref(), console)?;
+        let b_heights = b.on(&grid, crs.as_ref(), console)?;
+        Ok(Self { a, b, a_heights, b_heights, notes })
+    }
 }
 
 fn note(a: &Side, b: &Side, grid: &Grid) -> String {
@@ -134,6 +140,24 @@ pub fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
 }
 
 impl Side {
+    /// Reads a height map.
+    pub fn of_height_map(path: &Path, findings: &mut Vec<Finding>, console: &Console) -> Result<Self, Failure> {
+        let read = console.step("reading", || read_dem(path))?;
+        Ok(side_of_dem(path, read.collect(findings)))
+    }
+
+    /// The surface of a file of contours; `crs` is the name of the file's system.
+    pub fn of_surface(path: &Path, crs: Option<String>, kind: KindArg, surface: Surface) -> Self {
+        let about = format!(
+            "surface ({}) of {} contours, interval {} m",
+            kind.name(),
+            surface.map.contours.len(),
+            surface.interval.step
+        );
+        let source = Source { file: path.to_owned(), kind: "contours", crs, about };
+        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None }
+    }
+
     pub fn surface(&self) -> Option<&Surface> {
         match &self.kind {
             Kind::Surface(surface) => Some(surface),
@@ -141,9 +165,10 @@ impl Side {
         }
     }
 
-    fn dem(&self) -> Option<&Dem> {
+    /// The cells of a height map.
+    pub fn nodes(&self) -> Option<Nodes> {
         match &self.kind {
-            Kind::Dem(dem) => Some(dem),
+            Kind::Dem(dem) => Some((dem.grid, dem.crs.clone())),
             Kind::Surface(_) => None,
         }
     }
@@ -235,12 +260,5 @@ fn side_of_contours(
     if let (None, Some(choice)) = (&nodes, &choice) {
         *nodes = Some((grid_for(choice, &surface)?, choice.crs(working.as_ref()).cloned()));
     }
-    let about = format!(
-        "surface ({}) of {} contours, interval {} m",
-        args.surface.surface.name(),
-        surface.map.contours.len(),
-        surface.interval.step
-    );
-    let source = Source { file: path.to_owned(), kind: "contours", crs, about };
-    Ok(Side { source, kind: Kind::Surface(Box::new(surface)), sigma: None })
+    Ok(Side::of_surface(path, crs, args.surface.surface, surface))
 }
