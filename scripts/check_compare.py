@@ -39,19 +39,25 @@ def figures(d):
 def gradient(heights, dx, dy):
     """Rise over run by Horn's eight neighbours, and whether all of them have heights.
 
-    A neighbour that is missing is carried on from the opposite one through the cell; a pair that is missing altogether
-    follows from the other pairs as on a plane.
+    A neighbour that is missing is carried on in a straight line: one across an edge from the opposite one through the cell,
+    one at a corner from the two beyond it in its column and in its row, else from the opposite one as well. A pair that
+    is missing altogether follows from the other pairs as on a plane.
     """
     p = np.pad(heights, 1, constant_values=np.nan)
     rows, columns = heights.shape
     at = lambda down, right: p[1 + down : 1 + down + rows, 1 + right : 1 + right + columns]
 
-    def pair(down, right):
-        a, b = at(down, right), at(-down, -right)
+    def corner(down, right):
+        column = 2 * at(0, right) - at(-down, right)
+        row = 2 * at(down, 0) - at(down, -right)
+        return next_finite(at(down, right), (column + row) / 2, column, row)
+
+    def pair(down, right, of=at):
+        a, b = of(down, right), of(-down, -right)
         return np.where(np.isfinite(a), np.where(np.isfinite(b), a - b, 2 * (a - heights)), 2 * (heights - b))
 
     whole = np.all([np.isfinite(at(i, j)) for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=0)
-    ne, se = pair(-1, 1), pair(1, 1)
+    ne, se = pair(-1, 1, corner), pair(1, 1, corner)
     east = next_finite(pair(0, 1), (ne + se) / 2, np.zeros_like(heights))
     north = next_finite(pair(-1, 0), (ne - se) / 2, np.zeros_like(heights))
     ne, se = next_finite(ne, east + north), next_finite(se, east - north)
