@@ -1,4 +1,4 @@
-//! Terrain from contour lines: denser contours, height maps, ridge and canyon lines.
+//! Terrain from contour lines: denser contours, height maps, ridge and canyon lines, and how far they are from others.
 //!
 //! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005): the
 //! contours are triangulated, the triangles tell where spurs, gullies and tops are, and lines with heights along their
@@ -9,8 +9,8 @@
 //!
 //! | step | takes | gives |
 //! |---|---|---|
-//! | [`io::read_contours`] | a file | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
-//! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the way back |
+//! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
+//! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
 //! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`contour::fit`](fn@contour::fit) | a clean map | a [`Fitted`](contour::Fitted) one: smooth lines within a tolerance |
 //! | [`contour::sample`](fn@contour::sample) | a clean map | a [`Sampled`](contour::Sampled) one: vertices as dense as the contours around ask |
@@ -20,15 +20,17 @@
 //! | [`tin::landforms`] | both | a [`Landform`](tin::Landform) a sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling, skeleton and smooth surface, heights everywhere |
-//! | [`surface::heights`] | a surface, a grid | a [`Dem`](dem::Dem) |
+//! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem) |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
 //! | [`io::raster::read_dem`] | a file | a [`Dem`](dem::Dem) that is there already |
-//! | [`dem::derive`] | a height map | slope, aspect, hillshade, steep places |
+//! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | rasters of them, and [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`preview::render`] | all of them | a picture |
 //! | [`dem::compare::compare`] | two height maps | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
-//! | [`report::comparison_page`] | a comparison | a page for people |
+//! | [`dem::compare::difference`] | two height maps | a [`Dem`](dem::Dem) of their differences |
+//! | [`report::remarks`], [`report::comparison_page`] | a comparison | sentences, and a page for people |
+//! | [`crs::Places::give_back`] | a coordinate reference system | the way of lines and areas out to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
 //! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
@@ -37,7 +39,8 @@
 //! # Units and axes
 //!
 //! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
-//! Coordinates must not be degrees: [`crs::Places`] brings them to a plane and back. Higher ground lies on the right of every contour that comes out.
+//! Coordinates must not be degrees: [`crs::Places`] brings them to a plane and back. Higher ground lies on the right of every
+//! contour that comes out.
 //!
 //! # Example
 //!
