@@ -81,6 +81,7 @@ pub mod crs;
 pub mod dem;
 pub mod error;
 pub mod io;
+pub mod memory;
 pub mod mesh;
 pub mod preview;
 pub mod progress;

@@ -53,6 +53,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let output = DemOutput::new(staged, &args.grid, &input.places)?;
     let params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
+    output.choice.check_room(&input.map, &params.frame)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;

@@ -135,6 +135,9 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, &input.places)).transpose()?;
     let params =
         args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
+    if let Some(output) = &dem_output {
+        output.choice.check_room(&input.map, &params.frame)?;
+    }
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     args.input.check_strict(&input.findings, console)?;

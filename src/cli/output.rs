@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use glam::DVec2;
+use tokosen::contour::ContourMap;
 use tokosen::crs::{Crs, Places, Transform};
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{DEM_EXTENSIONS, PngEncoding, RasterParams, read_grid, write_raster};
+use tokosen::memory;
 use tokosen::surface::{Surface, Wanted, heights, heights_on};
-use tokosen::tin::FrameRing;
+use tokosen::tin::{Frame, FrameRing, frame_ring};
 
 use super::Failure;
 use super::console::Console;
@@ -83,8 +85,10 @@ pub struct Apart {
     way: Transform,
 }
 
-/// Cells that a height map may have; the memory it takes is four bytes each.
+/// Cells that a height map may have, whatever the memory.
 const MOST_CELLS: f64 = 4e9;
+/// Bytes that a cell takes while it is found and written: its height, its triangle, its part of the file.
+const BYTES_A_CELL: f64 = 12.0;
 
 impl GridArgs {
     /// Whether a grid is asked for.
@@ -155,14 +159,18 @@ fn grid_over(lo: DVec2, hi: DVec2, cell: f64, flag: &str) -> Result<Grid, Failur
 
 /// The grid for a surface.
 pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure> {
+    grid_in(choice, &surface.frame)
+}
+
+fn grid_in(choice: &GridChoice, frame: &FrameRing) -> Result<Grid, Failure> {
     match choice {
         GridChoice::Like(grid) | GridChoice::Apart(Cells::Like(grid), _) => Ok(*grid),
         GridChoice::Cell(cell) => {
-            let (lo, hi) = extent(&surface.frame);
+            let (lo, hi) = extent(frame);
             grid_over(lo, hi, *cell, "cell")
         }
         GridChoice::Apart(Cells::Size(cell), apart) => {
-            let (lo, hi) = extent_in(&surface.frame, &apart.way);
+            let (lo, hi) = extent_in(frame, &apart.way);
             if !(lo.is_finite() && hi.is_finite()) {
                 return Err(Failure::Work(Error::Data("the frame has no place in degrees".into())));
             }
@@ -172,6 +180,13 @@ pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure>
 }
 
 impl GridChoice {
+    /// Refuses, before the surface is found, a height map that there is no room for.
+    pub fn check_room(&self, map: &ContourMap, frame: &Frame) -> Result<(), Failure> {
+        let Grid { cols, rows, .. } = grid_in(self, &frame_ring(map, frame))?;
+        let what = format!("a height map of {cols} x {rows} cells");
+        Ok(memory::check(BYTES_A_CELL * cols as f64 * rows as f64, &what, "choose a larger cell or a smaller frame")?)
+    }
+
     /// The system that the cells are in, where `working` is that of the surface.
     pub fn crs<'a>(&'a self, working: Option<&'a Crs>) -> Option<&'a Crs> {
         match self {

@@ -16,8 +16,10 @@ const FEWEST_A_GAP: f64 = 3.0;
 const FINER: f64 = 8.0;
 /// ... and its cells are at most so many mean gaps wide: all contours that cross the edges between its nodes count.
 const COARSER: f64 = 2.0;
-/// Most nodes: each takes about 150 bytes while the surface is found.
+/// Most nodes, whatever the memory: the surface must not depend on the machine.
 const MOST_NODES: f64 = 40e6;
+/// Bytes that each takes while the surface is found.
+pub const BYTES_A_NODE: f64 = 150.0;
 
 /// Mean distance between neighbouring contours: area over length of contour, map units.
 pub fn mean_gap(tiled: &Tiling) -> f64 {

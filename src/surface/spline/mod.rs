@@ -27,6 +27,7 @@ mod trial;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
+pub(super) use grid::BYTES_A_NODE;
 pub(super) use grid::mean_gap;
 pub use grid::working_grid;
 pub(super) use lattice::Lattice;
