@@ -19,7 +19,7 @@ use super::{Knobs, SplineParams};
 use crate::surface::{SurfaceParams, Tiling};
 
 /// Tension that suits most terrain; taken where the contours do not tell.
-const USUAL: f64 = 3.0;
+const USUAL: f64 = 3.5;
 /// Noise of contours that are rough.
 const JITTER: f64 = 1.0;
 /// Tensions that are tried, each so many times the one before.

@@ -47,7 +47,7 @@ use stages::{Problem, solve};
 
 /// Weights of crossings against second differences: the contours are met within a thousandth of the interval, and where their
 /// vertices lie on the lattice, which they were cut from then, as exactly as they can be found in so many steps.
-const CONTOUR_WEIGHT: CrossingWeight = CrossingWeight { at_vertex: 1000.0, on_chord: 200.0 };
+const CONTOUR_WEIGHT: CrossingWeight = CrossingWeight { at_vertex: 1000.0, on_chord: 500.0 };
 /// ... and where the noise is 1, on a grid with as many nodes a gap as it should have.
 const NOISY_WEIGHT: f64 = 0.1;
 /// Rounds of averaging over neighbours that smooth the tension.
