@@ -11,7 +11,7 @@ use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
-use super::output::{self, DemOutput, GridArgs};
+use super::output::{self, DemOutput, HeightMapArgs};
 use super::plane::ToCrsArgs;
 use super::preview;
 use super::surface::{SurfaceArgs, build_surface};
@@ -65,7 +65,7 @@ pub struct DensifyArgs {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
-    grid: GridArgs,
+    height_map: HeightMapArgs,
     /// Also draw a picture of surface and lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -84,8 +84,10 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
-    if args.dem.is_none() && (args.grid.is_given()) {
-        return Err(Failure::Usage("--cell, --cell-degrees and --like are about a height map: add --dem FILE".into()));
+    if args.dem.is_none() && args.height_map.given().is_some() {
+        return Err(Failure::Usage(
+            "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
+        ));
     }
     if VectorFormat::from_path(&args.output).is_err() {
         let message = format!("{}: contours are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
@@ -94,15 +96,16 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
+    let inputs: Vec<&Path> =
+        args.input.files().chain(args.height_map.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> =
         files.iter().map(PathBuf::as_path).chain(args.dem.as_deref()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
     let dem_file = match &args.dem {
         Some(path) => {
-            args.grid.check()?;
-            Some(output::open_dem(path, &args.grid)?)
+            args.height_map.grid.check()?;
+            Some(output::open_dem(path, &args.height_map)?)
         }
         None => None,
     };
@@ -110,7 +113,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let back = args.to_crs.way(&input.places)?;
-    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, &input.places)).transpose()?;
+    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.height_map, &input.places)).transpose()?;
     let params =
         args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;

@@ -132,7 +132,8 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     }
     found.bands = bands(&pair, console)?;
     if let Some(path) = &args.input.points {
-        let checks = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
+        let mut checks = read_spot_heights(path, &ReadOptions::default())?.collect(&mut findings);
+        checks.points.iter_mut().for_each(|point| point.z = args.input.unit.unit().metres(point.z));
         for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
             figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
         }
@@ -199,6 +200,14 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
+        }
+    }
+    if contents == [Content::HeightMap; 2] {
+        // Check points have a unit, too.
+        let about_contours =
+            args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.points.is_some()));
+        if let Some(flag) = about_contours.or_else(|| args.surface.given()) {
+            return Err(Failure::Usage(format!("{flag} is about contours, and both inputs are height maps")));
         }
     }
     if contents == [Content::Contours; 2] {

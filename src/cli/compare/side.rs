@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::Serialize;
 use tokosen::crs::{Crs, Transform};
 use tokosen::dem::compare::{height_at, heights_between};
-use tokosen::dem::{Dem, Grid};
+use tokosen::dem::{Dem, Grid, looks_like_degrees};
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::{DemFile, read_dem};
 use tokosen::io::{Content, SpotHeights};
@@ -76,31 +76,57 @@ pub fn read(
 ) -> Result<Pair, Failure> {
     let (path_a, path_b) = (&args.input.contours, &args.b);
     // Height maps come first: the surface is drawn for their cells.
-    let mut dem = |path: &Path, content: Content| -> Result<Option<Side>, Failure> {
+    let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         if content == Content::Contours {
             return Ok(None);
         }
         let read = console.step("reading", || read_dem(path))?;
         Ok(Some(side_of_dem(path, read.collect(findings))))
     };
-    let (dem_a, dem_b) = (dem(path_a, contents[0])?, dem(path_b, contents[1])?);
-    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| (dem.grid, dem.crs.clone()));
-    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a));
+    let mut known = 0;
+    let mut label = |side: &str, findings: &mut Vec<Finding>| {
+        findings[known..].iter_mut().for_each(|finding| finding.message = format!("{side}: {}", finding.message));
+        known = findings.len();
+    };
+    let dem_a = dem(path_a, contents[0], findings)?;
+    label("A", findings);
+    let dem_b = dem(path_b, contents[1], findings)?;
+    label("B", findings);
+    let crs_of = |side: &Option<Side>| side.as_ref().and_then(Side::crs).cloned();
+    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::dem).map(|dem| dem.grid);
+    // A height map that names no system is taken for one in that of the other side.
+    let crs = crs_of(&dem_b).or_else(|| crs_of(&dem_a));
+    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a)).map(|grid| (grid, crs));
     let b = match dem_b {
         Some(side) => side,
         None => side_of_contours(args, path_b, &mut nodes, findings, console)?,
     };
+    label("B", findings);
     let a = match dem_a {
         Some(side) => side,
         None => side_of_contours(args, path_a, &mut nodes, findings, console)?,
     };
+    label("A", findings);
     let Some((grid, crs)) = nodes else {
         return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
     };
-    let note = note(&a, &b, &grid);
+    if looks_like_degrees(&grid, crs.as_ref()) {
+        let message = "the coordinates look like degrees, and neither A nor B says so; name the system first, for example \
+                       with 'gdal_translate -a_srs EPSG:6668'";
+        return Err(Failure::Work(Error::file(path_b, message)));
+    }
+    let mut notes = vec![note(&a, &b, &grid)];
+    if let Some(name) = crs.as_ref().and_then(Crs::name) {
+        let nameless = [("A", &a), ("B", &b)].into_iter().filter(|(_, side)| side.crs().is_none());
+        notes.extend(
+            nameless.map(|(letter, _)| {
+                format!("{letter} names no coordinate reference system: it is taken to be in {name}.")
+            }),
+        );
+    }
     let a_heights = a.on(&grid, crs.as_ref(), console)?;
     let b_heights = b.on(&grid, crs.as_ref(), console)?;
-    Ok(Pair { a, b, a_heights, b_heights, notes: vec![note] })
+    Ok(Pair { a, b, a_heights, b_heights, notes })
 }
 
 fn note(a: &Side, b: &Side, grid: &Grid) -> String {
@@ -223,6 +249,9 @@ fn side_of_contours(
     let reading = InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
     let mut input = reading.read(console)?;
     let working = input.map.crs.clone();
+    if let Some((_, crs @ None)) = nodes {
+        *crs = input.places.input_crs().cloned();
+    }
     let choice = match nodes {
         Some((grid, crs)) => way(path, crs.as_ref(), working.as_ref())?.is_none().then_some(GridChoice::Like(*grid)),
         None => Some(args.grid.choice(&input.places)?),
