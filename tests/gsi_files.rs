@@ -384,6 +384,7 @@ fn what_is_no_such_file_is_told() {
         (folder.write("lines.zip", &lines), "found: 1 Cntr"),
         (folder.write("empty.xml", ""), "empty"),
         (folder.write("page.xml", "<html><body/></html>"), "root element is \"html\""),
+        (folder.write("zip.xml", "PK<\u{3}\u{4}\u{14}>x</\u{3}>"), "is no XML document"),
         (folder.path().join("missing.xml"), "cannot read"),
     ];
     for (path, word) in &cases {

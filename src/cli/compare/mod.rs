@@ -121,7 +121,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let metres_per_unit = b.metres_per_unit().unwrap_or(DVec2::ONE);
     let params = CompareParams { metres_per_unit, sigma, interval, distances: distances.as_deref() };
     let compared = console.step("comparing", || compare(a, b, &params));
-    let mut found = summary::or_tell(compared, &findings, console)?;
+    let mut found = summary::or_tell(compared, &side::told(&findings), console)?;
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         // A height map that was interpolated has lost its decimals, and some of its terraces.
         if let Kind::Dem(dem) = &side.kind
@@ -165,7 +165,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         written.map_err(|e| staged.with_final_name(e))?;
     }
 
-    summary::findings(&findings, console);
+    summary::findings(&side::told(&findings), console);
     if args.json {
         let json = Json {
             sources: [&pair.a.source, &pair.b.source],

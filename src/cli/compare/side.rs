@@ -147,6 +147,19 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
     }
 }
 
+/// Findings as they are told, with places in the coordinates of their file.
+pub fn told(findings: &[Finding]) -> Vec<Finding> {
+    let told = |finding: &Finding| match finding.place {
+        Some(p) => {
+            // Seven decimals of what may be degrees are a centimetre.
+            let decimals = if p.x.abs() <= 360.0 && p.y.abs() <= 90.0 { 7 } else { 3 };
+            Finding::general(finding.kind, format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y))
+        }
+        None => finding.clone(),
+    };
+    findings.iter().map(told).collect()
+}
+
 /// The way from one system to another; none if a place is the same in both, or if one of them is not known.
 pub fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>, Failure> {
     let Some((from, to)) = from.zip(to) else { return Ok(None) };
@@ -260,6 +273,10 @@ fn side_of_contours(
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     reading.check_strict(&input.findings, console)?;
+    // Each side may have been worked on in a plane of its own.
+    for finding in &mut input.findings {
+        finding.place = finding.place.and_then(|p| input.places.in_input(p));
+    }
     findings.append(&mut input.findings);
     if let (None, Some(choice)) = (&nodes, &choice) {
         *nodes = Some((grid_for(choice, &surface)?, choice.crs(working.as_ref()).cloned()));
