@@ -375,7 +375,7 @@ fn what_is_no_such_file_is_told() {
     let mut damaged = archive.clone();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 0x55;
-    let cases: [(PathBuf, &str); 9] = [
+    let cases: [(PathBuf, &str); 10] = [
         (empty.path().to_owned(), "no file FG-GML-….xml"),
         (folder.write("cut.zip", &archive[..archive.len() / 2]), "not complete"),
         (folder.write("empty.zip", ""), "not complete"),
