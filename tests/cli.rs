@@ -368,6 +368,13 @@ fn rasters_whose_grid_cannot_be_taken() {
         folder.fails(&format!("dem hill.geojson --like {raster} -o d.tif"), FAILED, &[raster, words]);
         folder.fails(&format!("densify hill.geojson -i 5 -o o.gpkg --dem d.tif --like {raster}"), FAILED, &[words]);
     }
+    // A grid that lies beside the contours would give a height map of nothing.
+    fs::write(folder.path("beside.asc"), "ncols 2\nnrows 2\nxllcorner 90000\nyllcorner 0\ncellsize 5\n1 2\n3 4\n")
+        .unwrap();
+    folder.fails("dem hill.geojson --like beside.asc -o d.tif", FAILED, &["beside.asc", "do they overlap"]);
+    folder.fails("densify hill.geojson -i 5 -o o.gpkg --dem d.tif --like beside.asc", FAILED, &["do they overlap"]);
+    assert!(!folder.path("o.gpkg").exists() && !folder.path("d.tif").exists());
+    folder.fails("densify hill.geojson -i 5 -o o.gpkg --png-encoding gsi", USAGE, &["--dem FILE"]);
     folder.fails("dem hill.geojson --like like.tif -o like.tif", USAGE, &["like.tif is an input"]);
     folder.succeeds("dem hill.geojson --like like.tif -o same.tif");
     assert_eq!(fs::read(folder.path("same.tif")).unwrap(), fs::read(folder.path("like.tif")).unwrap());

@@ -194,6 +194,59 @@ fn degrees_are_compared_where_they_are() {
 }
 
 #[test]
+fn places_of_findings_are_told_in_the_coordinates_of_their_file() {
+    let folder = Folder::new();
+    let line = |points: &str, elev: u32| {
+        format!(
+            r#"{{"type":"Feature","properties":{{"elev":{elev}}},"geometry":{{"type":"LineString","coordinates":[{points}]}}}}"#
+        )
+    };
+    let lines = [
+        line("[137.64,36.33],[137.645,36.33],[137.645,36.33],[137.65,36.331]", 10),
+        line("[137.64,36.34],[137.65,36.341]", 20),
+    ];
+    let file = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, lines.join(","));
+    fs::write(folder.path("degrees.geojson"), file).unwrap();
+    folder.succeeds("dem degrees.geojson --surface linear --cell-degrees 2s -o like.tif");
+    let found = folder.json("compare like.tif degrees.geojson --surface linear");
+    let place = &found["findings"][0]["place"];
+    assert!((number(&place[0]) - 137.645).abs() < 1e-9 && (number(&place[1]) - 36.33).abs() < 1e-9, "{place}");
+    assert!(found["findings"][0]["message"].as_str().unwrap().starts_with("B: "), "{}", found["findings"]);
+    let output = folder.run("compare like.tif degrees.geojson --surface linear");
+    assert!(stderr(&output).contains("at 137.6450000 36.3300000"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_height_map_without_a_system_is_in_that_of_the_other_side() {
+    let folder = Folder::new();
+    folder.succeeds("dem SAMPLE.gpkg --surface linear --cell-degrees 2s -o named.tif");
+    // The text format keeps no system; without the file beside it the grid names none.
+    folder.succeeds("dem SAMPLE.gpkg --surface linear --cell-degrees 2s -o degrees.asc");
+    let prj = folder.path("degrees.prj");
+    if prj.exists() {
+        fs::remove_file(prj).unwrap();
+    }
+    let found = folder.json("compare degrees.asc named.tif");
+    assert!(number(&found["slope"]["rmse"]) < 0.1, "{}", found["slope"]);
+    let named = found["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().starts_with("A names no"));
+    assert!(named, "{}", found["notes"]);
+    folder.fails("compare degrees.asc degrees.asc", 1, "look like degrees");
+    // Contours in degrees are worked on in metres; the height map's numbers are those of the contours' file.
+    fs::write(
+        folder.path("degrees.geojson"),
+        r#"{"type":"FeatureCollection","features":[
+        {"type":"Feature","properties":{"elev":10},"geometry":{"type":"LineString","coordinates":[[138.0,36.0],[138.01,36.0]]}},
+        {"type":"Feature","properties":{"elev":20},"geometry":{"type":"LineString","coordinates":[[138.0,36.01],[138.01,36.01]]}}]}"#,
+    )
+    .unwrap();
+    folder.succeeds("dem degrees.geojson --surface linear --cell-degrees 2s -o plain.asc");
+    let _ = fs::remove_file(folder.path("plain.prj"));
+    let found = folder.json("compare degrees.geojson plain.asc --surface linear");
+    assert!(number(&found["overall"]["rmse"]) < 0.01, "{}", found["overall"]);
+    assert!(found["notes"][1].as_str().unwrap().starts_with("B names no"), "{}", found["notes"]);
+}
+
+#[test]
 fn check_points_check_and_are_not_built_in() {
     let folder = Folder::new();
     let plane = |col: usize, row: usize| 100.0 + 2.0 * col as f64 + row as f64;
@@ -212,6 +265,13 @@ fn check_points_check_and_are_not_built_in() {
     // A is 115 and 116 there, B a metre less.
     assert_eq!((&a["cells"], number(&a["bias"]), number(&a["highest"]["value"])), (&2.into(), 1.25, 2.0));
     assert_eq!((number(&b["bias"]), number(&b["lowest"]["value"])), (0.25, -0.5));
+    // In feet they are lower: 115 and 116 against a third of 113 and 115.5.
+    let found = folder.json("compare a.asc b.asc --points points.geojson --unit ft");
+    assert!(
+        (number(&found["a"]["points"]["bias"]) - (115.5 - 0.3048 * 114.25)).abs() < 1e-9,
+        "{}",
+        found["a"]["points"]
+    );
     let far = format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, point(9000.0, 9000.0, 1.0));
     fs::write(folder.path("far.geojson"), far).unwrap();
     folder.fails("compare a.asc b.asc --points far.geojson", 1, "no check point");
@@ -273,6 +333,9 @@ fn what_cannot_be_compared_is_told() {
     folder.fails("compare a.asc notes.txt", 1, "neither a height map");
     folder.fails("compare SAMPLE.gpkg SAMPLE.gpkg", 2, "--cell");
     folder.fails("compare a.asc a.asc --cell 5", 2, "--cell");
+    folder.fails("compare a.asc a.asc --surface linear", 2, "--surface is about contours");
+    folder.fails("compare a.asc a.asc --unit ft", 2, "--unit is about contours");
+    folder.fails("compare a.asc a.asc -o d.png --png-encoding gsi", 2, "--png-encoding");
     folder.fails("compare a.asc a.asc --sigma 0", 2, "--sigma");
     folder.fails("compare a.asc a.asc --interval -1", 2, "--interval");
     folder.fails("compare a.asc a.asc --report page.pdf", 2, ".html");

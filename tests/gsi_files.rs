@@ -375,7 +375,7 @@ fn what_is_no_such_file_is_told() {
     let mut damaged = archive.clone();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 0x55;
-    let cases: [(PathBuf, &str); 9] = [
+    let cases: [(PathBuf, &str); 10] = [
         (empty.path().to_owned(), "no file FG-GML-….xml"),
         (folder.write("cut.zip", &archive[..archive.len() / 2]), "not complete"),
         (folder.write("empty.zip", ""), "not complete"),
@@ -384,6 +384,7 @@ fn what_is_no_such_file_is_told() {
         (folder.write("lines.zip", &lines), "found: 1 Cntr"),
         (folder.write("empty.xml", ""), "empty"),
         (folder.write("page.xml", "<html><body/></html>"), "root element is \"html\""),
+        (folder.write("zip.xml", "PK<\u{3}\u{4}\u{14}>x</\u{3}>"), "is no XML document"),
         (folder.path().join("missing.xml"), "cannot read"),
     ];
     for (path, word) in &cases {

@@ -8,7 +8,7 @@ use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
-use super::output::{self, DemOutput, GridArgs};
+use super::output::{self, DemOutput, HeightMapArgs};
 use super::preview;
 use super::surface::{SurfaceArgs, build_surface};
 use super::{Failure, summary};
@@ -26,7 +26,7 @@ pub struct DemArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
-    grid: GridArgs,
+    height_map: HeightMapArgs,
     /// Also draw a picture of surface and contours: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -43,15 +43,16 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
-    args.grid.check()?;
-    let inputs: Vec<&Path> = args.input.files().chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
+    args.height_map.grid.check()?;
+    let inputs: Vec<&Path> =
+        args.input.files().chain(args.height_map.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
-    let staged = output::open_dem(&args.output, &args.grid)?;
+    let staged = output::open_dem(&args.output, &args.height_map)?;
     let picture = preview::open(args.preview.as_deref())?;
 
     let mut input = args.input.read(console)?;
-    let output = DemOutput::new(staged, &args.grid, &input.places)?;
+    let output = DemOutput::new(staged, &args.height_map, &input.places)?;
     let params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
     output.choice.check_room(&input.map, &params.frame)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;

@@ -14,7 +14,7 @@ use tokosen::surface::Triangles;
 use super::compare::{Options, Pair, Side, draw, measure, open_page, tell};
 use super::console::Console;
 use super::input::InputArgs;
-use super::output::{self, DemOutput, GridArgs};
+use super::output::{self, DemOutput, HeightMapArgs};
 use super::plane::ToCrsArgs;
 use super::preview;
 use super::surface::{SurfaceArgs, build_surface};
@@ -68,7 +68,7 @@ pub struct DensifyArgs {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
-    grid: GridArgs,
+    height_map: HeightMapArgs,
     /// Also compare the surface with this height map, at the centres of its cells; 'tokosen compare' has more on it
     #[arg(long, value_name = "RASTER", help_heading = "Output")]
     compare: Option<PathBuf>,
@@ -94,8 +94,10 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
-    if args.dem.is_none() && (args.grid.is_given()) {
-        return Err(Failure::Usage("--cell, --cell-degrees and --like are about a height map: add --dem FILE".into()));
+    if args.dem.is_none() && args.height_map.given().is_some() {
+        return Err(Failure::Usage(
+            "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
+        ));
     }
     if VectorFormat::from_path(&args.output).is_err() {
         let message = format!("{}: contours are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
@@ -104,7 +106,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let others = [&args.grid.like, &args.compare].into_iter().flatten().map(PathBuf::as_path);
+    let others = [&args.height_map.grid.like, &args.compare].into_iter().flatten().map(PathBuf::as_path);
     let inputs: Vec<&Path> = args.input.files().chain(others).chain(args.surface.files()).collect();
     let others = [&args.dem, &args.report, &args.preview].into_iter().flatten();
     let outputs: Vec<&Path> = files.iter().chain(others).map(PathBuf::as_path).collect();
@@ -112,8 +114,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let staged = output::open(&args.output)?;
     let dem_file = match &args.dem {
         Some(path) => {
-            args.grid.check()?;
-            Some(output::open_dem(path, &args.grid)?)
+            args.height_map.grid.check()?;
+            Some(output::open_dem(path, &args.height_map)?)
         }
         None => None,
     };
@@ -132,7 +134,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     input.findings.append(&mut findings);
     let back = args.to_crs.way(&input.places)?;
-    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.grid, &input.places)).transpose()?;
+    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.height_map, &input.places)).transpose()?;
     let params =
         args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
     if let Some(output) = &dem_output {

@@ -35,7 +35,6 @@ use super::{Failure, summary};
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
     mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [map units]; cells lie on multiples of it")),
     mut_arg("like", |arg| arg.help("For contours: take the grid of this height map (.tif, .asc, .exr, .png)")),
-    mut_arg("png_encoding", |arg| arg.hide(true)),
 )]
 pub struct DeriveArgs {
     #[command(flatten)]
@@ -162,14 +161,12 @@ impl DeriveArgs {
         if self.outputs().next().is_none() {
             return Err(Failure::Usage("name what to write: --slope, --aspect, --hillshade or --steep FILE".into()));
         }
-        let is_for_contours = self.grid.is_given()
-            || self.input.points.is_some()
-            || self.input.elevation_field.is_some()
-            || self.input.layer.is_some();
-        if is_raster && is_for_contours {
-            let message = "--cell, --like, --points, --elevation-field and --layer are about contours, and the input is a \
-                           height map";
-            return Err(Failure::Usage(message.into()));
+        let for_contours = (self.grid.given())
+            .or(self.input.points.as_ref().map(|_| "--points"))
+            .or_else(|| self.input.about_contours())
+            .or_else(|| self.surface.given());
+        if let Some(flag) = for_contours.filter(|_| is_raster) {
+            return Err(Failure::Usage(format!("{flag} is about contours, and the input is a height map")));
         }
         if !is_raster {
             self.grid.check()?;

@@ -39,7 +39,7 @@ pub struct InputArgs {
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub work_crs: Option<Crs>,
     /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [units of the working CRS]
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true)]
     pub snap: f64,
     /// Smooth the contours: fit each with a curve that stays so near, and space its vertices evenly [units of the working
     /// CRS]. The input is then not kept vertex for vertex
@@ -66,7 +66,7 @@ pub enum UnitArg {
 
 impl UnitArg {
     /// The library's word.
-    fn unit(self) -> ElevationUnit {
+    pub fn unit(self) -> ElevationUnit {
         match self {
             Self::M => ElevationUnit::Metre,
             Self::Ft => ElevationUnit::Foot,
@@ -74,6 +74,9 @@ impl UnitArg {
         }
     }
 }
+
+/// Default of `--snap`.
+const SNAP: f64 = 0.01;
 
 /// A clean map with all that was noticed about it.
 pub struct Input {
@@ -91,6 +94,21 @@ impl InputArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         std::iter::once(&self.contours).chain(&self.points).map(PathBuf::as_path)
+    }
+
+    /// The first flag that says something about contours, if there is one; a run without contours must not pass over it.
+    pub fn about_contours(&self) -> Option<&'static str> {
+        let given = [
+            (self.elevation_field.is_some(), "--elevation-field"),
+            (self.layer.is_some(), "--layer"),
+            (self.unit != UnitArg::M, "--unit"),
+            (self.crs.is_some(), "--crs"),
+            (self.work_crs.is_some(), "--work-crs"),
+            (self.snap != SNAP, "--snap"),
+            (self.fit.is_some(), "--fit"),
+            (self.sample.is_some(), "--sample"),
+        ];
+        first_given(&given)
     }
 
     /// Reads and cleans the map.
@@ -188,6 +206,11 @@ impl InputArgs {
         }
         console.say(&format!("crs        {}", plane::describe(map, console.places())));
     }
+}
+
+/// The name of the first flag that is given.
+pub fn first_given(flags: &[(bool, &'static str)]) -> Option<&'static str> {
+    flags.iter().find(|(is_given, _)| *is_given).map(|(_, flag)| *flag)
 }
 
 fn describe_fit(fitted: &Fitted, console: &Console) {

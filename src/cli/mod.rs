@@ -122,7 +122,11 @@ pub fn main() -> ExitCode {
             let mut text = error.to_string();
             let mut cause = std::error::Error::source(&error);
             while let Some(inner) = cause {
-                text.push_str(&format!(": {inner}"));
+                // Some libraries say the words of their cause themselves.
+                let told = inner.to_string();
+                if !text.ends_with(&told) {
+                    text.push_str(&format!(": {told}"));
+                }
                 cause = inner.source();
             }
             console::error(&text);

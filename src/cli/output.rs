@@ -16,6 +16,7 @@ use tokosen::tin::{Frame, FrameRing, frame_ring};
 
 use super::Failure;
 use super::console::Console;
+use super::input::first_given;
 
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
@@ -30,6 +31,13 @@ pub struct GridArgs {
     /// reference system
     #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,
+}
+
+/// A height map that is written: where its cells are, and how they are kept.
+#[derive(Debug, Clone, Args)]
+pub struct HeightMapArgs {
+    #[command(flatten)]
+    pub grid: GridArgs,
     /// How a .png keeps heights
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
@@ -93,7 +101,17 @@ const BYTES_A_CELL: f64 = 12.0;
 impl GridArgs {
     /// Whether a grid is asked for.
     pub fn is_given(&self) -> bool {
-        self.cell.is_some() || self.cell_degrees.is_some() || self.like.is_some()
+        self.given().is_some()
+    }
+
+    /// The flag that asks for a grid.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.cell.is_some(), "--cell"),
+            (self.cell_degrees.is_some(), "--cell-degrees"),
+            (self.like.is_some(), "--like"),
+        ];
+        first_given(&given)
     }
 
     /// Checks what can be checked before anything is read.
@@ -108,15 +126,6 @@ impl GridArgs {
             }
         }
         Ok(())
-    }
-
-    /// How to write the height map.
-    fn raster(&self) -> RasterParams {
-        let png = match self.png_encoding {
-            PngArg::Gray16 => PngEncoding::Gray16,
-            PngArg::Gsi => PngEncoding::Gsi,
-        };
-        RasterParams { png, ..RasterParams::default() }
     }
 
     /// The grid that is asked for; reads that of `--like`.
@@ -142,6 +151,22 @@ impl GridArgs {
         };
         let way = Transform::between(&crs, working)?;
         Ok(GridChoice::Apart(Cells::Size(size), Box::new(Apart { crs, way })))
+    }
+}
+
+impl HeightMapArgs {
+    /// The first flag that is given; a run without a height map must not pass over it.
+    pub fn given(&self) -> Option<&'static str> {
+        self.grid.given().or((self.png_encoding != PngArg::Gray16).then_some("--png-encoding"))
+    }
+
+    /// How to write the height map.
+    fn raster(&self) -> RasterParams {
+        let png = match self.png_encoding {
+            PngArg::Gray16 => PngEncoding::Gray16,
+            PngArg::Gsi => PngEncoding::Gsi,
+        };
+        RasterParams { png, ..RasterParams::default() }
     }
 }
 
@@ -225,12 +250,14 @@ pub fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
 pub struct DemOutput {
     pub staged: StagedOutput,
     pub choice: GridChoice,
+    /// The raster whose cells they are, if there is one.
+    like: Option<PathBuf>,
     raster: RasterParams,
 }
 
 /// Opens the file of a height map.
-pub fn open_dem(path: &Path, grid: &GridArgs) -> Result<StagedOutput, Failure> {
-    if grid.png_encoding == PngArg::Gsi && extension(path) != "png" {
+pub fn open_dem(path: &Path, wanted: &HeightMapArgs) -> Result<StagedOutput, Failure> {
+    if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
         let message = format!("{}: --png-encoding is about height maps in .png", path.display());
         return Err(Failure::Usage(message));
     }
@@ -257,13 +284,19 @@ pub fn extension(path: &Path) -> String {
 
 impl DemOutput {
     /// A height map of the grid that is asked for, over contours whose places are these.
-    pub fn new(staged: StagedOutput, grid: &GridArgs, places: &Places) -> Result<Self, Failure> {
-        Ok(Self { choice: grid.choice(places)?, staged, raster: grid.raster() })
+    pub fn new(staged: StagedOutput, wanted: &HeightMapArgs, places: &Places) -> Result<Self, Failure> {
+        let grid = &wanted.grid;
+        Ok(Self { choice: grid.choice(places)?, like: grid.like.clone(), staged, raster: wanted.raster() })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
     pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
         let dem = self.choice.heights(surface, console)?;
+        if let Some(like) = self.like.as_deref().filter(|_| dem.values.iter().all(|height| height.is_nan())) {
+            let message = "none of its cells lies on the ground of the contours: do they overlap, and are the coordinate \
+                           reference systems those that the files name?";
+            return Err(Failure::Work(Error::file(like, message)));
+        }
         let written = console.step("writing", || write_raster(&self.staged.path(), &dem, &self.raster));
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)

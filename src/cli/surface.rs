@@ -11,7 +11,7 @@ use tokosen::tin::Frame;
 
 use super::Failure;
 use super::console::Console;
-use super::input::Input;
+use super::input::{Input, first_given};
 use super::output::GridChoice;
 use super::water::WaterArgs;
 use super::{plane, summary};
@@ -27,7 +27,7 @@ pub struct SurfaceArgs {
     #[command(flatten)]
     pub water: WaterArgs,
     /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true)]
     pub resolution: f64,
     /// Tension of the smooth surface: 0 bends least, 10 and more is near the one with ridge and canyon lines. Chosen from
     /// the contours if not given
@@ -38,6 +38,9 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub noise: Option<f64>,
 }
+
+/// Default of `--resolution`.
+const RESOLUTION: f64 = 1.0;
 
 /// Where the ground ends.
 #[derive(Debug, Clone, Args)]
@@ -72,6 +75,20 @@ impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.frame.file().into_iter().chain(self.water.file())
+    }
+
+    /// The first flag that is given; a run without contours makes no surface and must not pass over it.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.surface != KindArg::Spline, "--surface"),
+            (self.frame.frame != "hull", "--frame"),
+            (self.water.water.is_some(), "--water"),
+            (self.water.sea.is_some(), "--sea"),
+            (self.resolution != RESOLUTION, "--resolution"),
+            (self.tension.is_some(), "--tension"),
+            (self.noise.is_some(), "--noise"),
+        ];
+        first_given(&given)
     }
 
     /// The library's parameters; reads the boundary polygon and the lakes if there are any, and adds what was

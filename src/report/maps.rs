@@ -1,5 +1,7 @@
 //! Pictures of height maps: hillshades and the map of differences, small enough for a page.
 
+use std::ops::Range;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
@@ -26,16 +28,58 @@ pub(super) fn reduction(grid: &Grid) -> usize {
     grid.cols.max(grid.rows).div_ceil(LONGEST).max(1)
 }
 
-/// The mean of the heights in blocks of cells, so that no side has more than [`LONGEST`] of them.
-pub(super) fn reduced(dem: &Dem) -> Dem {
-    let Grid { corner, cell, cols, rows } = dem.grid;
-    let step = reduction(&dem.grid);
+/// The columns and rows of a grid that are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Window {
+    pub cols: Range<usize>,
+    pub rows: Range<usize>,
+}
+
+/// What is shown around cells with data, as a share of the longer side of the box around them.
+const MARGIN: f64 = 0.05;
+
+impl Window {
+    /// The box around the cells with data, with a margin: a small map in a large one would be a spot in its pictures.
+    pub fn around_data(dem: &Dem) -> Self {
+        let Grid { cols, rows, .. } = dem.grid;
+        let row_box = |row: usize| {
+            let values = &dem.values[row * cols..(row + 1) * cols];
+            let first = values.iter().position(|v| v.is_finite())?;
+            Some((first, values.iter().rposition(|v| v.is_finite())?, row, row))
+        };
+        let union = |a: (usize, usize, usize, usize), b: (usize, usize, usize, usize)| {
+            (a.0.min(b.0), a.1.max(b.1), a.2.min(b.2), a.3.max(b.3))
+        };
+        let found = (0..rows).into_par_iter().filter_map(row_box).reduce_with(union);
+        let Some((west, east, north, south)) = found else { return Self { cols: 0..cols, rows: 0..rows } };
+        let margin = (MARGIN * (east - west + 1).max(south - north + 1) as f64).ceil() as usize;
+        let with_margin =
+            |low: usize, high: usize, count: usize| low.saturating_sub(margin)..(high + margin + 1).min(count);
+        Self { cols: with_margin(west, east, cols), rows: with_margin(north, south, rows) }
+    }
+
+    /// Its cells.
+    pub fn of(&self, grid: &Grid) -> Grid {
+        let corner = grid.corner + DVec2::new(self.cols.start as f64, -(self.rows.start as f64)) * grid.cell;
+        Grid { corner, cell: grid.cell, cols: self.cols.len(), rows: self.rows.len() }
+    }
+}
+
+/// The mean of the heights in blocks of cells of a window, so that no side has more than [`LONGEST`] of them.
+pub(super) fn reduced(dem: &Dem, window: &Window) -> Dem {
+    let shown = window.of(&dem.grid);
+    let Grid { corner, cell, cols, rows } = shown;
+    let step = reduction(&shown);
+    let cell_row = |row: usize| {
+        let start = (row + window.rows.start) * dem.grid.cols + window.cols.start;
+        &dem.values[start..start + cols]
+    };
     let grid = Grid { corner, cell: cell * step as f64, cols: cols.div_ceil(step), rows: rows.div_ceil(step) };
     let mean = |i: usize| {
         let (col, row) = (i % grid.cols * step, i / grid.cols * step);
         let (mut sum, mut count) = (0.0, 0.0);
         for r in row..(row + step).min(rows) {
-            for value in &dem.values[r * cols + col..r * cols + (col + step).min(cols)] {
+            for value in &cell_row(r)[col..(col + step).min(cols)] {
                 if value.is_finite() {
                     sum += f64::from(*value);
                     count += 1.0;
@@ -101,9 +145,27 @@ mod tests {
         let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 1501, rows: 3 };
         let mut values: Vec<f32> = (0..grid.len()).map(|i| (i % 1501) as f32).collect();
         values[0] = f32::NAN;
-        let small = reduced(&Dem { grid, values, crs: None });
+        let dem = Dem { grid, values, crs: None };
+        let small = reduced(&dem, &Window { cols: 0..1501, rows: 0..3 });
         assert_eq!((small.grid.cols, small.grid.rows, small.grid.cell), (751, 2, DVec2::splat(2.0)));
         assert_eq!((small.values[0], small.values[1], small.values[750]), (2.0 / 3.0, 2.5, 1500.0));
+    }
+
+    #[test]
+    fn pictures_are_of_the_cells_with_data() {
+        let grid = Grid { corner: DVec2::new(100.0, 50.0), cell: DVec2::new(2.0, 3.0), cols: 40, rows: 30 };
+        let inside = |i: usize| (10..30).contains(&(i % 40)) && (28..30).contains(&(i / 40));
+        let values = (0..grid.len()).map(|i| if inside(i) { i as f32 } else { f32::NAN }).collect();
+        let dem = Dem { grid, values, crs: None };
+        // A cell of margin around 20 x 2 cells, and none beyond the last row.
+        let window = Window::around_data(&dem);
+        assert_eq!(window, Window { cols: 9..31, rows: 27..30 });
+        let small = reduced(&dem, &window);
+        assert_eq!(small.grid, Grid { corner: DVec2::new(118.0, -31.0), cols: 22, rows: 3, ..grid });
+        assert_eq!((small.values[23], small.values[42]), ((28 * 40 + 10) as f32, (28 * 40 + 29) as f32));
+        assert!(small.values[22].is_nan() && small.values[..22].iter().all(|v| v.is_nan()));
+        let empty = Dem { values: vec![f32::NAN; grid.len()], ..dem };
+        assert_eq!(Window::around_data(&empty), Window { cols: 0..40, rows: 0..30 });
     }
 
     #[test]

@@ -4,7 +4,7 @@ use glam::DVec2;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::charts;
-use super::maps;
+use super::maps::{self, Window};
 use super::profile::{self, Profile};
 use super::table::{Row, decimals_for, groups, number, thousands};
 use super::words::{HeightSource, remarks};
@@ -43,10 +43,11 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let &ComparisonPage { a_name, b_name, sources, notes, a, b, found, metres_per_unit } = page;
     let d = difference(a, b);
     let profile = profile::profile(found, a, b, metres_per_unit);
-    let (small_a, small_b) = (maps::reduced(a), maps::reduced(b));
+    let window = Window::around_data(&d);
+    let (small_a, small_b) = (maps::reduced(a, &window), maps::reduced(b, &window));
     let limit = round_limit(&found.overall);
-    let map = maps::differences(&maps::reduced(&d), &small_b, limit, metres_per_unit)?;
-    let view = View::new(&b.grid, metres_per_unit);
+    let map = maps::differences(&maps::reduced(&d, &window), &small_b, limit, metres_per_unit)?;
+    let view = View::new(&window.of(&b.grid), metres_per_unit);
     let levels = match (&found.a.levels, &found.b.levels) {
         (None, None) => None,
         (a, b) => Some(charts::levels(a.as_ref(), b.as_ref())?),
@@ -86,6 +87,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                     figcaption {
                         "A − B over the relief of B: blue where A is lower, red where it is higher; grey: no data. "
                         "Circles: the extreme differences. Line: the profile below."
+                        @if view.grid.len() < b.grid.len() { " The pictures end where there is nothing to compare." }
                     }
                 }
                 h2 { "Both side by side" }

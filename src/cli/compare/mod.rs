@@ -9,7 +9,7 @@ use clap::Args;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
-use tokosen::contour::Interval;
+use tokosen::contour::{ElevationUnit, Interval};
 use tokosen::crs::Transform;
 use tokosen::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, difference, height_figures,
@@ -105,8 +105,18 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     let mut findings = Vec::new();
     let pair = side::read(args, contents, &mut findings, console)?;
-    let options = Options { sigma: args.sigma, interval: args.interval, points: args.input.points.as_deref() };
-    let found = measure(&pair, &options, &mut findings, console)?;
+    let options = Options {
+        sigma: args.sigma,
+        interval: args.interval,
+        points: args.input.points.as_deref(),
+        unit: args.input.unit.unit(),
+    };
+    let measured = measure(&pair, &options, &mut findings, console);
+    if measured.is_err() {
+        console.clear();
+        summary::findings(&side::told(&findings), console);
+    }
+    let found = measured?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
@@ -117,7 +127,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         draw(staged, &pair, &found, console)?;
     }
 
-    summary::findings(&findings, console);
+    summary::findings(&side::told(&findings), console);
     if args.json {
         let json = Json {
             sources: [&pair.a.source, &pair.b.source],
@@ -155,6 +165,8 @@ pub struct Options<'a> {
     pub interval: Option<f64>,
     /// A file of check points.
     pub points: Option<&'a Path>,
+    /// Unit of their heights.
+    pub unit: ElevationUnit,
 }
 
 /// All figures of a comparison.
@@ -181,7 +193,7 @@ pub fn measure(
     let params =
         CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
     let compared = console.step("comparing", || compare(a, b, &params));
-    let mut found = summary::or_tell(compared, findings, console)?;
+    let mut found = compared?;
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         // A height map that was interpolated has lost its decimals, and some of its terraces.
         if let Kind::Dem(dem) = &side.kind
@@ -192,7 +204,8 @@ pub fn measure(
     }
     found.bands = bands(pair, console)?;
     if let Some(path) = options.points {
-        let checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
+        let mut checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
+        checks.points.iter_mut().for_each(|point| point.z = options.unit.metres(point.z));
         for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
             figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
         }
@@ -229,6 +242,14 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
+        }
+    }
+    if contents == [Content::HeightMap; 2] {
+        // Check points have a unit, too.
+        let about_contours =
+            args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.points.is_some()));
+        if let Some(flag) = about_contours.or_else(|| args.surface.given()) {
+            return Err(Failure::Usage(format!("{flag} is about contours, and both inputs are height maps")));
         }
     }
     if contents == [Content::Contours; 2] {

@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::Serialize;
 use tokosen::crs::{Crs, Transform};
 use tokosen::dem::compare::{height_at, heights_between};
-use tokosen::dem::{Dem, Grid};
+use tokosen::dem::{Dem, Grid, looks_like_degrees};
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::{DemFile, read_dem};
 use tokosen::io::{Content, SpotHeights};
@@ -76,33 +76,57 @@ pub fn read(
 ) -> Result<Pair, Failure> {
     let (path_a, path_b) = (&args.input.contours, &args.b);
     // Height maps come first: the surface is drawn for their cells.
-    let mut dem = |path: &Path, content: Content| -> Result<Option<Side>, Failure> {
+    let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         if content == Content::Contours {
             return Ok(None);
         }
         Side::of_height_map(path, findings, console).map(Some)
     };
-    let (dem_a, dem_b) = (dem(path_a, contents[0])?, dem(path_b, contents[1])?);
-    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::nodes);
-    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a));
+    let mut known = 0;
+    let mut label = |side: &str, findings: &mut Vec<Finding>| {
+        findings[known..].iter_mut().for_each(|finding| finding.message = format!("{side}: {}", finding.message));
+        known = findings.len();
+    };
+    let dem_a = dem(path_a, contents[0], findings)?;
+    label("A", findings);
+    let dem_b = dem(path_b, contents[1], findings)?;
+    label("B", findings);
+    let crs_of = |side: &Option<Side>| side.as_ref().and_then(Side::crs).cloned();
+    let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::nodes).map(|(grid, _)| grid);
+    // A height map that names no system is taken for one in that of the other side.
+    let crs = crs_of(&dem_b).or_else(|| crs_of(&dem_a));
+    let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a)).map(|grid| (grid, crs));
     let b = match dem_b {
         Some(side) => side,
         None => side_of_contours(args, path_b, &mut nodes, findings, console)?,
     };
+    label("B", findings);
     let a = match dem_a {
         Some(side) => side,
         None => side_of_contours(args, path_a, &mut nodes, findings, console)?,
     };
+    label("A", findings);
     let Some((grid, crs)) = nodes else {
         return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
     };
+    if looks_like_degrees(&grid, crs.as_ref()) {
+        let message = "the coordinates look like degrees, and neither A nor B says so; name the system first, for example \
+                       with 'gdal_translate -a_srs EPSG:6668'";
+        return Err(Failure::Work(Error::file(path_b, message)));
+    }
     Pair::on(a, b, (grid, crs), console)
 }
 
 impl Pair {
     /// Both at the cells of a grid in some system.
     pub fn on(a: Side, b: Side, (grid, crs): Nodes, console: &Console) -> Result<Self, Failure> {
-        let notes = vec![note(&a, &b, &grid)];
+        let mut notes = vec![note(&a, &b, &grid)];
+        if let Some(name) = crs.as_ref().and_then(Crs::name) {
+            let nameless = [("A", &a), ("B", &b)].into_iter().filter(|(_, side)| side.crs().is_none());
+            notes.extend(nameless.map(|(letter, _)| {
+                format!("{letter} names no coordinate reference system: it is taken to be in {name}.")
+            }));
+        }
         let a_heights = a.on(&grid, crs.as_ref(), console)?;
         let b_heights = b.on(&grid, crs.as_ref(), console)?;
         Ok(Self { a, b, a_heights, b_heights, notes })
@@ -125,6 +149,19 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
             "A is on another grid: it is interpolated (bilinear) at the cell centres of B, which stays as it is.".into()
         }
     }
+}
+
+/// Findings as they are told, with places in the coordinates of their file.
+pub fn told(findings: &[Finding]) -> Vec<Finding> {
+    let told = |finding: &Finding| match finding.place {
+        Some(p) => {
+            // Seven decimals of what may be degrees are a centimetre.
+            let decimals = if p.x.abs() <= 360.0 && p.y.abs() <= 90.0 { 7 } else { 3 };
+            Finding::general(finding.kind, format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y))
+        }
+        None => finding.clone(),
+    };
+    findings.iter().map(told).collect()
 }
 
 /// The way from one system to another; none if a place is the same in both, or if one of them is not known.
@@ -248,6 +285,9 @@ fn side_of_contours(
     let reading = InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
     let mut input = reading.read(console)?;
     let working = input.map.crs.clone();
+    if let Some((_, crs @ None)) = nodes {
+        *crs = input.places.input_crs().cloned();
+    }
     let choice = match nodes {
         Some((grid, crs)) => way(path, crs.as_ref(), working.as_ref())?.is_none().then_some(GridChoice::Like(*grid)),
         None => Some(args.grid.choice(&input.places)?),
@@ -256,6 +296,10 @@ fn side_of_contours(
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     reading.check_strict(&input.findings, console)?;
+    // Each side may have been worked on in a plane of its own.
+    for finding in &mut input.findings {
+        finding.place = finding.place.and_then(|p| input.places.in_input(p));
+    }
     findings.append(&mut input.findings);
     if let (None, Some(choice)) = (&nodes, &choice) {
         *nodes = Some((grid_for(choice, &surface)?, choice.crs(working.as_ref()).cloned()));

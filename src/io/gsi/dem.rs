@@ -104,6 +104,9 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
 /// Refuses other kinds of XML.
 pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
     if xml.depth() == 1 && xml.name() != ROOT {
+        if !xml.name().chars().all(|c| c.is_alphanumeric() || "-_.:".contains(c)) {
+            return Err(Error::file(xml.path(), "is no XML document, whatever its extension says"));
+        }
         let message = format!("its root element is {:?}, that of 基盤地図情報 is {ROOT:?}", xml.name());
         return Err(xml.error(message));
     }
