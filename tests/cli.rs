@@ -804,5 +804,5 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let rings = [ring(0.0, 90.0), ring(10.0, 60.0), ring(20.0, 30.0)].join(",");
     folder.put("few.geojson", format!("{{\"type\":\"FeatureCollection\",{crs},\"features\":[{rings}]}}"));
     let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif");
-    assert!(few.contains("tension    3.00, the usual one: there are too few levels"), "{few}");
+    assert!(few.contains("tension    3.50, the usual one: there are too few levels"), "{few}");
 }
