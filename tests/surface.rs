@@ -162,5 +162,5 @@ fn few_levels_do_not_choose() {
     let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();
     assert_eq!((chosen.reason, chosen.hidden, chosen.implied), (Reason::FellBack, None, None));
-    assert_eq!(chosen.knobs.tension, 3.0);
+    assert_eq!(chosen.knobs.tension, 3.5);
 }
