@@ -17,8 +17,7 @@ Checks of each layer that has the attributes elev and source:
   same level   interpolated lines of one level do not cross (their ends may touch)
   z            the z of every vertex is the line's elev
   ends         interpolated lines end on the frame (--frame, else the convex hull of the input's vertices) or at
-               a vertex of an input line of the same elevation: they go on from an open end, or meet the line where
-               contours are missing between it and others
+               a vertex of an open input line of the same elevation, where they go on from it
   closed       the attribute closed says whether the line repeats its first point
   turning      closed lines run clockwise, and counterclockwise where the attribute depression is set, which is
                set on closed lines only
@@ -385,17 +384,18 @@ def heights(lines):
 
 
 def ends(lines, inp, frame, tolerance):
-    """Ends of interpolated open lines that are neither on the frame nor at a vertex of an input line of their level."""
+    """Ends of interpolated open lines that are neither on the frame nor on an open input line of their level."""
     open_new = np.flatnonzero((lines.fields["source"] == "interpolated") & ~lines.closed())
     vertex = np.concatenate([lines.start[open_new], lines.start[open_new + 1] - 1])
     level = np.tile(lines.elev[open_new], 2)
     points = shapely.points(lines.xy[vertex])
     off = np.flatnonzero(shapely.distance(points, shapely.boundary(frame)) > tolerance)
     if len(off):
-        input_level = np.repeat(inp.elev, inp.sizes())
-        tree = shapely.STRtree(shapely.points(inp.xy))
+        stop = np.flatnonzero(np.repeat(~inp.closed(), inp.sizes()))
+        stop_level = np.repeat(inp.elev, inp.sizes())[stop]
+        tree = shapely.STRtree(shapely.points(inp.xy[stop]))
         n, m = tree.query(points[off], predicate="dwithin", distance=tolerance)
-        joined = n[input_level[m] == level[off[n]]]
+        joined = n[stop_level[m] == level[off[n]]]
         off = np.delete(off, np.unique(joined))
     return [f"an interpolated line of level {level[k]:g} ends at {place(lines.xy[vertex[k]])}" for k in off], len(vertex)
 
