@@ -11,6 +11,7 @@
 //! |---|---|---|
 //! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
 //! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
+//! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
 //! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`contour::fit`](fn@contour::fit) | a clean map | a [`Fitted`](contour::Fitted) one: smooth lines within a tolerance |
 //! | [`contour::sample`](fn@contour::sample) | a clean map | a [`Sampled`](contour::Sampled) one: vertices as dense as the contours around ask |
@@ -76,6 +77,7 @@
 //! # }
 //! ```
 
+pub mod check;
 pub mod contour;
 pub mod crs;
 pub mod dem;

@@ -2,31 +2,23 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
+mod common;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use rusqlite::Connection;
-use tempfile::TempDir;
+
+use common::Folder;
 
 /// Done, the input or the work failed, wrong usage.
 const DONE: i32 = 0;
 const FAILED: i32 = 1;
 const USAGE: i32 = 2;
 
-/// A folder with what a test reads and writes.
-struct Folder(TempDir);
-
 impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     fn put(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
         fs::write(self.path(name), content).unwrap();
         self
@@ -175,7 +167,7 @@ fn files_that_hold_no_contours() {
         ("empty.geojson", "the file is empty"),
         ("empty.gpkg", "the file is empty"),
         ("empty.shp", "the file is empty"),
-        ("noise.geojson", "not JSON"),
+        ("noise.geojson", "is no text"),
         ("noise.gpkg", "not a GeoPackage"),
         ("noise.shp", "not a shapefile"),
         ("picture.gpkg", "not a GeoPackage"),
@@ -207,7 +199,10 @@ fn what_was_left_out_is_told_even_when_the_work_fails() {
     let output = folder.run("densify half.geojson -i 2 -o out.gpkg");
     assert_eq!(output.status.code(), Some(FAILED));
     let text = stderr(&output);
-    assert!(text.contains("features left out: 1") && text.contains("one contour line only"), "{text}");
+    assert!(
+        text.contains("features without an elevation left out: 1") && text.contains("one contour line only"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -247,7 +242,7 @@ fn elevations_that_are_none() {
     folder.put("some.geojson", contours(&[("10", ring(60.0)), ("\"NaN\"", ring(50.0)), ("20", ring(40.0))]));
     let (_, notes) = folder.succeeds("densify some.geojson -i 5 -o some_5m.geojson");
     assert!(
-        notes.contains("features left out: 1\n    line 1 left out: its field \"elev\" is NaN at 950.000 1950.000"),
+        notes.contains("features without an elevation left out: 1\n    line 1 left out: its field \"elev\" is NaN at 950.000 1950.000"),
         "{notes}"
     );
 }
@@ -805,4 +800,35 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     folder.put("few.geojson", format!("{{\"type\":\"FeatureCollection\",{crs},\"features\":[{rings}]}}"));
     let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif");
     assert!(few.contains("tension    3.50, the usual one: there are too few levels"), "{few}");
+}
+
+#[test]
+fn uncertainty_is_written_where_there_is_room_for_it() {
+    let folder = with_hill();
+    for name in ["dem.asc", "dem.png", "dem.xyz"] {
+        folder.fails(&format!("dem hill.geojson --cell 5 --uncertainty -o {name}"), USAGE, &["--uncertainty", ".tif"]);
+    }
+    let plain = "densify hill.geojson -i 5 -o plain.geojson";
+    folder.succeeds(plain);
+    let (told, _) = folder.succeeds("densify hill.geojson -i 5 --uncertainty -o lines.geojson --preview look.png");
+    assert!(told.contains("usual terrain"), "{told}");
+    let read =
+        |name: &str| -> serde_json::Value { serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap() };
+    assert!(read("plain.geojson")["features"][0]["properties"].get("err_v").is_none());
+    let (lines, mut new) = (read("lines.geojson"), 0);
+    for feature in lines["features"].as_array().unwrap() {
+        let of = |name: &str| &feature["properties"][name];
+        let errors = [of("err_v"), of("err_h")].map(|error| error.as_f64().unwrap());
+        if of("source") == "input" {
+            assert!(errors == [0.0; 2] && of("inferred") == false, "{feature}");
+        } else {
+            assert!(errors.iter().all(|error| *error > 0.0), "{feature}");
+            assert_eq!(of("inferred").as_bool(), Some(of("elev").as_f64().unwrap() > 30.0), "{feature}");
+            new += 1;
+        }
+    }
+    assert!(new > 1);
+    folder.succeeds("dem hill.geojson --cell 5 --uncertainty -o dem.tif");
+    let errors = tokosen::io::raster::read_standard_errors(&folder.path("dem.tif")).unwrap().unwrap();
+    assert!(errors.values.iter().any(|error| *error > 0.0));
 }

@@ -2,26 +2,19 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
-use tempfile::TempDir;
 use tokosen::io::raster::read_dem;
 
-struct Folder(TempDir);
+use common::Folder;
 
 impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     /// Writes an ESRI ASCII grid with its north-west corner at (1000, 2000 + 10 * rows).
     fn put_grid(&self, name: &str, west: f64, size: [usize; 2], height: impl Fn(usize, usize) -> f64) -> &Self {
         let [cols, rows] = size;

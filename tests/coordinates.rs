@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
+mod common;
+
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use geo::{BoundingRect, Coord, MapCoords};
 use glam::DVec2;
-use tempfile::TempDir;
 use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourLine, ContourMap, Source, clean};
 use tokosen::crs::{Crs, Transform};
 use tokosen::dem::Grid;
@@ -16,18 +17,9 @@ use tokosen::io::raster::read_grid;
 use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, write_contours};
 use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
 
-/// A folder with what a test reads and writes.
-struct Folder(TempDir);
+use common::Folder;
 
 impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     /// Writes a map's lines, in the order and with the vertices they have.
     fn put(&self, name: &str, map: &ContourMap) {
         let line = |c: &Contour| ContourLine {
@@ -36,9 +28,10 @@ impl Folder {
             source: Source::Input,
             index: false,
             depression: false,
+            expected: None,
         };
         let lines = map.contours.iter().map(line).collect();
-        let layer = ContourLayer { name: "contours".into(), lines, beads: 0 };
+        let layer = ContourLayer { name: "contours".into(), lines, beads: 0, stubs: 0 };
         let staged = StagedOutput::create(&self.path(name)).unwrap();
         write_contours(&staged, &[layer], map.crs.as_ref()).unwrap();
         staged.commit().unwrap();

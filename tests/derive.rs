@@ -2,27 +2,19 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
+mod common;
+
 use std::fs;
-use std::path::PathBuf;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use glam::DVec2;
-use tempfile::TempDir;
 use tokosen::crs::Crs;
 use tokosen::dem::{Dem, Grid};
 use tokosen::io::raster::{read_dem, write_dem};
 
-struct Folder(TempDir);
+use common::Folder;
 
 impl Folder {
-    fn new() -> Self {
-        Self(TempDir::new().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     /// Runs the program; gives its exit status and all it says.
     fn run(&self, arguments: &str) -> (Option<i32>, String) {
         let mut command = cargo_bin_cmd!("tokosen");

@@ -448,7 +448,7 @@ fn contours_and_spot_heights_come_with_east_first() {
     assert!(map.contours[1].is_closed());
     assert_eq!(map.depressions, [(1, true)].into());
     assert_eq!(map.spots, [DVec3::new(137.655, 36.355, 131.2), DVec3::new(137.65, 36.35, 120.0)]);
-    assert_eq!(kinds(&report), [FindingKind::SkippedFeature]);
+    assert_eq!(kinds(&report), [FindingKind::MissingElevation]);
     assert!(report.findings[0].message.contains("line 2"), "{:?}", report.findings);
 
     let spots = read_spot_heights(folder.path(), &ReadOptions::default()).unwrap().value;

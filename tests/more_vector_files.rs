@@ -49,14 +49,21 @@ fn lines() -> Vec<ContourLine> {
             points.push(points[0]);
         }
         let source = if i.is_multiple_of(2) { Source::Input } else { Source::Interpolated };
-        ContourLine { elevation: (i % 24) as f64 * 0.1, points, source, index: i.is_multiple_of(5), depression: false }
+        ContourLine {
+            elevation: (i % 24) as f64 * 0.1,
+            points,
+            source,
+            index: i.is_multiple_of(5),
+            depression: false,
+            expected: None,
+        }
     };
     (0..300).map(line).collect()
 }
 
 fn write_lines(path: &Path, lines: Vec<ContourLine>) {
     let staged = StagedOutput::create(path).unwrap();
-    let layer = ContourLayer { name: "contours_5m".to_owned(), lines, beads: 0 };
+    let layer = ContourLayer { name: "contours_5m".to_owned(), lines, beads: 0, stubs: 0 };
     write_contours(&staged, &[layer], Some(&Crs::from_epsg(6677))).unwrap();
     staged.commit().unwrap();
 }

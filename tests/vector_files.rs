@@ -32,14 +32,35 @@ fn nasty_lines() -> Vec<ContourLine> {
     };
     let many = (0..5000).map(|_| DVec2::new(any(), any())).collect();
     vec![
-        ContourLine { elevation: 0.1 + 0.2, points, source: Source::Input, index: true, depression: false },
-        ContourLine { elevation: 1.0 / 3.0, points: many, source: Source::Input, index: false, depression: false },
-        ContourLine { elevation: -412.5, points: ring, source: Source::Interpolated, index: false, depression: true },
+        ContourLine {
+            elevation: 0.1 + 0.2,
+            points,
+            source: Source::Input,
+            index: true,
+            depression: false,
+            expected: None,
+        },
+        ContourLine {
+            elevation: 1.0 / 3.0,
+            points: many,
+            source: Source::Input,
+            index: false,
+            depression: false,
+            expected: None,
+        },
+        ContourLine {
+            elevation: -412.5,
+            points: ring,
+            source: Source::Interpolated,
+            index: false,
+            depression: true,
+            expected: None,
+        },
     ]
 }
 
 fn layer(name: &str, lines: Vec<ContourLine>) -> ContourLayer {
-    ContourLayer { name: name.to_owned(), lines, beads: 0 }
+    ContourLayer { name: name.to_owned(), lines, beads: 0, stubs: 0 }
 }
 
 fn write(path: &Path, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
@@ -187,7 +208,7 @@ fn layers_without_lines_and_odd_names_can_be_written() {
 #[test]
 fn lines_that_no_format_can_hold_are_refused() {
     let line = |points: Vec<DVec2>, elevation| {
-        vec![ContourLine { elevation, points, source: Source::Input, index: false, depression: false }]
+        vec![ContourLine { elevation, points, source: Source::Input, index: false, depression: false, expected: None }]
     };
     for format in FORMATS {
         let dir = tempfile::tempdir().unwrap();
@@ -410,6 +431,20 @@ fn broken_geopackages_are_told_apart() {
     }
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     read_error(&path);
+}
+
+#[test]
+fn column_names_that_are_no_utf8_are_read() {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("lines.gpkg");
+    write(&path, &[layer("contours_10m", nasty_lines())], None).unwrap();
+    let count = read(&path).value.contours.len();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let column = b"\"source\" TEXT";
+    let at = bytes.windows(column.len()).position(|w| w == column).unwrap();
+    bytes[at + 1] = 0xff;
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(read(&path).value.contours.len(), count);
 }
 
 /// A `.dbf` of one field and one record a value.

@@ -39,13 +39,14 @@ Examples:
   tokosen dem contours.gpkg --cell 10 -o dem.tif
   tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
+  tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.height_map.grid.check()?;
     let inputs: Vec<&Path> =
-        args.input.files().chain(args.height_map.grid.like.as_deref()).chain(args.surface.files()).collect();
+        args.input.map.files().chain(args.height_map.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open_dem(&args.output, &args.height_map)?;
@@ -53,10 +54,11 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let output = DemOutput::new(staged, &args.height_map, &input.places)?;
-    let params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
+    let mut params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
+    params.uncertainty = args.height_map.uncertainty();
     output.choice.check_room(&input.map, &params.frame)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
-    args.input.check_strict(&input.findings, console)?;
+    args.input.map.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;
     if let Some(picture) = &picture {
         let params = LayerParams { targets: vec![Target::Levels(Vec::new())], index_every: 5 };
@@ -65,7 +67,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&input.findings, console);
-    args.input.describe(&surface.map, console);
+    args.input.map.describe(&surface.map, console);
     summary::surface(&surface, console);
     let path = output.staged.target().to_owned();
     output.staged.commit()?;

@@ -24,7 +24,9 @@ use super::{Failure, summary};
 ///
 /// All contours of the input come out unchanged, vertex for vertex, with new lines between them. Each line has the
 /// attributes elev, source (input or interpolated), is_index, depression (lower inside) and closed; higher ground is on
-/// the right of its direction. A DXF tells source and index contours by its layers (CONTOUR-INPUT-INDEX), and neither the
+/// the right of its direction. With --uncertainty also err_v and err_h (expected error of its height and of its course,
+/// metres and units of the working CRS) and inferred (the input hardly tells what lies there: a top, a pit, a wide flat,
+/// the strip along the frame). A DXF tells source and index contours by its layers (CONTOUR-INPUT-INDEX), and neither the
 /// other attributes nor the coordinate reference system.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -87,6 +89,7 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg
   tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
+  tokosen densify contours.gpkg -i 2 --uncertainty -o contours_2m.gpkg --preview look.png
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
   tokosen densify feet.gpkg --unit ft -i 5 -o dense.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
@@ -107,7 +110,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
     let others = [&args.height_map.grid.like, &args.compare].into_iter().flatten().map(PathBuf::as_path);
-    let inputs: Vec<&Path> = args.input.files().chain(others).chain(args.surface.files()).collect();
+    let inputs: Vec<&Path> = args.input.map.files().chain(others).chain(args.surface.files()).collect();
     let others = [&args.dem, &args.report, &args.preview].into_iter().flatten();
     let outputs: Vec<&Path> = files.iter().chain(others).map(PathBuf::as_path).collect();
     output::check_paths(&inputs, &outputs)?;
@@ -135,14 +138,15 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     input.findings.append(&mut findings);
     let back = args.to_crs.way(&input.places)?;
     let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.height_map, &input.places)).transpose()?;
-    let params =
+    let mut params =
         args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
+    params.uncertainty = args.height_map.uncertainty();
     if let Some(output) = &dem_output {
         output.choice.check_room(&input.map, &params.frame)?;
     }
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
-    args.input.check_strict(&input.findings, console)?;
+    args.input.map.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
     let written = console.step("writing", || {
         let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
@@ -157,7 +161,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&input.findings, console);
-    args.input.describe(&surface.map, console);
+    args.input.map.describe(&surface.map, console);
     summary::surface(&surface, console);
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
@@ -171,7 +175,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     preview::commit(picture, console)?;
     if let Some((reference, nodes)) = reference.and_then(|side| side.nodes().map(|nodes| (side, nodes))) {
         console.say("");
-        let side = Side::of_surface(&args.input.contours, crs, args.surface.surface, surface);
+        let side = Side::of_surface(&args.input.map.contours, crs, args.surface.surface, surface);
         let pair = Pair::on(side, reference, nodes, console)?;
         let found = measure(&pair, &Options::default(), &mut input.findings, console)?;
         if let Some(page) = page {
@@ -213,9 +217,15 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
         0 => String::new(),
         n => format!("; {n} rings around single computed points left out"),
     };
+    let stubs = match layer.stubs {
+        0 => String::new(),
+        n => format!(
+            "; {n} lines left out that ran into a contour of their own level, where contours are missing around it"
+        ),
+    };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(
-        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{beads})",
+        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{beads}{stubs})",
         layer.name,
         layer.lines.len() - new
     ));

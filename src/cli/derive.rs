@@ -108,7 +108,7 @@ enum Source {
 
 /// Runs the verb.
 pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
-    let is_raster = content(&args.input.contours)? == Content::HeightMap;
+    let is_raster = content(&args.input.map.contours)? == Content::HeightMap;
     args.check(is_raster)?;
     let outputs = args.open()?;
     let Ground { dem, source, findings } =
@@ -116,13 +116,13 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     if looks_like_degrees(&dem.grid, dem.crs.as_ref()) {
         let message = "the coordinates look like degrees, and the height map does not say so; name its system first, for \
                        example with 'gdal_translate -a_srs EPSG:6668'";
-        return Err(Failure::Work(Error::file(&args.input.contours, message)));
+        return Err(Failure::Work(Error::file(&args.input.map.contours, message)));
     }
     if dem.values.iter().all(|height| height.is_nan()) {
-        return Err(Failure::Work(Error::file(&args.input.contours, "has no cell with a height")));
+        return Err(Failure::Work(Error::file(&args.input.map.contours, "has no cell with a height")));
     }
     // The strictness of contours is judged where they are read.
-    args.input.check_strict(&findings, console)?;
+    args.input.map.check_strict(&findings, console)?;
 
     let scale = GroundScale::of(&dem);
     write(&outputs.slope, Quantity::Slope, || slope(&dem, &scale), console)?;
@@ -162,7 +162,7 @@ impl DeriveArgs {
             return Err(Failure::Usage("name what to write: --slope, --aspect, --hillshade or --steep FILE".into()));
         }
         let for_contours = (self.grid.given())
-            .or(self.input.points.as_ref().map(|_| "--points"))
+            .or(self.input.map.points.as_ref().map(|_| "--points"))
             .or_else(|| self.input.about_contours())
             .or_else(|| self.surface.given());
         if let Some(flag) = for_contours.filter(|_| is_raster) {
@@ -186,7 +186,7 @@ impl DeriveArgs {
             return Err(Failure::Usage(message));
         }
         let inputs: Vec<&Path> =
-            self.input.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
+            self.input.map.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
         output::check_paths(&inputs, &self.outputs().collect::<Vec<_>>())
     }
 
@@ -205,7 +205,7 @@ impl DeriveArgs {
     }
 
     fn read_raster(&self, console: &Console) -> Result<Ground, Failure> {
-        let path = &self.input.contours;
+        let path = &self.input.map.contours;
         let read = console.step("reading", || read_dem(path))?;
         let dem = read.value.dem;
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
@@ -221,7 +221,7 @@ impl DeriveArgs {
         let params = self.surface.params(&mut input, Some(&choice), Triangles::Guide)?;
         let surface = build_surface(input.map, &params, &mut input.findings, console)?;
         let dem = choice.heights(&surface, console)?;
-        self.input.describe(&surface.map, console);
+        self.input.map.describe(&surface.map, console);
         summary::surface(&surface, console);
         Ok(Ground { dem, source, findings: input.findings })
     }

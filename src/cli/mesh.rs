@@ -51,7 +51,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
             MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    let inputs: Vec<&Path> = args.input.files().chain(args.surface.files()).collect();
+    let inputs: Vec<&Path> = args.input.map.files().chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
@@ -60,7 +60,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.input.read(console)?;
     let params = args.surface.params(&mut input, None, Triangles::Smooth)?;
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
-    args.input.check_strict(&input.findings, console)?;
+    args.input.map.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
     if let Some(picture) = &picture {
@@ -68,7 +68,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&input.findings, console);
-    args.input.describe(&surface.map, console);
+    args.input.map.describe(&surface.map, console);
     summary::surface(&surface, console);
     let path = staged.target().to_owned();
     staged.commit()?;

@@ -2,17 +2,21 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod check;
 mod compare;
 mod console;
 mod dem;
 mod densify;
 mod derive;
 mod input;
+mod interrupt;
+mod map;
 mod mesh;
 mod output;
 mod plane;
 mod preview;
 mod regions;
+mod repair;
 mod skeleton;
 mod summary;
 mod surface;
@@ -44,6 +48,7 @@ Examples:
   tokosen derive dem.tif --slope slope.tif --steep steep.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
   tokosen compare contours.gpkg published_dem.tif --report compare.html
+  tokosen check contours.gpkg -o findings.gpkg
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
@@ -56,6 +61,7 @@ enum Verb {
     Derive(Box<derive::DeriveArgs>),
     Mesh(Box<mesh::MeshArgs>),
     Compare(Box<compare::CompareArgs>),
+    Check(Box<check::CheckArgs>),
     Regions(Box<regions::RegionsArgs>),
     Skeleton(Box<skeleton::SkeletonArgs>),
 }
@@ -95,6 +101,10 @@ impl From<Error> for Failure {
 /// Parses the arguments, runs the verb, and turns its outcome into an exit status.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Err(e) = interrupt::prepare() {
+        console::error(&format!("cannot ask the system for its signals: {e}"));
+        return ExitCode::from(1);
+    }
     if let Some(threads) = cli.common.threads
         && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
     {
@@ -108,6 +118,7 @@ pub fn main() -> ExitCode {
         Verb::Derive(args) => derive::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
         Verb::Compare(args) => compare::run(args, &console),
+        Verb::Check(args) => check::run(args, &console),
         Verb::Regions(args) => regions::run(args, &console),
         Verb::Skeleton(args) => skeleton::run(args, &console),
     };

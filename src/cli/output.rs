@@ -9,9 +9,11 @@ use tokosen::crs::{Crs, Places, Transform};
 use tokosen::dem::{Dem, Grid};
 use tokosen::error::Error;
 use tokosen::io::StagedOutput;
-use tokosen::io::raster::{DEM_EXTENSIONS, PngEncoding, RasterParams, read_grid, write_raster};
+use tokosen::io::raster::{
+    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, read_grid, write_raster, write_with_errors,
+};
 use tokosen::memory;
-use tokosen::surface::{Surface, Wanted, heights, heights_on};
+use tokosen::surface::{Surface, Uncertainty, Wanted, heights, heights_on, standard_errors, standard_errors_on};
 use tokosen::tin::{Frame, FrameRing, frame_ring};
 
 use super::Failure;
@@ -41,6 +43,10 @@ pub struct HeightMapArgs {
     /// How a .png keeps heights
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
+    /// Also tell how far heights are expected to be off: a second band 'standard error' (.tif) or channel (.exr), in metres,
+    /// learnt by hiding contours. New contours get the attributes err_v and err_h [metres] and inferred
+    #[arg(long)]
+    pub uncertainty: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -81,6 +87,16 @@ impl GridChoice {
     }
 }
 
+impl GridChoice {
+    /// The standard errors of the surface's height map on the grid; `None` if the surface does not know them.
+    fn standard_errors(&self, surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
+        match self {
+            Self::Apart(_, apart) => standard_errors_on(surface, dem, &|p| apart.way.forward(p)),
+            Self::Cell(_) | Self::Like(_) => standard_errors(surface, dem),
+        }
+    }
+}
+
 /// Cells in another system.
 pub enum Cells {
     Size(f64),
@@ -111,7 +127,7 @@ impl GridArgs {
             (self.cell_degrees.is_some(), "--cell-degrees"),
             (self.like.is_some(), "--like"),
         ];
-        first_given(&given)
+        first_given(given)
     }
 
     /// Checks what can be checked before anything is read.
@@ -158,6 +174,11 @@ impl HeightMapArgs {
     /// The first flag that is given; a run without a height map must not pass over it.
     pub fn given(&self) -> Option<&'static str> {
         self.grid.given().or((self.png_encoding != PngArg::Gray16).then_some("--png-encoding"))
+    }
+
+    /// Whether the expected errors are to be found.
+    pub fn uncertainty(&self) -> Uncertainty {
+        if self.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown }
     }
 
     /// How to write the height map.
@@ -261,6 +282,14 @@ pub fn open_dem(path: &Path, wanted: &HeightMapArgs) -> Result<StagedOutput, Fai
         let message = format!("{}: --png-encoding is about height maps in .png", path.display());
         return Err(Failure::Usage(message));
     }
+    if wanted.uncertainty && !TWO_BAND_EXTENSIONS.contains(&extension(path).as_str()) {
+        let message = format!(
+            "{}: this format has no room for --uncertainty; write {}",
+            path.display(),
+            TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+        );
+        return Err(Failure::Usage(message));
+    }
     open_raster(path)
 }
 
@@ -297,7 +326,11 @@ impl DemOutput {
                            reference systems those that the files name?";
             return Err(Failure::Work(Error::file(like, message)));
         }
-        let written = console.step("writing", || write_raster(&self.staged.path(), &dem, &self.raster));
+        let errors = self.choice.standard_errors(surface, &dem);
+        let written = console.step("writing", || match &errors {
+            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors),
+            None => write_raster(&self.staged.path(), &dem, &self.raster),
+        });
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)
     }

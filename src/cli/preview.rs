@@ -96,6 +96,7 @@ fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
         source: Source::Input,
         index: interval.index_of(contour.elevation) % 5 == 0,
         depression: false,
+        expected: None,
     }
 }
 

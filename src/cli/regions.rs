@@ -53,7 +53,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
         let message = format!("{}: areas are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
-    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).chain(args.water.file()).collect();
+    let inputs: Vec<&Path> = args.input.map.files().chain(args.frame.file()).chain(args.water.file()).collect();
     let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
@@ -64,8 +64,8 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let water = args.water.read(&mut input)?;
     let back = args.to_crs.way(&input.places)?;
     let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::or_tell(tiled, &input.findings, console)?.collect(&mut input.findings);
-    args.input.check_strict(&input.findings, console)?;
+    let tiled = summary::found(tiled, &mut input.findings, console)?;
+    args.input.map.check_strict(&input.findings, console)?;
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
     let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
@@ -74,7 +74,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&input.findings, console);
-    args.input.describe(&tiled.map, console);
+    args.input.map.describe(&tiled.map, console);
     describe(&forms, console);
     let path = staged.target().to_owned();
     staged.commit()?;

@@ -72,7 +72,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs: Vec<&Path> = args.input.files().chain(args.frame.file()).chain(args.water.file()).collect();
+    let inputs: Vec<&Path> = args.input.map.files().chain(args.frame.file()).chain(args.water.file()).collect();
     let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(args.preview.as_deref()).collect();
     output::check_paths(&inputs, &outputs)?;
     let staged = output::open(&args.output)?;
@@ -82,9 +82,9 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let frame = args.frame.read(&input)?;
     let water = args.water.read(&mut input)?;
-    let tiled = summary::or_tell(tiling_with_water(input.map, &frame, &water, console), &input.findings, console)?;
-    let tiled = tiled.collect(&mut input.findings);
-    args.input.check_strict(&input.findings, console)?;
+    let tiled = tiling_with_water(input.map, &frame, &water, console);
+    let tiled = summary::found(tiled, &mut input.findings, console)?;
+    args.input.map.check_strict(&input.findings, console)?;
     let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));
     let written = console.step("writing", || -> Result<Vec<PathBuf>, Error> {
         let mut layers = vec![skeleton_lines(&found)];
@@ -104,7 +104,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     }
 
     summary::findings(&input.findings, console);
-    args.input.describe(&tiled.map, console);
+    args.input.map.describe(&tiled.map, console);
     describe(&found, args.resolution, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use tokosen::error::{Error, Finding, FindingKind};
+use tokosen::check::first_causes;
+use tokosen::error::{Error, Finding, FindingKind, Report, Severity};
 use tokosen::skeleton::BreakKind;
-use tokosen::surface::{Chosen, Reason, Surface};
+use tokosen::surface::{Chosen, Lesson, Reason, Surface};
 
 use super::console::Console;
 
@@ -13,20 +14,49 @@ const SHOWN: usize = 3;
 
 /// Tells the findings: a count by kind, the first places of each.
 pub fn findings(findings: &[Finding], console: &Console) {
+    for (kind, list) in by_kind(findings) {
+        told(kind.title(), &list, console, Console::warn);
+    }
+}
+
+/// Tells the findings as what was asked for, the worst first.
+pub fn findings_by_severity(findings: &[Finding], console: &Console) {
+    let mut kinds: Vec<(FindingKind, Vec<&Finding>)> = by_kind(findings).into_iter().collect();
+    kinds.sort_by_key(|(kind, _)| std::cmp::Reverse(kind.severity()));
+    for (kind, list) in kinds {
+        let title = format!("{:<8} {:<20} {}", kind.severity().name(), kind.code(), kind.title());
+        told(&title, &list, console, Console::say);
+    }
+}
+
+fn by_kind(findings: &[Finding]) -> BTreeMap<FindingKind, Vec<&Finding>> {
     let mut kinds: BTreeMap<FindingKind, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         kinds.entry(finding.kind).or_default().push(finding);
     }
-    for (kind, list) in kinds {
-        console.warn(&format!("{}: {}", kind.title(), list.len()));
-        let shown = if console.verbose { list.len() } else { SHOWN };
-        for finding in list.iter().take(shown) {
-            console.warn(&format!("    {}", console.told(finding)));
-        }
-        if list.len() > shown {
-            console.warn(&format!("    and {} more; --verbose lists them", list.len() - shown));
+    kinds
+}
+
+fn told(title: &str, list: &[&Finding], console: &Console, tell: fn(&Console, &str)) {
+    tell(console, &format!("{title}: {}", list.len()));
+    let shown = if console.verbose { list.len() } else { SHOWN };
+    for finding in list.iter().take(shown) {
+        tell(console, &format!("    {}", console.told(finding)));
+        if let (true, Some(proposal)) = (console.verbose, &finding.proposal) {
+            tell(console, &format!("        proposed: {proposal}"));
         }
     }
+    if list.len() > shown {
+        tell(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
+    }
+}
+
+/// Tells how many findings of each severity there were and how long each step took.
+pub fn close_severities(findings: &[Finding], console: &Console) {
+    let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
+    let [errors, warnings, notes] = [Severity::Error, Severity::Warning, Severity::Note].map(count);
+    console.say(&format!("findings   {errors} errors, {warnings} warnings, {notes} notes"));
+    times(console);
 }
 
 /// Tells the findings when the work ends in an error: what was left out may be why.
@@ -35,6 +65,14 @@ pub fn or_tell<T>(result: Result<T, Error>, list: &[Finding], console: &Console)
         console.clear();
         findings(list, console);
     })
+}
+
+/// What was made of the ground between contours. What was noticed about it goes to the other findings, each fault once; if it
+/// ended in an error, they are told.
+pub fn found<T>(result: Result<Report<T>, Error>, findings: &mut Vec<Finding>, console: &Console) -> Result<T, Error> {
+    let value = or_tell(result, findings, console)?.collect(findings);
+    *findings = first_causes(std::mem::take(findings));
+    Ok(value)
 }
 
 /// Tells what the surface is made of.
@@ -58,6 +96,16 @@ pub fn surface(surface: &Surface, console: &Console) {
     }
     if let Some(chosen) = &surface.chosen {
         self::chosen(chosen, console);
+    }
+    if let Some(errors) = &surface.errors {
+        let model = &errors.model;
+        let lesson = match model.lesson {
+            Lesson::Hidden { places } => format!("from {places} places on hidden contours"),
+            Lesson::Usual => "that of usual terrain: there are too few levels to hide some and learn from them".into(),
+        };
+        let valid: Vec<f64> = errors.errors.heights.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
+        let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
+        console.say(&format!("errors     standard error {} (root mean square), {lesson}", metres(mean)));
     }
 }
 
@@ -98,6 +146,10 @@ fn metres(value: f64) -> String {
 /// Tells how many findings there were and how long each step took.
 pub fn close(findings: usize, console: &Console) {
     console.say(&format!("findings   {}", if findings == 0 { "none".into() } else { findings.to_string() }));
+    times(console);
+}
+
+fn times(console: &Console) {
     let times = console.times();
     let total: f64 = times.iter().map(|(_, t)| t.as_secs_f64()).sum();
     let steps: Vec<String> = times.iter().map(|(name, t)| format!("{name} {:.2}", t.as_secs_f64())).collect();

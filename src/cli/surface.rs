@@ -6,12 +6,13 @@ use clap::{Args, ValueEnum};
 use tokosen::contour::ContourMap;
 use tokosen::error::{Error, Finding};
 use tokosen::io::{ReadOptions, read_area};
-use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, build};
+use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
 use tokosen::tin::Frame;
 
 use super::Failure;
 use super::console::Console;
-use super::input::{Input, first_given};
+use super::input::first_given;
+use super::map::Input;
 use super::output::GridChoice;
 use super::water::WaterArgs;
 use super::{plane, summary};
@@ -88,7 +89,7 @@ impl SurfaceArgs {
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
         ];
-        first_given(&given)
+        first_given(given)
     }
 
     /// The library's parameters; reads the boundary polygon and the lakes if there are any, and adds what was
@@ -113,6 +114,7 @@ impl SurfaceArgs {
             water: self.water.read(input)?,
             spline,
             triangles,
+            uncertainty: Uncertainty::default(),
         })
     }
 }
@@ -141,5 +143,5 @@ pub fn build_surface(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Surface, Failure> {
-    Ok(summary::or_tell(build(map, params, console), findings, console)?.collect(findings))
+    Ok(summary::found(build(map, params, console), findings, console)?)
 }

@@ -9,7 +9,7 @@ use tokosen::io::{ReadOptions, read_water};
 use tokosen::surface::Water;
 
 use super::Failure;
-use super::input::Input;
+use super::map::Input;
 use super::plane;
 
 #[derive(Debug, Clone, Args)]

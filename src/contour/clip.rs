@@ -15,6 +15,9 @@ use super::border::{Border, OnEdge, rings, with_vertices};
 use super::clean::{Meeting, Segment, meeting, place, point_distance};
 use super::{Contour, ContourMap};
 
+/// How often new vertices are looked for. Three times are nearly always enough.
+const ROUNDS: usize = 16;
+
 /// A map cut to an area, and the area with a vertex wherever a contour meets its border.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clipped {
@@ -28,7 +31,7 @@ pub struct Clipped {
 /// run along the border are kept. A contour that only touches the border from inside stays in one piece.
 ///
 /// No two polygons of `area` may overlap, and none may cross itself.
-pub fn clip(map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
+pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
     let border = Border::new(area);
     let on_border: Vec<OnEdge> = map
         .contours
@@ -40,20 +43,17 @@ pub fn clip(map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
         })
         .collect();
     let area = with_vertices(area, on_border);
+    let (lines, area) = with_meetings(map.contours.iter_mut().map(|c| std::mem::take(&mut c.points)).collect(), area);
     let border = Border::new(&area);
     let corners: HashSet<[u64; 2]> = rings(&area).flatten_points().map(bits).collect();
-
-    let nodes: Vec<(Vec<Node>, Vec<OnEdge>)> =
-        map.contours.par_iter().map(|contour| nodes(contour, &border, &corners)).collect();
-    let crossings = nodes.iter().flat_map(|(_, crossings)| crossings.iter().copied()).collect();
-    let area = with_vertices(&area, crossings);
     let contours: Vec<Vec<Contour>> = map
         .contours
         .into_par_iter()
-        .zip(nodes)
-        .map(|(contour, (nodes, _))| {
+        .zip(lines)
+        .map(|(contour, line)| {
             let of = |points| Contour { points, ..contour };
-            kept_pieces(nodes, &border).into_iter().map(of).collect()
+            let node = |point: DVec2| Node { point, on_border: corners.contains(&bits(point)) };
+            kept_pieces(line.into_iter().map(node).collect(), &border).into_iter().map(of).collect()
         })
         .collect();
     let spots = map.spots.into_iter().filter(|s| {
@@ -77,12 +77,39 @@ fn bits(p: DVec2) -> [u64; 2] {
     (p + 0.0).to_array().map(f64::to_bits)
 }
 
-/// The vertices of a contour with those where it meets the border, and its crossings with their edges.
-fn nodes(contour: &Contour, border: &Border, corners: &HashSet<[u64; 2]>) -> (Vec<Node>, Vec<OnEdge>) {
-    let node = |point: DVec2| Node { point, on_border: corners.contains(&bits(point)) };
-    let mut nodes: Vec<Node> = contour.points.first().copied().map(node).into_iter().collect();
+/// Lines and area with a vertex wherever they meet, and the area with one wherever it meets itself.
+///
+/// A new vertex moves what it lies on by a rounding error or by up to the border's tolerance. Where a line and the border,
+/// or two edges of the border, lie beside each other at a small angle, that can make them cross at another place. So the
+/// search goes on until nothing is found; each round moves less than the one before.
+fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Vec<Vec<DVec2>>, MultiPolygon<f64>) {
+    for _ in 0..ROUNDS {
+        let border = Border::new(&area);
+        let met: Vec<(Option<Vec<DVec2>>, Vec<OnEdge>)> =
+            lines.par_iter().map(|points| meetings(points, &border)).collect();
+        let mut crossings = own_crossings(&area, &border);
+        let mut is_changed = !crossings.is_empty();
+        for (line, (points, crossed)) in lines.iter_mut().zip(met) {
+            is_changed |= points.is_some() || !crossed.is_empty();
+            crossings.extend(crossed);
+            if let Some(points) = points {
+                *line = points;
+            }
+        }
+        if !is_changed {
+            break;
+        }
+        area = with_vertices(&area, crossings);
+    }
+    (lines, area)
+}
+
+/// The vertices of a line with those where it meets the border, if there is any new one, and its crossings with the
+/// border's edges.
+fn meetings(points: &[DVec2], border: &Border) -> (Option<Vec<DVec2>>, Vec<OnEdge>) {
+    let mut all: Vec<DVec2> = points.first().copied().into_iter().collect();
     let mut crossings = Vec::new();
-    for w in contour.points.windows(2) {
+    for w in points.windows(2) {
         let segment = Segment { a: w[0], b: w[1] };
         let mut new = Vec::new();
         for (edge, ends) in border.near(segment.a, segment.b) {
@@ -103,10 +130,28 @@ fn nodes(contour: &Contour, border: &Border, corners: &HashSet<[u64; 2]>) -> (Ve
         new.sort_by(|p, q| share(*p).total_cmp(&share(*q)).then(p.x.total_cmp(&q.x)).then(p.y.total_cmp(&q.y)));
         new.dedup();
         new.retain(|p| *p != segment.a && *p != segment.b);
-        nodes.extend(new.into_iter().map(|point| Node { point, on_border: true }));
-        nodes.push(node(segment.b));
+        all.append(&mut new);
+        all.push(segment.b);
     }
-    (nodes, crossings)
+    ((all.len() > points.len()).then_some(all), crossings)
+}
+
+/// Where edges of the border cross each other, for both of them.
+fn own_crossings(area: &MultiPolygon<f64>, border: &Border) -> Vec<OnEdge> {
+    let lines: Vec<geo::Line<f64>> = rings(area).flat_map(|ring| ring.lines()).collect();
+    let of = |(id, line): (usize, &geo::Line<f64>)| {
+        let edge = Segment { a: DVec2::new(line.start.x, line.start.y), b: DVec2::new(line.end.x, line.end.y) };
+        let mut found = Vec::new();
+        for (other, ends) in border.near(edge.a, edge.b) {
+            let is_edge = edge.a != edge.b && ends.a != ends.b;
+            if other as usize > id && is_edge && meeting(&edge, &ends) == Meeting::Cross {
+                let crossing = place(&edge, &ends);
+                found.extend([(id as u32, crossing), (other, crossing)]);
+            }
+        }
+        found
+    };
+    lines.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
 /// The pieces between vertices on the border that lie inside; successive ones are joined again.

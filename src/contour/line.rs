@@ -2,6 +2,18 @@
 
 use glam::DVec2;
 
+/// How far a line is expected to be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineError {
+    /// Root mean square of the standard error of the heights along it, metres.
+    pub vertical: f64,
+    /// The same of its place: height error over slope, no more than the distance from the contours around, map units.
+    pub horizontal: f64,
+    /// Whether most of it lies where the contours hardly tell the height: on a top, in a pit, on a wide flat, or along
+    /// the frame beyond the last contour.
+    pub inferred: bool,
+}
+
 /// Where an output line comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Source {
@@ -26,6 +38,8 @@ pub struct ContourLine {
     pub index: bool,
     /// Whether it closes around lower ground.
     pub depression: bool,
+    /// How far the line is expected to be off; `None` if that was not asked for. An input line is off by nothing.
+    pub expected: Option<LineError>,
 }
 
 impl ContourLine {
@@ -44,4 +58,7 @@ pub struct ContourLayer {
     pub lines: Vec<ContourLine>,
     /// New rings that were left out because they are smaller than what the contours can tell.
     pub beads: usize,
+    /// New lines that were left out because they ran into a closed contour of their own level: contours are missing around
+    /// it, so that the ground outside it is higher on one part and lower on another.
+    pub stubs: usize,
 }

@@ -8,6 +8,7 @@ mod interval_search;
 mod lake;
 mod levels;
 mod line;
+pub(crate) mod oriented;
 pub mod sample;
 mod unit;
 
@@ -17,7 +18,7 @@ pub use clip::{Clipped, clip};
 pub use fit::{FitParams, Fitted, fit};
 pub use lake::Lake;
 pub use levels::{Interval, distinct_levels, find_interval};
-pub use line::{ContourLayer, ContourLine, Source};
+pub use line::{ContourLayer, ContourLine, LineError, Source};
 pub use sample::{SampleParams, Sampled, sample};
 pub use unit::ElevationUnit;
 

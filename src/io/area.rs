@@ -27,20 +27,26 @@ pub(super) struct Member {
 
 /// The area inside all polygons of a table.
 pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
-    // Other kinds of surface would be missing from the area.
-    if let Some((kind, count)) = table.left_out.iter().find(|(kind, _)| *kind != NO_GEOMETRY) {
-        let message =
-            format!("{count} geometries of type {kind} cannot be read as a boundary; convert them to polygons first");
-        return Err(Error::file(path, message));
-    }
-    if table.features.iter().all(|feature| feature.polygons.is_empty()) {
-        let found = table.found_words();
-        return Err(Error::file(path, format!("there is no polygon in it{found}; a frame needs a polygon")));
-    }
+    check_polygons(path, &table, "a frame")?;
     let members = members(path, table)?;
     let pairs = common_pairs(path, &members)?;
     check_all(path, &members)?;
     Ok(MultiPolygon::new(united(members, &pairs).into_iter().map(|member| member.polygon).collect()))
+}
+
+/// Checks that a table has polygons and no other kind of surface, which would be missing from the whole.
+pub(super) fn check_polygons(path: &Path, table: &Table, whole: &str) -> Result<()> {
+    if let Some((kind, count)) = table.left_out.iter().find(|(kind, _)| *kind != NO_GEOMETRY) {
+        let message = format!(
+            "{count} geometries of type {kind} cannot be read as {whole}; convert them to polygons or leave them out"
+        );
+        return Err(Error::file(path, message));
+    }
+    if table.features.iter().all(|feature| feature.polygons.is_empty()) {
+        let found = table.found_words();
+        return Err(Error::file(path, format!("there is no polygon in it{found}; {whole} needs polygons")));
+    }
+    Ok(())
 }
 
 /// The polygons of a table one by one, each of them sound.

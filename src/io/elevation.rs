@@ -136,24 +136,29 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     let depressions = depression::marks(&table);
     let mut contours = Vec::new();
     let mut first_reason = None;
+    let mut wrong = Wrong::default();
     for feature in table.features {
         for Line { points, z } in feature.lines {
             match elevation(source, &table.fields, &item(feature.number, &feature.values, z)) {
                 Outcome::Known(elevation) => {
-                    let points = finite_points(points, feature.number, &mut findings);
+                    wrong.known += 1;
+                    let points = finite_points(points, feature.number, elevation, &mut findings);
                     if !points.is_empty() {
                         contours.push(Contour { elevation, points, feature: feature.number });
                     }
                 }
                 Outcome::Missing(reason) => {
-                    let message = format!("line {} left out: {reason}", feature.number);
-                    findings.push(at(points.first(), message));
+                    findings.push(left_out("line", feature.number, points.first(), &reason));
                     first_reason.get_or_insert(reason);
                 }
-                Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", feature.number))),
+                Outcome::Wrong(what) => {
+                    findings.push(left_out("line", feature.number, points.first(), &what));
+                    wrong.add(feature.number, what);
+                }
             }
         }
     }
+    wrong.check(path)?;
     if contours.is_empty() {
         let reason = first_reason.unwrap_or_else(|| "no vertex has finite coordinates".to_owned());
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
@@ -179,17 +184,25 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         ));
     }
     let mut points = Vec::new();
+    let mut wrong = Wrong::default();
     for feature in &table.features {
         for spot in &feature.spots {
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
-                Outcome::Known(height) => keep_spot(spot, height, &mut points, &mut findings),
-                Outcome::Missing(reason) => {
-                    findings.push(at(Some(&spot.place), format!("point {} left out: {reason}", feature.number)));
+                Outcome::Known(height) => {
+                    wrong.known += 1;
+                    keep_spot(spot, height, &mut points, &mut findings);
                 }
-                Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", feature.number))),
+                Outcome::Missing(reason) => {
+                    findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
+                }
+                Outcome::Wrong(what) => {
+                    findings.push(left_out("point", feature.number, Some(&spot.place), &what));
+                    wrong.add(feature.number, what);
+                }
             }
         }
     }
+    wrong.check(path)?;
     if points.is_empty() {
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
@@ -254,7 +267,7 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
                 Outcome::Known(height) => keep_spot(spot, height, &mut spots, findings),
                 Outcome::Missing(reason) | Outcome::Wrong(reason) => {
-                    findings.push(at(Some(&spot.place), format!("point {} left out: {reason}", feature.number)));
+                    findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
             }
         }
@@ -402,8 +415,35 @@ fn field_list(fields: &[Field]) -> String {
     format!("its fields are {}", list.join(", "))
 }
 
-fn at(place: Option<&DVec2>, message: String) -> Finding {
-    Finding { kind: FindingKind::SkippedFeature, place: place.copied().filter(|p| p.is_finite()), message }
+/// Lines or points whose elevation is no number: among others that have one they are left out; where they are as many, the
+/// attribute is none of elevations.
+#[derive(Default)]
+struct Wrong {
+    known: usize,
+    wrong: usize,
+    first: Option<(u64, String)>,
+}
+
+impl Wrong {
+    fn add(&mut self, feature: u64, what: String) {
+        self.wrong += 1;
+        self.first.get_or_insert((feature, what));
+    }
+
+    fn check(self, path: &Path) -> Result<()> {
+        match self.first {
+            Some((feature, what)) if self.wrong >= self.known => {
+                Err(Error::file(path, format!("feature {feature}: {what}")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn left_out(what: &str, feature: u64, place: Option<&DVec2>, why: &str) -> Finding {
+    let place = place.copied().filter(|p| p.is_finite());
+    let message = format!("{what} {feature} left out: {why}");
+    Finding::new(FindingKind::MissingElevation, place, message).about(feature, f64::NAN)
 }
 
 fn keep_spot(spot: &Spot, height: f64, points: &mut Vec<DVec3>, findings: &mut Vec<Finding>) {
@@ -411,18 +451,19 @@ fn keep_spot(spot: &Spot, height: f64, points: &mut Vec<DVec3>, findings: &mut V
         points.push(spot.place.extend(height));
     } else {
         let message = "a point left out: its coordinates are not finite";
-        findings.push(Finding::general(FindingKind::NonFinitePoint, message));
+        findings.push(Finding::general(FindingKind::NonFinitePoint, message).of_elevations([height]));
     }
 }
 
 /// The points without those that are NaN or infinite, which no later step could place.
-fn finite_points(mut points: Vec<DVec2>, feature: u64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
+fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
     let before = points.len();
     points.retain(|p| p.is_finite());
     let lost = before - points.len();
     if lost > 0 {
         let message = format!("line {feature}: {lost} vertices left out, their coordinates are not finite");
-        findings.push(Finding { kind: FindingKind::NonFinitePoint, place: points.first().copied(), message });
+        let finding = Finding::new(FindingKind::NonFinitePoint, points.first().copied(), message);
+        findings.push(finding.about(feature, elevation));
     }
     points
 }

@@ -22,6 +22,7 @@ pub mod raster;
 mod shapefile;
 mod staged;
 mod table;
+mod text;
 mod water;
 
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
-pub use staged::StagedOutput;
+pub use staged::{StagedOutput, discard_unfinished};
 
 /// How to read a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -231,6 +232,10 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     let files = contour_files(out.target(), &names)?;
     layers.iter().try_for_each(layer::check)?;
     let format = VectorFormat::from_path(out.target())?;
+    let is_plain = !matches!(format, VectorFormat::GeoPackage | VectorFormat::GeoJson);
+    if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
+        return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+    }
     if format == VectorFormat::GeoPackage {
         gpkg::write(&out.path(), layers, crs).map_err(|e| out.with_final_name(e))?;
         return Ok(files);

@@ -4,12 +4,14 @@
 //! missing or cannot be written to is noticed before the long computation, a finished file is never replaced by a
 //! broken one, and formats of several files get their final names at once.
 //!
-//! Dropping the output without [`StagedOutput::commit`] removes everything. A process that is killed by a signal runs
-//! no destructors and leaves its hidden folder (`.tokosen-…`) behind; nothing reads it, and it can be deleted.
+//! Dropping the output without [`StagedOutput::commit`] removes everything. A process that is ended by a signal runs no
+//! destructors: a program that catches the signal calls [`discard_unfinished`]. One that is killed outright leaves its
+//! hidden folder (`.tokosen-…`) behind; nothing reads it, and it can be deleted.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
@@ -34,6 +36,29 @@ const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
     ("asc", &[".aux.xml", ".ovr", ".msk"]),
     ("xyz", &[".aux.xml"]),
 ];
+
+/// The hidden folders of all outputs in the making. A signal is for the whole process, so this is known to all of it.
+/// Whoever holds it can be sure that no output is just being moved to its place.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// How often a folder is removed that somebody writes to at the same time.
+const TRIES: usize = 20;
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all that unfinished outputs have written, and runs `last`, during which none can be finished.
+///
+/// For a process that is about to end by a signal. An output that is being moved to its place is waited for.
+pub fn discard_unfinished<T>(last: impl FnOnce() -> T) -> T {
+    let mut folders = unfinished();
+    for folder in folders.drain(..) {
+        // It is not empty any more if a file was made in it meanwhile.
+        let _ = (0..TRIES).find(|_| fs::remove_dir_all(&folder).is_ok() || !folder.exists());
+    }
+    last()
+}
 
 /// A target file, or several beside each other, in the making.
 #[derive(Debug)]
@@ -68,16 +93,24 @@ impl StagedOutput {
             Ok(meta) if !meta.is_file() => {
                 return Err(Error::file(&target, "is not an ordinary file; name one to write to"));
             }
+            // The folder would let it be replaced, and whoever protected it would find out too late.
+            Ok(meta) if meta.permissions().readonly() => {
+                return Err(Error::file(&target, "is write-protected; take the protection off, or name another file"));
+            }
             _ => {}
         }
         let folder = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
+        let mut unfinished = unfinished();
         let staging = tempfile::Builder::new()
             .prefix(".tokosen-")
             .tempdir_in(&folder)
             .map_err(|e| Error::io("create a file in", &folder, without_path(e)))?;
+        // Those that were finished or dropped are gone from the disk.
+        unfinished.retain(|folder| folder.exists());
+        unfinished.push(staging.path().to_owned());
         Ok(Self { target, folder, staging })
     }
 
@@ -116,6 +149,8 @@ impl StagedOutput {
     /// # Errors
     /// If the disk is full or a file of that name cannot be replaced. What was moved before that stays.
     pub fn commit(self) -> Result<()> {
+        // Several files get their names all or none, whatever signal comes.
+        let _unfinished = unfinished();
         let names = self.staged_names()?;
         for name in &names {
             let path = self.sibling(name);
@@ -241,6 +276,35 @@ mod tests {
         assert!(StagedOutput::create(&dir.path().join("a/")).is_err());
         assert!(StagedOutput::create(&dir.path().join("..")).is_err());
         assert!(names_in(dir.path()).is_empty());
+    }
+
+    #[test]
+    fn a_protected_file_is_not_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gpkg");
+        fs::write(&path, "old").unwrap();
+        let mut permissions = fs::metadata(&path).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&path, permissions).unwrap();
+        assert!(StagedOutput::create(&path).unwrap_err().to_string().contains("is write-protected"));
+        assert_eq!(names_in(dir.path()), ["a.gpkg"]);
+    }
+
+    #[test]
+    fn what_is_discarded_is_what_is_unfinished() {
+        let dir = tempfile::tempdir().unwrap();
+        let done = StagedOutput::create(&dir.path().join("a.tif")).unwrap();
+        fs::write(done.path(), "whole").unwrap();
+        done.commit().unwrap();
+        let begun = StagedOutput::create(&dir.path().join("b.tif")).unwrap();
+        fs::write(begun.path(), "half").unwrap();
+        let folder = begun.staging.path().to_owned();
+        // Other tests have outputs in the making too.
+        assert!(unfinished().contains(&folder));
+        drop(begun);
+        drop(StagedOutput::create(&dir.path().join("c.tif")).unwrap());
+        assert!(!unfinished().contains(&folder), "the next one looks after those that were dropped");
+        assert_eq!(names_in(dir.path()), ["a.tif"]);
     }
 
     #[cfg(unix)]

@@ -47,7 +47,7 @@ pub(super) fn blocks(
     setter: &Typesetter,
 ) -> Vec<Block> {
     let mut blocks = vec![Block::Scale { bar: scale::bar(input.dem), name: crs_label(input.dem) }];
-    let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0 }), name);
+    let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0, dashes: None }), name);
     let swatches = input.patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
     let tint = if swatches.is_some() { None } else { range };
     let keys = [(keys(plan, input.break_lines), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
@@ -95,6 +95,9 @@ fn keys(plan: &Plan, break_lines: &[BreakLine]) -> Vec<(Option<Style>, String)> 
     contours(&plan.interpolated, "Interpolated");
     let drawn = [&plan.input, &plan.interpolated].into_iter().flatten().filter(|c| c.has_index && c.every.is_some());
     keys.extend(drawn.take(1).map(|class| (Some(class.index_style), "Index contours".to_owned())));
+    if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {
+        keys.push((Some(lines::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
+    }
     for (kind, style, name) in
         [(BreakKind::Ridge, RIDGE_STYLE, "Ridge lines"), (BreakKind::Canyon, CANYON_STYLE, "Canyon lines")]
     {

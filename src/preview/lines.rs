@@ -6,7 +6,7 @@
 //! interval evenly, and none at all if there is no such step. The legend says what is drawn.
 
 use glam::DVec2;
-use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Pixmap, Stroke, Transform};
+use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
 use super::color::{CANYON, CONTOUR, RIDGE, Rgb};
 use super::paint;
@@ -37,10 +37,15 @@ pub(super) struct Style {
     pub width: f32,
     /// 0 to 1.
     pub alpha: f32,
+    /// Lengths of dashes and of the gaps between them, pixels.
+    pub dashes: Option<[f32; 2]>,
 }
 
-pub(super) const RIDGE_STYLE: Style = Style { color: RIDGE, width: 1.7, alpha: 0.92 };
-pub(super) const CANYON_STYLE: Style = Style { color: CANYON, width: 1.7, alpha: 0.92 };
+/// Dashes of lines where the contours hardly tell the height.
+const DASHES: [f32; 2] = [4.0, 3.0];
+
+pub(super) const RIDGE_STYLE: Style = Style { color: RIDGE, width: 1.7, alpha: 0.92, dashes: None };
+pub(super) const CANYON_STYLE: Style = Style { color: CANYON, width: 1.7, alpha: 0.92, dashes: None };
 
 /// What is drawn of one source of contours.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +58,8 @@ pub(super) struct Class {
     pub has_index: bool,
     pub style: Style,
     pub index_style: Style,
+    /// Whether any of the drawn lines is only inferred.
+    pub has_inferred: bool,
 }
 
 /// What is drawn of the contours; `None` where there are none of the kind.
@@ -72,9 +79,9 @@ pub(super) fn plan(contours: &[ContourLine], grid: &Grid, area: f64) -> Plan {
         let every = steps().find(|&every| length(&input, spacing, every) * INPUT_SPACING <= area);
         drawn = every.map_or(0.0, |every| length(&input, spacing, every));
         let strength = strength(area / drawn, INPUT_SPACING);
-        let style = Style { color: CONTOUR, width: 0.95 + 0.55 * strength, alpha: 0.72 + 0.2 * strength };
+        let style = Style { color: CONTOUR, width: 0.95 + 0.55 * strength, alpha: 0.72 + 0.2 * strength, dashes: None };
         let index_style = Style { width: style.width * 1.45, alpha: 0.95, ..style };
-        Class { spacing, every, has_index: false, style, index_style }
+        Class { spacing, every, has_index: false, style, index_style, has_inferred: false }
     });
     let new_class = (!new.is_empty()).then(|| {
         let mut all: Vec<(f64, f64)> = input.iter().chain(&new).copied().collect();
@@ -91,18 +98,21 @@ pub(super) fn plan(contours: &[ContourLine], grid: &Grid, area: f64) -> Plan {
         let every = (1..=MOST_PARTS).filter(even).find(fits);
         let total = drawn + every.map_or(0.0, |every| length(&new, all, every));
         let strength = strength(area / total, ALL_SPACING);
-        let style = Style { color: CONTOUR, width: 0.55 + 0.35 * strength, alpha: 0.36 + 0.36 * strength };
+        let style =
+            Style { color: CONTOUR, width: 0.55 + 0.35 * strength, alpha: 0.36 + 0.36 * strength, dashes: None };
         let index_style = Style { width: style.width * 1.5, alpha: (style.alpha + 0.15).min(1.0), ..style };
-        Class { spacing: all, every, has_index: false, style, index_style }
+        Class { spacing: all, every, has_index: false, style, index_style, has_inferred: false }
     });
     let mut plan = Plan { input: input_class, interpolated: new_class };
-    for line in contours.iter().filter(|line| line.index) {
+    for line in contours.iter().filter(|line| line.index || is_inferred(line)) {
         let class = match line.source {
             Source::Input => plan.input.as_mut(),
             Source::Interpolated => plan.interpolated.as_mut(),
         };
         if let Some(class) = class {
-            class.has_index |= class.draws(line.elevation);
+            let draws = class.draws(line.elevation);
+            class.has_index |= draws && line.index;
+            class.has_inferred |= draws && is_inferred(line);
         }
     }
     plan
@@ -194,8 +204,12 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, contours: &[ContourLine], plan
     for (source, class) in [(Source::Interpolated, &plan.interpolated), (Source::Input, &plan.input)] {
         let Some(class) = class else { continue };
         for (index, style) in [(false, class.style), (true, class.index_style)] {
-            let lines = contours.iter().filter(|c| c.source == source && c.index == index && class.draws(c.elevation));
-            stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), style);
+            for (inferred, style) in [(false, style), (true, dashed(style))] {
+                let lines = contours.iter().filter(|c| {
+                    c.source == source && c.index == index && is_inferred(c) == inferred && class.draws(c.elevation)
+                });
+                stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), style);
+            }
         }
     }
     for (kind, style) in [(BreakKind::Canyon, CANYON_STYLE), (BreakKind::Ridge, RIDGE_STYLE)] {
@@ -204,11 +218,23 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, contours: &[ContourLine], plan
     }
 }
 
+/// Whether a line lies where the contours hardly tell the height.
+pub(super) fn is_inferred(line: &ContourLine) -> bool {
+    line.expected.is_some_and(|expected| expected.inferred)
+}
+
+/// The style of lines that are only inferred.
+pub(super) fn dashed(style: Style) -> Style {
+    Style { dashes: Some(DASHES), ..style }
+}
+
 /// Strokes a path, if there is one.
 pub(super) fn stroke(pixmap: &mut Pixmap, path: Option<Path>, style: Style) {
     let Some(path) = path else { return };
-    let stroke =
-        Stroke { width: style.width, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
+    // Round ends would fill the gaps between dashes.
+    let line_cap = if style.dashes.is_some() { LineCap::Butt } else { LineCap::Round };
+    let dash = style.dashes.and_then(|[line, gap]| StrokeDash::new(vec![line, gap], 0.0));
+    let stroke = Stroke { width: style.width, line_cap, line_join: LineJoin::Round, dash, ..Stroke::default() };
     pixmap.stroke_path(&path, &paint(style.color, style.alpha), &stroke, Transform::identity(), None);
 }
 
@@ -282,7 +308,7 @@ mod tests {
             .map(|i| {
                 let y = i as f64 * step;
                 let points = vec![DVec2::new(0.0, y), DVec2::new(100.0, y)];
-                ContourLine { elevation: y, points, source, index: false, depression: false }
+                ContourLine { elevation: y, points, source, index: false, depression: false, expected: None }
             })
             .collect()
     }

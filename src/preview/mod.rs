@@ -209,7 +209,7 @@ fn frame(sheet: &mut Pixmap, (left, top): (usize, usize), grid: &Grid) {
     let (x, y) = (left as f32 - 0.5, top as f32 - 0.5);
     if let Some(rect) = Rect::from_xywh(x, y, grid.cols as f32 + 1.0, grid.rows as f32 + 1.0) {
         let path = tiny_skia::PathBuilder::from_rect(rect);
-        lines::stroke(sheet, Some(path), lines::Style { color: INK, width: 1.0, alpha: 1.0 });
+        lines::stroke(sheet, Some(path), lines::Style { color: INK, width: 1.0, alpha: 1.0, dashes: None });
     }
 }
 
@@ -250,7 +250,7 @@ mod tests {
 
     fn line(elevation: f64, points: &[(f64, f64)], source: Source) -> ContourLine {
         let points = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
-        ContourLine { elevation, points, source, index: elevation == 50.0, depression: false }
+        ContourLine { elevation, points, source, index: elevation == 50.0, depression: false, expected: None }
     }
 
     #[test]

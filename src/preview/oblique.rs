@@ -37,7 +37,7 @@ const LARGE: f64 = 30.0;
 /// The walls of a solid.
 const WALL: Rgb = [176, 160, 142];
 /// The edges of the triangles.
-const EDGE_STYLE: Style = Style { color: INK, width: 0.7, alpha: 0.32 };
+const EDGE_STYLE: Style = Style { color: INK, width: 0.7, alpha: 0.32, dashes: None };
 
 /// What to draw.
 #[derive(Debug, Clone, Copy)]

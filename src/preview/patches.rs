@@ -11,7 +11,7 @@ use crate::dem::Grid;
 /// How much of the fill's colour is seen, 0 to 1.
 const ALPHA: f32 = 0.6;
 /// The line around each area.
-const OUTLINE: Style = Style { color: INK, width: 0.6, alpha: 0.5 };
+const OUTLINE: Style = Style { color: INK, width: 0.6, alpha: 0.5, dashes: None };
 /// Vertices closer than this to the last one are left out, pixels.
 const FINE: f64 = 0.3;
 /// Coordinates further than this from the map's corner are drawn there, pixels: beyond, the rasteriser loses digits.

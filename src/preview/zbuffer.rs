@@ -257,7 +257,7 @@ mod tests {
     }
 
     fn picture(triangles: &[[Corner; 3]], pieces: &[Piece]) -> Vec<u8> {
-        let styles = [Style { color: [0, 0, 0], width: 2.0, alpha: 1.0 }];
+        let styles = [Style { color: [0, 0, 0], width: 2.0, alpha: 1.0, dashes: None }];
         draw(&Scene {
             size: (100, 100),
             triangles: triangles.len() as u32,

@@ -1,12 +1,20 @@
 //! Map layers: the input's contours as they are, and new ones between them.
 
+use std::collections::{HashMap, HashSet};
+
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::{Target, ascends_right, signed_area, slice};
-use crate::contour::{ContourLayer, ContourLine, Source};
+use crate::contour::{ContourLayer, ContourLine, LineError, Source};
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::progress::Progress;
-use crate::surface::Surface;
+use crate::surface::{Surface, line_error};
+use crate::tin::Tin;
+
+/// Bytes that a vertex of a new contour takes: while it is traced, in its layer, and while that is written.
+const BYTES_A_VERTEX: f64 = 64.0;
 
 /// Parameters of [`contour_layers`].
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +28,10 @@ pub struct LayerParams {
 /// The contour lines of each target: all input contours bit for bit, and traced lines at the other levels.
 ///
 /// A target's level that the input has is not traced where the input's contours divide the ground; where one of them
-/// ends in the open, a traced line goes on from its end, and where a gap in it was bridged, the bridge is a line. Lines are ordered by elevation, input before interpolated.
+/// ends in the open, a traced line goes on from its end, and where a gap in it was bridged, the bridge is a line. Traced lines
+/// that would run into a closed contour of their own level are left out and counted. Lines are ordered by elevation, input
+/// before interpolated.
+/// They say how far they are expected to be off if the surface knows.
 ///
 /// # Errors
 /// When a target's levels are out of range (see [`Target::levels`]).
@@ -43,7 +54,17 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     let mut levels: Vec<f64> = wanted.iter().flatten().copied().collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    let crossings = crossings(&surface.tin, &levels);
+    let what = format!("new contours at {} levels with about {crossings:.0} vertices", levels.len());
+    memory::check(BYTES_A_VERTEX * crossings, &what, "choose a larger interval, or fewer levels, or a smaller frame")?;
     let traced = slice(&surface.tin, &surface.regions, &levels, progress);
+    let mut rings: HashMap<u64, HashSet<[u64; 2]>> = HashMap::new();
+    for ring in map.contours.iter().filter(|c| c.is_closed()) {
+        let is_traced = |k: usize| !traced[k].lines.is_empty();
+        if levels.binary_search_by(|l| l.total_cmp(&ring.elevation)).is_ok_and(is_traced) {
+            rings.entry(ring.elevation.to_bits()).or_default().extend(ring.points.iter().map(|&p| bits(p)));
+        }
+    }
     let right = ascends_right(map, &surface.tin, &surface.regions);
     let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
         let index = |level: f64| is_index(target, surface.interval.step, params.index_every, level);
@@ -55,18 +76,49 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             line(c.elevation, points, Source::Input, index(c.elevation))
         });
         let mut lines: Vec<ContourLine> = input.collect();
-        let mut beads = 0;
+        let (mut beads, mut stubs) = (0, 0);
         for level in wanted {
             let Ok(k) = levels.binary_search_by(|l| l.total_cmp(level)) else { continue };
             let bridges = surface.bridges.iter().filter(|(l, _)| l == level);
             lines.extend(bridges.map(|(l, ends)| line(*l, ends.to_vec(), Source::Interpolated, index(*l))));
             beads += traced[k].beads;
-            lines.extend(traced[k].lines.iter().map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
+            let ring = rings.get(&level.to_bits());
+            let is_on_ring = |p: DVec2| ring.is_some_and(|vertices| vertices.contains(&bits(p)));
+            let is_stub = |points: &&Vec<DVec2>| {
+                let (first, last) = (points[0], points[points.len() - 1]);
+                first != last && (is_on_ring(first) || is_on_ring(last))
+            };
+            stubs += traced[k].lines.iter().filter(is_stub).count();
+            let whole = traced[k].lines.iter().filter(|points| !is_stub(points));
+            lines.extend(whole.map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
-        ContourLayer { name: target.layer_name(), lines, beads }
+        if let Some(field) = &surface.errors {
+            lines.par_iter_mut().for_each(|line| {
+                line.expected = match line.source {
+                    Source::Input => Some(LineError { vertical: 0.0, horizontal: 0.0, inferred: false }),
+                    Source::Interpolated => line_error(field, &line.points),
+                };
+            });
+        }
+        ContourLayer { name: target.layer_name(), lines, beads, stubs }
     });
     Ok(layers.collect())
+}
+
+fn bits(p: DVec2) -> [u64; 2] {
+    p.to_array().map(f64::to_bits)
+}
+
+/// How often levels run through triangles, which is about how many vertices their lines have.
+fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
+    let through = |t: u32| {
+        let heights = tin.corner_heights(t);
+        let lo = heights.into_iter().fold(f64::INFINITY, f64::min);
+        let hi = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        levels.partition_point(|&l| l <= hi).saturating_sub(levels.partition_point(|&l| l <= lo))
+    };
+    (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t)).map(through).sum::<usize>() as f64
 }
 
 /// The input's own number for a level that differs from it only by rounding.
@@ -82,8 +134,8 @@ fn as_given(given: &[f64], level: f64) -> f64 {
         .unwrap_or(level)
 }
 
-fn line(elevation: f64, points: Vec<glam::DVec2>, source: Source, index: bool) -> ContourLine {
-    let mut line = ContourLine { elevation, points, source, index, depression: false };
+fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {
+    let mut line = ContourLine { elevation, points, source, index, depression: false, expected: None };
     // Higher ground is on the right: a counter-clockwise ring has it outside.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line

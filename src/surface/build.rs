@@ -7,7 +7,8 @@ use glam::DVec2;
 use super::nodes::{push_axis, with_nodes};
 use super::spline::{BYTES_A_NODE, choose, draft, spline, working_grid};
 use super::tiling::{Tiling, tiling_with_water};
-use super::{Surface, SurfaceKind, SurfaceParams, Triangles};
+use super::uncertainty::error_field;
+use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::contour::ContourMap;
 use crate::dem::Grid;
 use crate::error::{Error, Report, Result};
@@ -57,6 +58,12 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         let grid = working_grid(&tiled, params.spline.wanted);
         spline(&draft(&tiled, &break_lines, &grid), &chosen.knobs, progress)
     });
+    let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
+        progress.start("expected errors", 0);
+        let errors = error_field(&tiled, params, chosen.as_ref(), working.as_ref());
+        progress.finish();
+        errors
+    });
     if params.triangles == Triangles::Smooth
         && let Some(working) = &working
     {
@@ -65,7 +72,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let Tiling { map, tin, regions, frame, interval, .. } = tiled;
-    let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen };
+    let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen, errors };
     Ok(Report { value: surface, findings })
 }
 

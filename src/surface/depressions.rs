@@ -26,7 +26,8 @@ pub(super) fn contradicted_marks(map: &ContourMap, tin: &Tin, regions: &Regions)
                 "contour {} (feature {}) {mark}, but the contours around it say that the ground inside is {ground}",
                 contour.elevation, contour.feature
             );
-            Some(Finding::at(FindingKind::DepressionMark, *contour.points.first()?, message))
+            let finding = Finding::at(FindingKind::DepressionMark, *contour.points.first()?, message);
+            Some(finding.about(contour.feature, contour.elevation))
         })
         .collect()
 }

@@ -11,12 +11,14 @@ mod nodes;
 mod sample;
 pub mod spline;
 mod tiling;
+mod uncertainty;
 mod water;
 
 pub use build::build;
 pub use sample::{heights, heights_on};
 pub use spline::{Accuracy, Chosen, Knobs, Reason, SplineParams, Wanted, WorkingGrid};
 pub use tiling::{Tiling, tiling, tiling_with_water};
+pub use uncertainty::{ErrorField, ErrorModel, Lesson, line_error, standard_errors, standard_errors_on};
 pub use water::Water;
 
 use glam::DVec2;
@@ -49,6 +51,16 @@ pub enum Triangles {
     Smooth,
 }
 
+/// Whether the expected error of the surface is found too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Uncertainty {
+    /// It is not.
+    #[default]
+    Unknown,
+    /// It is learnt from hidden levels: [`Surface::errors`].
+    Learnt,
+}
+
 /// Parameters of [`build`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceParams {
@@ -64,6 +76,8 @@ pub struct SurfaceParams {
     pub spline: SplineParams,
     /// Which triangles are needed; for [`SurfaceKind::Spline`].
     pub triangles: Triangles,
+    /// Whether the expected error is found.
+    pub uncertainty: Uncertainty,
 }
 
 impl Default for SurfaceParams {
@@ -75,6 +89,7 @@ impl Default for SurfaceParams {
             water: Water::default(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
+            uncertainty: Uncertainty::default(),
         }
     }
 }
@@ -100,4 +115,6 @@ pub struct Surface {
     pub working: Option<WorkingGrid>,
     /// How the smooth surface was drawn, and how far it may be off; only for [`SurfaceKind::Spline`].
     pub chosen: Option<Chosen>,
+    /// The expected error, if it was asked for.
+    pub errors: Option<ErrorField>,
 }

@@ -8,12 +8,13 @@ use glam::{DVec2, DVec3};
 use super::WorkingGrid;
 use super::depressions::contradicted_marks;
 use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
+use crate::check::{Correction, Ground, Judged, judge};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Band, Frame, FrameRing, Gaps, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
+    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
     lakes_outside_bands, link_open_ends, regions, triangulate, with_water,
 };
 
@@ -30,6 +31,9 @@ pub struct Tiling {
     pub frame: FrameRing,
     /// The input's vertical interval.
     pub interval: Interval,
+    /// What would mend the faults that were found, for [`correct`](crate::check::correct). Their lines are those of the map as
+    /// it came in where the frame is no polygon.
+    pub corrections: Vec<Correction>,
     /// What closes the gaps between open ends.
     pub(super) gaps: Gaps,
     parts: Parts,
@@ -93,10 +97,21 @@ pub fn tiling_with_water(
     }
     let Found { tin, regions: sub_domains, gaps, findings: of_regions } = found;
     findings.extend(of_regions);
+    let ground = Ground {
+        map: &map,
+        tin: &tin,
+        regions: &sub_domains,
+        frame: &frame,
+        ends: &ends,
+        links: &parts.links,
+        gaps: &gaps,
+    };
+    let Judged { findings: of_labels, corrections } = judge(&ground);
+    findings.extend(of_labels);
     findings.extend(contradicted_marks(&map, &tin, &sub_domains));
     let tin = with_frame_heights(tin, &sub_domains, None);
     progress.finish();
-    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, gaps, parts };
+    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, corrections, gaps, parts };
     Ok(Report { value: tiling, findings })
 }
 
@@ -119,10 +134,10 @@ impl Tiling {
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
-        let Self { map, tin, regions, frame, interval, gaps, parts } = self;
+        let Self { map, tin, regions, frame, interval, corrections, gaps, parts } = self;
+        let kept = KeptBands::new(&tin, regions);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
-        drop(regions);
         let tin = parts.within_frame(finer, &frame).with_gaps(&gaps);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
@@ -130,8 +145,9 @@ impl Tiling {
         };
         let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
         let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
+        let regions = kept.applied(&tin, regions);
         let tin = with_frame_heights(tin, &regions, working);
-        Self { map, tin, regions, frame, interval, gaps, parts }
+        Self { map, tin, regions, frame, interval, corrections, gaps, parts }
     }
 }
 
@@ -218,7 +234,8 @@ impl Parts {
     ) -> Result<Found> {
         loop {
             let tin = self.within_frame(triangulate(self.input(map, frame))?, frame);
-            let gaps = close_gaps(&tin, ends, interval.step);
+            let mut gaps = close_gaps(&tin, ends, interval.step);
+            gaps.close_slits(&tin, self.tolerance);
             let tin = self.ponds.mark(tin.with_gaps(&gaps));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();
@@ -255,22 +272,22 @@ impl Parts {
 /// The sub-domains, less parts of the frame that hold no contour: nothing is known of their heights, so they are taken out
 /// of the frame.
 fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
-    let report = regions(&tin, interval);
+    let found = regions(&tin, interval);
     let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
-    let unknown = report.value.regions.iter().filter(|r| r.levels.is_empty());
+    let unknown = found.regions.iter().filter(|r| r.levels.is_empty());
     let unknown: Vec<DVec2> = unknown.map(|r| middle(r.triangle)).collect();
     if unknown.is_empty() {
-        return (tin, report);
+        return (tin, Report { value: found, findings: Vec::new() });
     }
     let is_known: Vec<bool> =
-        (0..tin.len() as u32).map(|t| report.value.region(t).is_some_and(|r| !r.levels.is_empty())).collect();
+        (0..tin.len() as u32).map(|t| found.region(t).is_some_and(|r| !r.levels.is_empty())).collect();
     let tin = tin.only(&is_known);
-    let mut report = regions(&tin, interval);
-    report.findings.extend(unknown.into_iter().map(|place| {
+    let value = regions(&tin, interval);
+    let findings = unknown.into_iter().map(|place| {
         let message = "a part of the frame holds no contour; it is left without heights";
         Finding::at(FindingKind::FrameBeyondMap, place, message)
-    }));
-    (tin, report)
+    });
+    (tin, Report { value, findings: findings.collect() })
 }
 
 /// Spot heights that contradict the levels around them, by their number in the map.
@@ -295,7 +312,8 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
                     Some(level) => format!("spot height {} lies in water of {level}; it is left out", p.z),
                     None => format!("spot height {} lies between contours {lo} and {hi}; it is left out", p.z),
                 };
-                outside.push((spot, Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message)));
+                let finding = Finding::at(FindingKind::SpotOutsideBand, p.truncate(), message);
+                outside.push((spot, finding.of_elevations([p.z])));
             }
         }
     }

@@ -107,7 +107,11 @@ pub fn triangulate(input: TinInput) -> Result<Tin> {
     .map_err(|e| Error::Data(format!("a coordinate cannot be triangulated: {e}")))?;
     if let Some([u, v]) = conflict {
         let p = positions[u].midpoint(positions[v]) + origin;
-        return Err(Error::Data(format!("lines cross near {:.3} {:.3}", p.x, p.y)));
+        return Err(Error::Data(format!(
+            "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the \
+             frame, move the frame's border a little",
+            p.x, p.y
+        )));
     }
     let faces = cdt.num_inner_faces();
     if faces == 0 {

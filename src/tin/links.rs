@@ -9,10 +9,11 @@ use std::collections::HashMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use rstar::primitives::{GeomWithData, Line, Rectangle};
-use rstar::{AABB, RTree};
+use rstar::RTree;
+use rstar::primitives::Line;
 
 use super::FrameRing;
+use crate::contour::oriented::{BoxTree, OrientedBox};
 use crate::contour::{Contour, ContourMap};
 
 /// An end of an open contour.
@@ -62,7 +63,7 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
     }
     let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
-    let index = Runs::new(map);
+    let index = Sight::new(map);
     let mut links: Vec<(bool, Option<Link>)> = ends
         .par_iter()
         .map(|end| {
@@ -124,36 +125,39 @@ fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
     [end(points[0], points[back]), end(points[last], points[last - back])]
 }
 
-/// Boxes around runs of segments, to find those that a straight view may cross.
-struct Runs(RTree<Run>);
+/// What contours hide from each other: boxes around runs of segments, to find those that a straight view may cross.
+pub(crate) struct Sight {
+    tree: BoxTree,
+    /// Of each box the line's number and that of the run's first segment.
+    runs: Vec<(u32, u32)>,
+}
 
-/// The box around a run, the line's number and that of the run's first segment.
-type Run = GeomWithData<Rectangle<[f64; 2]>, (u32, u32)>;
-
-impl Runs {
-    fn new(map: &ContourMap) -> Self {
-        let runs = map.contours.iter().enumerate().flat_map(|(line, c)| {
-            (0..c.points.len().saturating_sub(1)).step_by(RUN).map(move |first| {
-                let run = &c.points[first..(first + RUN + 1).min(c.points.len())];
-                let lo = run.iter().fold(DVec2::INFINITY, |m, &p| m.min(p)).to_array();
-                let hi = run.iter().fold(DVec2::NEG_INFINITY, |m, &p| m.max(p)).to_array();
-                GeomWithData::new(Rectangle::from_corners(lo, hi), (line as u32, first as u32))
-            })
-        });
-        Self(RTree::bulk_load(runs.collect()))
+impl Sight {
+    /// The boxes of all contours.
+    pub fn new(map: &ContourMap) -> Self {
+        let starts = |(line, c): (usize, &Contour)| {
+            let firsts = (0..c.points.len().saturating_sub(1)).step_by(RUN);
+            firsts.map(move |first| (line as u32, first as u32))
+        };
+        let runs: Vec<(u32, u32)> = map.contours.iter().enumerate().flat_map(starts).collect();
+        let boxes: Vec<OrientedBox> = runs.par_iter().map(|&run| OrientedBox::around(points_of(map, run))).collect();
+        Self { tree: BoxTree::new(&boxes), runs }
     }
 
     /// Whether no contour lies between `a`, where contours may end, and `b`.
-    fn sees(&self, map: &ContourMap, a: DVec2, b: DVec2) -> bool {
-        let query = AABB::from_corners(a.to_array(), b.to_array());
-        !self.0.locate_in_envelope_intersecting(&query).any(|run| {
-            let (line, first) = (run.data.0 as usize, run.data.1 as usize);
-            let points = &map.contours[line].points;
-            points[first..(first + RUN + 1).min(points.len())]
+    pub fn sees(&self, map: &ContourMap, a: DVec2, b: DVec2) -> bool {
+        !self.tree.near(OrientedBox::around(&[a, b])).any(|run| {
+            points_of(map, self.runs[run as usize])
                 .windows(2)
                 .any(|s| s[0] != a && s[1] != a && segments_meet(a, b, s[0], s[1]))
         })
     }
+}
+
+/// The vertices of the run that begins with a line's segment.
+fn points_of(map: &ContourMap, (line, first): (u32, u32)) -> &[DVec2] {
+    let points = &map.contours[line as usize].points;
+    &points[first as usize..(first as usize + RUN + 1).min(points.len())]
 }
 
 /// Whether two segments share a point, with exact predicates.

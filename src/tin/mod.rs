@@ -6,6 +6,7 @@
 mod build;
 mod frame;
 mod gates;
+mod kept;
 mod kinds;
 mod landforms;
 mod links;
@@ -17,10 +18,13 @@ mod waters;
 pub use build::{TinInput, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
 pub use gates::{Gaps, close_gaps};
+pub use kept::KeptBands;
 pub use kinds::{TriangleKind, triangle_kinds};
 pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
+pub(crate) use links::Sight;
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
+pub(crate) use orient::{line_at, line_starts, piece_of};
 pub use regions::{Band, Region, Regions, Side, regions};
 pub use waters::{lakes_outside_bands, with_water};
 

@@ -17,11 +17,7 @@ pub fn signed_area(ring: &[DVec2]) -> f64 {
 /// Each piece of contour in the triangulation (which must hold the map's contours before all other points) votes with
 /// its length for the side that its triangle rises to. Without votes the line is taken as it stands.
 pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool> {
-    let mut start = Vec::with_capacity(map.contours.len() + 1);
-    start.push(0u32);
-    for contour in &map.contours {
-        start.push(start[start.len() - 1] + contour.points.len() as u32);
-    }
+    let start = line_starts(map);
     let votes: Vec<(u32, f64)> = (0..tin.len() as u32)
         .into_par_iter()
         .filter(|&t| tin.is_inside(t))
@@ -49,8 +45,25 @@ pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool
     balance.into_iter().map(|b| b >= 0.0).collect()
 }
 
+/// The number of each contour's first point where the map's contours are the first points triangulated, and of the point
+/// after the last contour.
+pub(crate) fn line_starts(map: &ContourMap) -> Vec<u32> {
+    let mut start = Vec::with_capacity(map.contours.len() + 1);
+    start.push(0u32);
+    for contour in &map.contours {
+        start.push(start[start.len() - 1] + contour.points.len() as u32);
+    }
+    start
+}
+
+/// The contour that vertex `v` lies on, none for links, shores, spot heights and the frame.
+pub(crate) fn line_at(tin: &Tin, start: &[u32], v: u32) -> Option<u32> {
+    let after = start.partition_point(|&s| s <= tin.source[v as usize]);
+    (after < start.len()).then(|| after.checked_sub(1).map(|line| line as u32)).flatten()
+}
+
 /// The contour that the edge from `u` to `v` is a piece of, and whether it runs in the contour's direction.
-fn piece_of(map: &ContourMap, tin: &Tin, start: &[u32], u: u32, v: u32) -> Option<(u32, bool)> {
+pub(crate) fn piece_of(map: &ContourMap, tin: &Tin, start: &[u32], u: u32, v: u32) -> Option<(u32, bool)> {
     let (a, b) = (tin.source[u as usize], tin.source[v as usize]);
     let contour = start.partition_point(|&s| s <= a).checked_sub(1)?;
     let (first, end) = (start[contour], *start.get(contour + 1)?);

@@ -143,11 +143,10 @@ mod tests {
         let in_lake = |p: DVec2| (10.0..30.0).contains(&p.abs().max_element()).then_some(0);
         let tin = triangulate(input).unwrap().with_lakes(in_lake);
         let whole = regions(&tin, &TEN);
-        assert!(whole.findings.is_empty());
-        assert_eq!(whole.value.regions.len(), 2);
-        assert!(lakes_outside_bands(&tin, &whole.value, &[94.0]).is_empty());
-        assert_eq!(lakes_outside_bands(&tin, &whole.value, &[80.0]).len(), 1);
-        let found = with_water(whole.value, &tin, &[94.0], None);
+        assert_eq!(whole.regions.len(), 2);
+        assert!(lakes_outside_bands(&tin, &whole, &[94.0]).is_empty());
+        assert_eq!(lakes_outside_bands(&tin, &whole, &[80.0]).len(), 1);
+        let found = with_water(whole, &tin, &[94.0], None);
         let at = |x: f64| {
             let t = tin.locate(0, DVec2::new(x, 0.5) - tin.origin).unwrap();
             let region = found.region(t).unwrap();
@@ -169,7 +168,7 @@ mod tests {
             input.push(p.into(), f64::NAN, VertexKind::Frame);
         }
         let tin = triangulate(input).unwrap();
-        let found = with_water(regions(&tin, &TEN).value, &tin, &[], Some(0.0));
+        let found = with_water(regions(&tin, &TEN), &tin, &[], Some(0.0));
         let water: Vec<_> = found.regions.iter().filter(|r| r.water == Some(0.0)).collect();
         assert_eq!(water.len(), 1);
         assert_eq!(water[0].band, Band { lo: 0.0, hi: 0.0 });

@@ -108,8 +108,8 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let options = Options {
         sigma: args.sigma,
         interval: args.interval,
-        points: args.input.points.as_deref(),
-        unit: args.input.unit.unit(),
+        points: args.input.map.points.as_deref(),
+        unit: args.input.map.unit.unit(),
     };
     let measured = measure(&pair, &options, &mut findings, console);
     if measured.is_err() {
@@ -238,7 +238,7 @@ pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Co
 
 /// Checks what can be checked before anything is read, and tells what A and B are.
 fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
-    let contents = [content(&args.input.contours)?, content(&args.b)?];
+    let contents = [content(&args.input.map.contours)?, content(&args.b)?];
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
@@ -247,7 +247,7 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     if contents == [Content::HeightMap; 2] {
         // Check points have a unit, too.
         let about_contours =
-            args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.points.is_some()));
+            args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.map.points.is_some()));
         if let Some(flag) = about_contours.or_else(|| args.surface.given()) {
             return Err(Failure::Usage(format!("{flag} is about contours, and both inputs are height maps")));
         }
@@ -266,6 +266,7 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     }
     let inputs: Vec<&Path> = args
         .input
+        .map
         .files()
         .chain([args.b.as_path()])
         .chain(args.grid.like.as_deref())

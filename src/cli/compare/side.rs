@@ -16,6 +16,7 @@ use super::CompareArgs;
 use crate::cli::Failure;
 use crate::cli::console::Console;
 use crate::cli::input::InputArgs;
+use crate::cli::map::MapArgs;
 use crate::cli::output::{GridChoice, grid_for};
 use crate::cli::surface::{KindArg, build_surface};
 
@@ -74,7 +75,7 @@ pub fn read(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Pair, Failure> {
-    let (path_a, path_b) = (&args.input.contours, &args.b);
+    let (path_a, path_b) = (&args.input.map.contours, &args.b);
     // Height maps come first: the surface is drawn for their cells.
     let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         if content == Content::Contours {
@@ -282,7 +283,8 @@ fn side_of_contours(
     console: &Console,
 ) -> Result<Side, Failure> {
     // Check points must not be known to the surface that they check.
-    let reading = InputArgs { contours: path.to_owned(), points: None, ..args.input.clone() };
+    let map = MapArgs { contours: path.to_owned(), points: None, ..args.input.map.clone() };
+    let reading = InputArgs { map, ..args.input.clone() };
     let mut input = reading.read(console)?;
     let working = input.map.crs.clone();
     if let Some((_, crs @ None)) = nodes {
@@ -295,7 +297,7 @@ fn side_of_contours(
     let params = args.surface.params(&mut input, choice.as_ref(), Triangles::Guide)?;
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
-    reading.check_strict(&input.findings, console)?;
+    reading.map.check_strict(&input.findings, console)?;
     // Each side may have been worked on in a plane of its own.
     for finding in &mut input.findings {
         finding.place = finding.place.and_then(|p| input.places.in_input(p));

@@ -120,7 +120,8 @@ pub(super) fn sort_unique(mut lines: Vec<Contour>, findings: &mut Vec<Finding>) 
                 "the contour {} m (feature {}) is the same line as that of feature {}; it was kept once",
                 line.elevation, line.feature, kept.feature
             );
-            findings.push(Finding::at(FindingKind::DuplicateLine, line.points[0], message));
+            let finding = Finding::at(FindingKind::DuplicateLine, line.points[0], message);
+            findings.push(finding.about(line.feature, line.elevation).about(kept.feature, kept.elevation));
         }
         same
     });

@@ -1,7 +1,7 @@
 //! Pairs of segments that meet where they should not.
 //!
 //! Runs of segments whose boxes meet are searched with a tree, then the pairs of segments within them are tested exactly.
-//! Time grows with the number of segments and of pairs whose boxes meet.
+//! Time grows with the number of segments and of pairs whose boxes, turned along them, meet.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -140,7 +140,7 @@ fn contacts_of_run(segments: &Segments, runs: &Runs, i: u32, separation: f64, fo
             }
         }
     }
-    for j in runs.near(&reach).filter(|&j| j > i) {
+    for j in runs.near_run(segments.lines(), run, margin).filter(|&j| j > i) {
         let other = &runs.runs[j as usize];
         let shared = overlap(&reach, &other.bounds.grown(margin));
         for s in placed(segments, run) {

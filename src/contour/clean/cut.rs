@@ -5,8 +5,6 @@ use std::collections::BinaryHeap;
 use rayon::prelude::*;
 
 use super::canonical::is_closed;
-use super::meet;
-use super::removed::{Removed, Why};
 use super::segments::Segments;
 use crate::contour::Contour;
 
@@ -80,18 +78,6 @@ fn lateness(segments: &Segments, nodes: &[u32]) -> (Vec<u32>, Vec<u32>) {
         late[n as usize] = i;
     }
     (late, order.into_iter().map(|o| o.1).collect())
-}
-
-/// What to say about a segment that goes because of another.
-pub(super) fn finding(segments: &Segments, segment: u32, because_of: u32) -> Removed {
-    let (line, other) = (segments.line_of(segment), segments.line_of(because_of));
-    let (s, t) = (segments.get(segment), segments.get(because_of));
-    Removed {
-        elevation: line.elevation,
-        feature: line.feature,
-        ends: [s.a, s.b],
-        why: Why::Meets { elevation: other.elevation, feature: other.feature, place: meet::place(&s, &t) },
-    }
 }
 
 /// The lines without the chosen segments. `starts` has the number of each line's first segment.

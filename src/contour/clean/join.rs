@@ -211,5 +211,7 @@ pub(super) fn findings(connectors: &Connectors) -> impl Iterator<Item = Finding>
                 c.elevation, c.features[0], c.features[1]
             ),
         )
+        .about(c.features[0], c.elevation)
+        .about(c.features[1], c.elevation)
     })
 }

@@ -10,6 +10,7 @@
 mod canonical;
 mod contacts;
 mod cut;
+mod faults;
 mod join;
 mod meet;
 mod nodes;
@@ -29,7 +30,7 @@ pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
 pub(crate) use self::segments::{Runs, Segment, Segments};
 
 use self::contacts::Contacts;
-use self::removed::Removed;
+use self::removed::{Removed, Why};
 use super::{Contour, ContourMap};
 use crate::error::{Error, Finding, Report, Result};
 
@@ -82,7 +83,8 @@ pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>
     let ContourMap { contours, spots, depressions, crs } = map;
     let lines = clean_lines(contours, params)?;
     let mut findings = lines.findings;
-    findings.par_extend(lines.removed.par_iter().map(Removed::finding));
+    findings.extend(lines.removed.iter().filter_map(Removed::finding));
+    findings.extend(lines.faults);
     let spots = spots::clean(spots, &lines.contours, params.separation)?.collect(&mut findings);
     Ok(Report { value: ContourMap { contours: lines.contours, spots, depressions, crs }, findings })
 }
@@ -154,8 +156,10 @@ pub(super) fn spots_off_contours(
 struct Cleaned {
     contours: Vec<Contour>,
     findings: Vec<Finding>,
-    /// The segments that are left out.
+    /// What is left out.
     removed: Vec<Removed>,
+    /// Where lines met.
+    faults: Vec<Finding>,
 }
 
 fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> {
@@ -170,24 +174,30 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> 
     let (mut lines, mut contacts) = (joined.lines, joined.contacts);
     if !contacts.own.is_empty() {
         let split = nodes::insert(lines, &contacts.own)?;
-        findings.extend(split.findings);
+        let from = removed.len();
         lines = split.unchanged;
         lines.extend(simple(split.changed, &mut removed));
+        findings.extend(nodes::findings(&split.new, &removed[from..]));
         lines = canonical::sort_unique(lines, &mut findings);
         contacts = contacts::find(&Segments::new(&lines)?, params.separation)?;
     }
 
     // No line meets itself any more but by crossing, so there are only conflicts left.
     let conflicts: Vec<_> = contacts.iter().collect();
+    let mut faults = Vec::new();
     if !conflicts.is_empty() {
         let segments = Segments::new(&lines)?;
         let cuts = cut::choose(&segments, &conflicts);
-        removed.par_extend(cuts.par_iter().map(|&(s, partner)| cut::finding(&segments, s, partner)));
+        faults = faults::findings(&segments, conflicts, &cuts, params.separation);
+        removed.par_extend(cuts.par_iter().map(|&(s, _)| {
+            let Segment { a, b } = segments.get(s);
+            Removed::new(segments.line_of(s), vec![a, b], Why::Meets)
+        }));
         let starts = segments.into_starts();
         lines = cut::apply(lines, &starts, &cuts);
         canonical::sort(&mut lines);
     }
-    Ok(Cleaned { contours: lines, findings, removed })
+    Ok(Cleaned { contours: lines, findings, removed, faults })
 }
 
 /// Lines joined where they can be, sorted, with their contacts.
@@ -217,7 +227,8 @@ fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams) -> Result<Join
         let before = in_the_way.len();
         if !connectors.is_empty() {
             let met = contacts.iter().flat_map(|(s, t)| [segments.key(s), segments.key(t)]);
-            in_the_way.extend(met.chain(removed.iter().map(Removed::key)).filter(|key| connectors.contains_key(key)));
+            in_the_way
+                .extend(met.chain(removed.iter().flat_map(Removed::keys)).filter(|key| connectors.contains_key(key)));
         }
         if in_the_way.len() == before {
             findings.extend(join::findings(&connectors));

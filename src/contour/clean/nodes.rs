@@ -4,10 +4,13 @@
 //! nothing in the line's course. The line then comes to the same vertex twice and can be split there, where otherwise a
 //! piece of it would have to go. A spike comes back to a vertex of its own in this way, however it was drawn.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use super::canonical::compare_points;
 use super::meet::{Meeting, meeting};
+use super::removed::Removed;
 use super::segments::{Segment, Segments};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Result};
@@ -18,8 +21,15 @@ pub(super) struct Noded {
     pub(super) unchanged: Vec<Contour>,
     /// Lines with some. They visit vertices twice.
     pub(super) changed: Vec<Contour>,
-    /// One for each place.
-    pub(super) findings: Vec<Finding>,
+    /// The places of the new vertices.
+    pub(super) new: Vec<Node>,
+}
+
+/// A new vertex, with its line's elevation and feature.
+pub(super) struct Node {
+    elevation: f64,
+    feature: u64,
+    place: DVec2,
 }
 
 /// Inserts vertices where the pairs of segments, each of one line, meet.
@@ -34,10 +44,14 @@ pub(super) fn insert(lines: Vec<Contour>, pairs: &[(u32, u32)]) -> Result<Noded>
     // On a straight line, points are in the order of their coordinates.
     new.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| compare_points(&a.1, &b.1)));
     new.dedup();
-    let findings = new.iter().map(|&(i, p)| finding(segments.line_of(i), p)).collect();
+    let node = |&(i, place): &(u32, DVec2)| {
+        let line = segments.line_of(i);
+        Node { elevation: line.elevation, feature: line.feature, place }
+    };
+    let nodes = new.iter().map(node).collect();
 
     let starts = segments.into_starts();
-    let mut noded = Noded { unchanged: Vec::new(), changed: Vec::new(), findings };
+    let mut noded = Noded { unchanged: Vec::new(), changed: Vec::new(), new: nodes };
     let mut new = new.into_iter().peekable();
     for (mut line, bounds) in lines.into_iter().zip(starts.windows(2)) {
         if new.peek().is_none_or(|n| n.0 >= bounds[1]) {
@@ -71,8 +85,15 @@ fn is_inside(p: DVec2, s: &Segment) -> bool {
         && meeting(s, &Segment { a: s.a, b: p }) == Meeting::Overlap
 }
 
-fn finding(line: &Contour, place: DVec2) -> Finding {
-    let (elevation, feature) = (line.elevation, line.feature);
-    let message = format!("the contour {elevation} m (feature {feature}) touches itself; it was split there");
-    Finding::at(FindingKind::SelfCross, place, message)
+/// What to say of lines that touch themselves: nothing about places on spikes, which are told of as such.
+pub(super) fn findings(nodes: &[Node], spikes: &[Removed]) -> Vec<Finding> {
+    let bits = |p: &DVec2| [p.x.to_bits(), p.y.to_bits()];
+    let on_spikes: HashSet<(u64, [u64; 2])> =
+        spikes.iter().flat_map(|s| s.way.iter().map(move |p| (s.elevation.to_bits(), bits(p)))).collect();
+    let told = nodes.iter().filter(|n| !on_spikes.contains(&(n.elevation.to_bits(), bits(&n.place))));
+    let finding = |&Node { elevation, feature, place }: &Node| {
+        let message = format!("the contour {elevation} m (feature {feature}) touches itself; it was split there");
+        Finding::at(FindingKind::SelfCross, place, message).about(feature, elevation)
+    };
+    told.map(finding).collect()
 }

@@ -51,7 +51,8 @@ fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
     let (elevation, feature) = (line.elevation, line.feature);
     if !elevation.is_finite() {
         let message = format!("the line of feature {feature} has no elevation that is a number; it was left out");
-        return (None, vec![finding(FindingKind::SkippedFeature, line.points.iter().find(|p| is_place(**p)), message)]);
+        let place = line.points.iter().find(|p| is_place(**p)).copied();
+        return (None, vec![Finding::new(FindingKind::MissingElevation, place, message).about(feature, elevation)]);
     }
     line.elevation += 0.0;
     line.points.iter_mut().for_each(|p| *p = tidy(*p));
@@ -66,7 +67,10 @@ fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
         let message = format!(
             "the contour {elevation} m (feature {feature}) has fewer than two different points; it was left out"
         );
-        findings.push(finding(FindingKind::PointLine, line.points.first(), message));
+        // That its point is repeated is the same fault.
+        findings.retain(|f| f.kind != FindingKind::RepeatedPoint);
+        let finding = Finding::new(FindingKind::PointLine, line.points.first().copied(), message);
+        findings.push(finding.about(feature, elevation));
         return (None, findings);
     }
     (Some(line), findings)
@@ -81,12 +85,13 @@ fn kept_points(points: &[DVec2], elevation: f64, feature: u64, findings: &mut Ve
             let neighbour = kept.last().or_else(|| points[i..].iter().find(|q| is_place(**q)));
             let message =
                 format!("a point of the contour {elevation} m (feature {feature}) is no place; it was left out");
-            findings.push(finding(FindingKind::NonFinitePoint, neighbour, message));
+            let finding = Finding::new(FindingKind::NonFinitePoint, neighbour.copied(), message);
+            findings.push(finding.about(feature, elevation));
         } else if kept.last() == Some(&p) {
             if !in_run {
                 let message =
                     format!("a point of the contour {elevation} m (feature {feature}) is repeated; it was kept once");
-                findings.push(Finding::at(FindingKind::RepeatedPoint, p, message));
+                findings.push(Finding::at(FindingKind::RepeatedPoint, p, message).about(feature, elevation));
             }
             in_run = true;
         } else {
@@ -95,10 +100,6 @@ fn kept_points(points: &[DVec2], elevation: f64, feature: u64, findings: &mut Ve
         }
     }
     kept
-}
-
-fn finding(kind: FindingKind, place: Option<&DVec2>, message: String) -> Finding {
-    Finding { kind, place: place.copied(), message }
 }
 
 /// Checks a single line's points.

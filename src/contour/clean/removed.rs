@@ -1,4 +1,4 @@
-//! A segment that is left out, and why.
+//! What is left out of a line, and why.
 
 use glam::DVec2;
 
@@ -16,82 +16,67 @@ pub(super) fn key(elevation: f64, a: DVec2, b: DVec2) -> SegmentKey {
     (elevation.to_bits(), a.min(b), a.max(b))
 }
 
-/// Why a segment is left out.
-#[derive(Debug, Clone, PartialEq)]
+/// Why a piece is left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Why {
-    /// The line runs to the segment's second point and straight back.
+    /// The line runs to the piece's first point and back the same way.
     Spike,
     /// The whole line runs there and back; it stays once.
     Doubled,
-    /// It meets the line of this elevation and feature, at this place.
-    Meets { elevation: f64, feature: u64, place: DVec2 },
+    /// It meets another segment: see the findings about the place.
+    Meets,
 }
 
-/// A segment that is left out.
+/// A piece of a line that is left out.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Removed {
     pub(super) elevation: f64,
     pub(super) feature: u64,
-    pub(super) ends: [DVec2; 2],
+    /// Its points: of a spike from the tip to the root.
+    pub(super) way: Vec<DVec2>,
     pub(super) why: Why,
 }
 
 impl Removed {
-    /// A segment to `tip` that runs back again.
-    pub(super) fn spike(line: &Contour, root: DVec2, tip: DVec2) -> Self {
-        Self { elevation: line.elevation, feature: line.feature, ends: [root, tip], why: Why::Spike }
+    /// A piece of a line.
+    pub(super) fn new(line: &Contour, way: Vec<DVec2>, why: Why) -> Self {
+        Self { elevation: line.elevation, feature: line.feature, way, why }
     }
 
-    pub(super) fn key(&self) -> SegmentKey {
-        key(self.elevation, self.ends[0], self.ends[1])
+    /// The keys of its segments.
+    pub(super) fn keys(&self) -> impl Iterator<Item = SegmentKey> {
+        self.way.windows(2).map(|w| key(self.elevation, w[0], w[1]))
     }
 
     /// A fixed order for spikes, whose lines come in the input's order.
     pub(super) fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        let ways = || self.way.iter().rev().zip(other.way.iter().rev());
         (self.elevation.total_cmp(&other.elevation))
-            .then_with(|| compare_points(&self.ends[0], &other.ends[0]))
-            .then_with(|| compare_points(&self.ends[1], &other.ends[1]))
+            .then_with(|| {
+                ways()
+                    .map(|(p, q)| compare_points(p, q))
+                    .find(|o| o.is_ne())
+                    .unwrap_or(self.way.len().cmp(&other.way.len()))
+            })
             .then(self.feature.cmp(&other.feature))
     }
 
-    /// The finding that tells of it.
-    pub(super) fn finding(&self) -> Finding {
+    /// The finding that tells of it, unless others do.
+    pub(super) fn finding(&self) -> Option<Finding> {
         let (elevation, feature) = (self.elevation, self.feature);
-        match self.why {
-            Why::Spike => Finding::at(
-                FindingKind::SelfCross,
-                self.ends[1],
-                format!(
-                    "the contour {elevation} m (feature {feature}) runs to a point and straight back; the spike was left out"
-                ),
+        let length: f64 = self.way.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let message = match self.why {
+            Why::Meets => return None,
+            Why::Spike => format!(
+                "the contour {elevation} m (feature {feature}) runs to a point and straight back; the spike, {length:.3} map \
+                 units long, was left out"
             ),
-            Why::Doubled => Finding::at(
-                FindingKind::SelfCross,
-                self.ends[1],
-                format!("the contour {elevation} m (feature {feature}) runs there and straight back; it was kept once"),
+            Why::Doubled => format!(
+                "the contour {elevation} m (feature {feature}) runs there and straight back, {length:.3} map units; it was \
+                 kept once"
             ),
-            Why::Meets { elevation: other, feature: by, place } => {
-                let (kind, verb) = if other == elevation {
-                    (
-                        FindingKind::SelfCross,
-                        if by == feature { "crosses or overlaps itself" } else { "crosses or overlaps" },
-                    )
-                } else {
-                    (FindingKind::LevelsCross, "crosses or touches")
-                };
-                let whom = if verb.ends_with("itself") {
-                    String::new()
-                } else {
-                    format!(" the contour {other} m (feature {by})")
-                };
-                Finding::at(
-                    kind,
-                    place,
-                    format!(
-                        "the contour {elevation} m (feature {feature}) {verb}{whom}; one segment of it was left out"
-                    ),
-                )
-            }
-        }
+        };
+        let tip = self.way.first().copied();
+        Some(Finding::new(FindingKind::Spike, tip, message).about(feature, elevation))
     }
 }

@@ -1,19 +1,22 @@
 //! All segments of all lines, numbered, and a tree to find those near a place.
 //!
 //! The tree holds the boxes of short runs of segments, not of every single one: that makes it an eighth of the size,
-//! and lines are near themselves anyway.
+//! and lines are near themselves anyway. Where a box would hold much more ground than its segments have to
+//! themselves, which long segments do, runs are shorter.
 
 use glam::DVec2;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use rayon::prelude::*;
 
 use super::meet::point_distance;
 use super::removed::{self, SegmentKey};
 use crate::contour::Contour;
+use crate::contour::oriented::{BoxTree, OrientedBox};
 use crate::error::{Error, Result};
 
-/// Segments in a run.
+/// Segments in a run, at most.
 const RUN: usize = 8;
+/// The box around several segments may hold so many times the ground that they have to themselves on the average.
+const ROOM: f64 = 16.0;
 
 /// The segments of lines, numbered line by line.
 pub(crate) struct Segments<'a> {
@@ -53,8 +56,14 @@ impl Bounds {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    fn aabb(&self) -> AABB<[f64; 2]> {
-        AABB::from_corners(self.min.to_array(), self.max.to_array())
+    /// The least one that holds points.
+    fn around(points: &[DVec2]) -> Self {
+        let none = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+        points.iter().fold(none, |b, &p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 }
 
@@ -71,7 +80,7 @@ pub(crate) struct Run {
 /// Runs of segments, and the tree of their boxes.
 pub(crate) struct Runs {
     pub(crate) runs: Vec<Run>,
-    tree: RTree<GeomWithData<Rectangle<[f64; 2]>, u32>>,
+    tree: BoxTree,
 }
 
 impl<'a> Segments<'a> {
@@ -133,31 +142,52 @@ impl<'a> Segments<'a> {
 
     /// Builds the tree.
     pub(crate) fn runs(&self) -> Runs {
-        let mut runs = Vec::with_capacity(self.len() / RUN + self.lines.len());
+        let room = ROOM * self.distance_between_lines();
+        let (mut runs, mut boxes) = (Vec::with_capacity(self.len() / RUN + self.lines.len()), Vec::new());
         for (line, contour) in (0u32..).zip(self.lines) {
             let count = contour.points.len().saturating_sub(1);
-            for from in (0..count).step_by(RUN) {
-                let to = (from + RUN).min(count);
-                let first = contour.points[from];
-                let bounds = contour.points[from + 1..=to]
-                    .iter()
-                    .fold(Bounds { min: first, max: first }, |b, p| Bounds { min: b.min.min(*p), max: b.max.max(*p) });
-                runs.push(Run { line, from: from as u32, to: to as u32, bounds });
+            let mut from = 0;
+            while from < count {
+                let points = &contour.points[from..=(from + RUN).min(count)];
+                let mut segments = points.len() - 1;
+                let mut turned = OrientedBox::around(points);
+                while segments > 1 && turned.area() > room * length(&points[..=segments]) {
+                    segments -= 1;
+                    turned = OrientedBox::around(&points[..=segments]);
+                }
+                let to = from + segments;
+                runs.push(Run { line, from: from as u32, to: to as u32, bounds: Bounds::around(&points[..=segments]) });
+                boxes.push(turned);
+                from = to;
             }
         }
-        let boxes = (0u32..).zip(&runs).map(|(i, run)| {
-            let corners = (run.bounds.min.to_array(), run.bounds.max.to_array());
-            GeomWithData::new(Rectangle::from_corners(corners.0, corners.1), i)
-        });
-        let tree = RTree::bulk_load(boxes.collect());
-        Runs { runs, tree }
+        Runs { runs, tree: BoxTree::new(&boxes) }
+    }
+
+    /// How far lines would be apart if they were spread evenly over the map.
+    fn distance_between_lines(&self) -> f64 {
+        let all = self.lines.par_iter().map(|line| Bounds::around(&line.points));
+        let all = all.reduce(|| Bounds::around(&[]), Bounds::union);
+        let size = all.max - all.min;
+        let sum: f64 = self.lines.iter().map(|line| length(&line.points)).sum();
+        if sum > 0.0 { size.x / sum * size.y } else { 0.0 }
     }
 }
 
+/// Length of a line.
+fn length(points: &[DVec2]) -> f64 {
+    points.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
 impl Runs {
-    /// Numbers of the runs whose boxes share a point with `bounds`, in no particular order.
+    /// Numbers of the runs that may share a point with `bounds`, in no particular order.
     pub(crate) fn near(&self, bounds: &Bounds) -> impl Iterator<Item = u32> {
-        self.tree.locate_in_envelope_intersecting(&bounds.aabb()).map(|run| run.data)
+        self.tree.near(OrientedBox::upright(bounds.min, bounds.max))
+    }
+
+    /// Numbers of the runs, itself too, that may be within `reach` of a run, in no particular order.
+    pub(super) fn near_run(&self, lines: &[Contour], run: &Run, reach: f64) -> impl Iterator<Item = u32> {
+        self.tree.near(OrientedBox::around(points_of(lines, run)).grown(reach))
     }
 
     /// Numbers of lines that may be within `reach` of a point, in no particular order and more than once.
@@ -168,18 +198,80 @@ impl Runs {
     /// Distance from a point to the nearest of `lines` but the line number `own`; infinite where there is no other.
     pub(crate) fn distance_to_others(&self, lines: &[Contour], p: DVec2, own: u32) -> f64 {
         let mut best = f64::INFINITY;
-        for (run, box_distance_2) in self.tree.nearest_neighbor_iter_with_distance_2(&p.to_array()) {
-            if box_distance_2 > best * best {
+        for (run, at_least) in self.tree.nearest_first(p) {
+            if at_least > best {
                 break;
             }
-            let run = &self.runs[run.data as usize];
+            let run = &self.runs[run as usize];
             if run.line != own {
-                let points = &lines[run.line as usize].points[run.from as usize..=run.to as usize];
-                for w in points.windows(2) {
+                for w in points_of(lines, run).windows(2) {
                     best = best.min(point_distance(p, &Segment { a: w[0], b: w[1] }));
                 }
             }
         }
         best
+    }
+}
+
+/// The vertices of a run.
+fn points_of<'a>(lines: &'a [Contour], run: &Run) -> &'a [DVec2] {
+    &lines[run.line as usize].points[run.from as usize..=run.to as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Regular rings around zero, a unit apart.
+    fn rings(count: u32, corners: u32) -> Vec<Contour> {
+        let ring = |r: u32| {
+            let corner =
+                |k: u32| f64::from(r) * DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / f64::from(corners));
+            Contour {
+                elevation: f64::from(r),
+                points: (0..=corners).map(|k| corner(k % corners)).collect(),
+                feature: 0,
+            }
+        };
+        (1..=count).map(ring).collect()
+    }
+
+    /// How many runs there are, and how many pairs of them may be near each other.
+    fn candidates(lines: &[Contour]) -> (usize, usize) {
+        let runs = Segments::new(lines).unwrap().runs();
+        let near = runs.runs.iter().map(|run| runs.near_run(lines, run, 0.01).count()).sum();
+        (runs.runs.len(), near)
+    }
+
+    #[test]
+    fn nested_rings_of_few_long_sides_have_few_candidates() {
+        for corners in [3, 8, 12] {
+            let (runs, near) = candidates(&rings(1000, corners));
+            assert!(near < 16 * runs, "{near} candidates of {runs} runs at {corners} corners");
+        }
+    }
+
+    #[test]
+    fn runs_of_short_segments_hold_several() {
+        let lines = rings(100, 720);
+        let (runs, _) = candidates(&lines);
+        assert_eq!(runs, 100 * 720 / RUN);
+    }
+
+    #[test]
+    fn runs_hold_each_segment_once() {
+        let lines = [rings(30, 5), rings(3, 100)].concat();
+        let runs = Segments::new(&lines).unwrap().runs().runs;
+        let mut next = (0, 0);
+        for run in &runs {
+            if run.line != next.0 {
+                assert_eq!(next.1 + 1, lines[next.0 as usize].points.len() as u32);
+                next = (run.line, 0);
+            }
+            assert_eq!(run.from, next.1);
+            assert!(run.to > run.from && run.to - run.from <= RUN as u32);
+            next.1 = run.to;
+        }
+        assert_eq!(next, (lines.len() as u32 - 1, 100));
     }
 }

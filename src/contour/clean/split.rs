@@ -45,7 +45,11 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
             at.remove(&bits(*q));
         }
         if let [tip] = loop_points[..] {
-            split.spikes.push(Removed::spike(&line, p, tip));
+            // What runs back on from a spike's root makes the same spike longer.
+            match split.spikes.last_mut().filter(|spike| spike.way.last() == Some(&tip)) {
+                Some(spike) => spike.way.push(p),
+                None => split.spikes.push(Removed::new(&line, vec![tip, p], Why::Spike)),
+            }
         } else {
             split.lines.push(piece([&[p], &loop_points[..], &[p]].concat()));
         }
@@ -55,7 +59,7 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
     }
     if split.lines.is_empty() {
         // A line that was drawn there and back as a whole is no spike: one of its two runs stays.
-        split.lines = split.spikes.iter().map(|s| piece(s.ends.to_vec())).collect();
+        split.lines = split.spikes.iter().map(|s| piece(s.way.clone())).collect();
         split.spikes.iter_mut().for_each(|s| s.why = Why::Doubled);
     }
     split.lines.iter_mut().for_each(|l| normalise(&mut l.points));

@@ -20,25 +20,29 @@ const SAME_HEIGHT: f64 = 1e-9;
 /// `contours` are clean. Gives the spot heights sorted by x, y and height.
 pub(super) fn clean(spots: Vec<DVec3>, contours: &[Contour], separation: f64) -> Result<Report<Vec<DVec3>>> {
     let mut findings = Vec::new();
-    let (mut spots, bad): (Vec<DVec3>, Vec<DVec3>) = spots
+    let (mut spots, mut bad): (Vec<DVec3>, Vec<DVec3>) = spots
         .into_iter()
         .map(|s| tidy(s.truncate()).extend(s.z + 0.0))
         .partition(|s| is_place(s.truncate()) && s.z.is_finite());
-    let mut places: Vec<DVec2> = bad.iter().map(|s| s.truncate()).collect();
-    places.sort_unstable_by(compare_points);
-    findings.extend(places.into_iter().map(|p| Finding {
-        kind: FindingKind::NonFinitePoint,
-        place: is_place(p).then_some(p),
-        message: "a spot height is no place or has no height; it was left out".to_owned(),
+    bad.sort_unstable_by(compare_spots);
+    findings.extend(bad.into_iter().map(|s| {
+        let message = "a spot height is no place or has no height; it was left out";
+        let place = Some(s.truncate()).filter(|p| is_place(*p));
+        Finding::new(FindingKind::NonFinitePoint, place, message).of_elevations([s.z])
     }));
     if spots.is_empty() {
         return Ok(Report { value: spots, findings });
     }
-    spots.sort_unstable_by(|a, b| compare_points(&a.truncate(), &b.truncate()).then(a.z.total_cmp(&b.z)));
+    spots.sort_unstable_by(compare_spots);
     spots.dedup();
     let spots = off_contours(spots, contours, separation, &mut findings)?;
     let spots = off_each_other(spots, separation, &mut findings);
     Ok(Report { value: spots, findings })
+}
+
+/// By x, y and height.
+fn compare_spots(a: &DVec3, b: &DVec3) -> std::cmp::Ordering {
+    compare_points(&a.truncate(), &b.truncate()).then(a.z.total_cmp(&b.z))
 }
 
 fn off_contours(
@@ -56,14 +60,14 @@ fn off_contours(
         match contour {
             None => kept.push(spot),
             Some(c) if (c.elevation - spot.z).abs() <= SAME_HEIGHT => (),
-            Some(c) => findings.push(Finding::at(
-                FindingKind::SpotOnLine,
-                spot.truncate(),
-                format!(
+            Some(c) => {
+                let message = format!(
                     "the spot height {} m lies on the contour {} m (feature {}); it was left out",
                     spot.z, c.elevation, c.feature
-                ),
-            )),
+                );
+                let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
+                findings.push(finding.of_elevations([spot.z]).about(c.feature, c.elevation));
+            }
         }
     }
     Ok(kept)
@@ -116,14 +120,12 @@ fn off_each_other(spots: Vec<DVec3>, separation: f64, findings: &mut Vec<Finding
         for j in near {
             dropped[j] = true;
             if (spots[j].z - spot.z).abs() > SAME_HEIGHT {
-                findings.push(Finding::at(
-                    FindingKind::SpotOnLine,
-                    spots[j].truncate(),
-                    format!(
-                        "the spot height {} m lies at the place of another of {} m; it was left out",
-                        spots[j].z, spot.z
-                    ),
-                ));
+                let message = format!(
+                    "the spot height {} m lies at the place of another of {} m; it was left out",
+                    spots[j].z, spot.z
+                );
+                let finding = Finding::at(FindingKind::SpotOnLine, spots[j].truncate(), message);
+                findings.push(finding.of_elevations([spots[j].z, spot.z]));
             }
         }
     }

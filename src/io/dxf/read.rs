@@ -8,6 +8,7 @@ use super::layers::Layers;
 use super::names::{Script, Wanted};
 use crate::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
+use crate::io::text;
 
 /// Vertices that arcs may add to a drawing of any size; larger ones may add one a byte.
 const ROOM: usize = 1 << 20;
@@ -18,18 +19,23 @@ const TILTED: &str = "polyline in a tilted plane";
 const SURFACES: &[&str] =
     &["CIRCLE", "ELLIPSE", "SPLINE", "HATCH", "MPOLYGON", "REGION", "SOLID", "TRACE", "3DFACE", TILTED];
 
+/// Drawings that are no text, by how they begin.
+fn known(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"AutoCAD Binary DXF") {
+        Some("the file is a binary DXF; save it as text (ASCII DXF)")
+    } else if bytes.starts_with(b"AC10") {
+        Some("the file is a DWG and no DXF; save it as DXF")
+    } else {
+        None
+    }
+}
+
 /// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model, numbered from 0 in the order of all of its
 /// entities. Closed lines are areas where areas are asked for.
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. Blocks are not expanded.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-    if bytes.starts_with(b"AutoCAD Binary DXF") {
-        return Err(Error::file(path, "the file is a binary DXF; save it as text (ASCII DXF)"));
-    }
-    if bytes.starts_with(b"AC10") {
-        return Err(Error::file(path, "the file is a DWG and no DXF; save it as DXF"));
-    }
+    let bytes = text::read(path, known)?;
     let mut groups = Groups::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
     let mut drawing = Drawing {
         path,

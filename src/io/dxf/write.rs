@@ -100,7 +100,7 @@ fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]
 /// How many handles the entities of a feature take.
 fn handles_of(row: &Row<'_>) -> u64 {
     match &row.shape {
-        Shape::Contour(..) => 1,
+        Shape::Contour(..) | Shape::Point(_) => 1,
         // The line, its vertices and their end.
         Shape::Line(points) => points.len() as u64 + 2,
         Shape::Area(rings) => rings.len() as u64,
@@ -111,6 +111,7 @@ fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> 
     match shape {
         Shape::Contour(points, elevation) => write_level(out, layer, points, *elevation),
         Shape::Line(points) => write_climbing(out, layer, points),
+        Shape::Point(point) => point.map_or(Ok(()), |p| write_level(out, layer, &[p], 0.0)),
         Shape::Area(_) => {
             for ring in shape.rings(Outer::Counterclockwise) {
                 write_level(out, layer, &ring.collect::<Vec<DVec2>>(), 0.0)?;

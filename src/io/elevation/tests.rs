@@ -113,7 +113,7 @@ fn no_elevation_at_all_is_an_error_that_lists_the_fields() {
 fn a_line_whose_z_varies_is_left_out_with_its_place() {
     let report = read(None, &[], &[(&[], Some([5.0, 5.0])), (&[], Some([5.0, 6.0])), (&[], None)]).unwrap();
     assert_eq!(report.value.contours.len(), 1);
-    let skipped: Vec<_> = report.findings.iter().filter(|f| f.kind == FindingKind::SkippedFeature).collect();
+    let skipped: Vec<_> = report.findings.iter().filter(|f| f.kind == FindingKind::MissingElevation).collect();
     assert_eq!(skipped.len(), 2);
     assert_eq!(skipped[0].place, Some(DVec2::new(1.0, 0.0)));
     assert!(skipped[0].message.contains("varies from 5 to 6"), "{}", skipped[0].message);
@@ -125,6 +125,12 @@ fn text_is_taken_if_it_is_a_number() {
     assert_eq!(elevations(read(None, &["elev"], rows)), [120.0, 120.5, -100.0]);
     let error = message(read(None, &["elev"], &[(&[text("120")], None), (&[text("120 m")], None)]));
     assert!(error.contains("in.x") && error.contains("feature 1") && error.contains("\"120 m\""), "{error}");
+    let rows: &[(&[Value], _)] = &[(&[text("120")], None), (&[text("n/a")], None), (&[num(130.0)], None)];
+    let report = read(None, &["elev"], rows).unwrap();
+    assert_eq!(report.value.contours.len(), 2);
+    let missing = report.findings.iter().find(|f| f.kind == FindingKind::MissingElevation).unwrap();
+    assert_eq!((&missing.features[..], missing.place), (&[1][..], Some(DVec2::new(1.0, 0.0))));
+    assert!(missing.message.contains("\"n/a\""), "{missing}");
     let error = message(read(Some("kind"), &["kind"], &[(&[text("index")], None)]));
     assert!(error.contains("\"index\""), "{error}");
 }
@@ -142,7 +148,7 @@ fn empty_and_infinite_elevations_are_left_out() {
     ];
     let report = read(None, &["elev"], rows).unwrap();
     assert_eq!(report.value.contours.len(), 1);
-    let skipped: Vec<_> = report.findings.iter().filter(|f| f.kind == FindingKind::SkippedFeature).collect();
+    let skipped: Vec<_> = report.findings.iter().filter(|f| f.kind == FindingKind::MissingElevation).collect();
     assert_eq!(skipped.len(), 6);
     assert!(skipped.iter().all(|f| f.place.is_some()));
     let error = message(read(Some("elev"), &["elev"], &[(&[Value::Null], None)]));

@@ -46,7 +46,8 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
         ..FgbWriterOptions::default()
     };
     let kind = match layer.geometry {
-        Geometry::Lines => GeometryType::LineString,
+        // Layers of points do not come here.
+        Geometry::Lines | Geometry::Points => GeometryType::LineString,
         Geometry::Areas => GeometryType::Polygon,
     };
     let mut writer = FgbWriter::create_with_options(layer.name, kind, options).map_err(failed)?;
@@ -55,6 +56,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
             Kind::Real => (ColumnType::Double, None),
             Kind::Int => (ColumnType::Long, None),
             Kind::Text(most) => (ColumnType::String, Some(i32::from(most))),
+            Kind::LongText => (ColumnType::String, None),
             Kind::Bool => (ColumnType::Bool, None),
         };
         writer.add_column(column.name, kind, |_, args| args.width = width.unwrap_or(args.width));

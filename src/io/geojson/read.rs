@@ -9,12 +9,13 @@ use super::coordinates::{Coordinates, Part};
 use crate::crs::Crs;
 use crate::error::{Error, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
+use crate::io::text;
 
 /// Reads a file that holds a feature collection, a feature or a bare geometry.
 ///
 /// Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let bytes = text::read(path, |_| None)?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     if text.trim_ascii().is_empty() {
         return Err(Error::file(path, "the file is empty"));

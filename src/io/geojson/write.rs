@@ -50,6 +50,12 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
 }
 
 fn write_shape(out: &mut impl Write, shape: &Shape<'_>) -> std::io::Result<()> {
+    if let Shape::Point(point) = shape {
+        let Some(point) = point else { return out.write_all(b",\"geometry\":null") };
+        out.write_all(b",\"geometry\":{\"type\":\"Point\",\"coordinates\":")?;
+        write_position(out, 0, *point)?;
+        return out.write_all(b"]}");
+    }
     if let Shape::Area(_) = shape {
         out.write_all(b",\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[")?;
         for (i, ring) in shape.rings(Outer::Counterclockwise).enumerate() {

@@ -186,17 +186,15 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     let broken = |e: rusqlite::Error| {
         Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), e)
     };
-    let key: Option<String> = db
-        .query_row("SELECT name FROM pragma_table_info(?1) WHERE pk = 1", [&layer.table], |row| row.get(0))
-        .optional()
-        .map_err(broken)?;
+    let (columns, key) = columns_of(db, layer).map_err(broken)?;
     let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
-    let columns: Vec<String> = statement.column_names().map(str::to_owned).collect();
+    if statement.column_count() != columns.len() {
+        return Err(Error::file(path, format!("the columns of the layer {:?} cannot be told apart", layer.table)));
+    }
     let is = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
     let geometry = columns.iter().position(|name| is(name, &layer.geometry)).ok_or_else(|| {
         Error::file(path, format!("the layer {:?} lacks its geometry column {:?}", layer.table, layer.geometry))
     })?;
-    let key = key.and_then(|key| columns.iter().position(|name| is(name, &key)));
     let fields: Vec<Option<usize>> = columns
         .iter()
         .enumerate()
@@ -206,7 +204,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     let mut rows = statement.query([]).map_err(broken)?;
     let mut count = 0;
     while let Some(row) = rows.next().map_err(broken)? {
-        let id = key.and_then(|key| row.get::<_, i64>(key).ok()).and_then(|id| u64::try_from(id).ok());
+        let id = key.and_then(|key| row.get_ref(key).ok()?.as_i64().ok()).and_then(|id| u64::try_from(id).ok());
         let mut feature = Feature { number: id.unwrap_or(count), ..Feature::default() };
         count += 1;
         for (i, field) in fields.iter().enumerate() {
@@ -236,6 +234,25 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
         table.push(feature);
     }
     Ok(())
+}
+
+/// The names of a layer's columns, in the order of `SELECT *`, and which of them is the key.
+///
+/// A statement's own names must be UTF-8; those of a broken file may not be.
+fn columns_of(db: &Connection, layer: &Layer) -> rusqlite::Result<(Vec<String>, Option<usize>)> {
+    let mut statement = db.prepare("SELECT name, pk FROM pragma_table_xinfo(?1) WHERE hidden <> 1 ORDER BY cid")?;
+    let mut rows = statement.query([&layer.table])?;
+    let (mut names, mut key) = (Vec::new(), None);
+    while let Some(row) = rows.next()? {
+        if row.get::<_, i64>(1)? == 1 {
+            key = Some(names.len());
+        }
+        names.push(match row.get_ref(0)? {
+            ValueRef::Text(text) => String::from_utf8_lossy(text).into_owned(),
+            _ => String::new(),
+        });
+    }
+    Ok((names, key))
 }
 
 fn wrong(path: &Path, layer: &Layer, feature: u64, what: &str) -> Error {

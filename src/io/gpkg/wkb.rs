@@ -188,6 +188,12 @@ pub(super) fn put(blob: &mut Vec<u8>, shape: &Shape<'_>, srs_id: i32, envelope: 
     blob.extend(srs_id.to_le_bytes());
     blob.extend(envelope.iter().flat_map(|bound| bound.to_le_bytes()));
     blob.push(1);
+    if let Shape::Point(point) = shape {
+        blob.extend(1_u32.to_le_bytes());
+        let nowhere = DVec2::NAN;
+        blob.extend(point.unwrap_or(nowhere).to_array().map(f64::to_le_bytes).as_flattened());
+        return;
+    }
     if let Shape::Area(_) = shape {
         blob.extend(3_u32.to_le_bytes());
         let rings = shape.rings(Outer::Counterclockwise);

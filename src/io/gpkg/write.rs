@@ -117,6 +117,7 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
     let table = quoted(layer.name);
     let index = quoted(&format!("rtree_{}_geom", layer.name));
     let (geometry, has_z) = match layer.geometry {
+        Geometry::Points => ("POINT", 0),
         Geometry::Lines => ("LINESTRING", 1),
         Geometry::Areas => ("POLYGON", 0),
     };
@@ -126,7 +127,7 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
         .map(|column| match column.kind {
             Kind::Real => format!(", {} DOUBLE", quoted(column.name)),
             Kind::Int => format!(", {} INTEGER", quoted(column.name)),
-            Kind::Text(_) => format!(", {} TEXT", quoted(column.name)),
+            Kind::Text(_) | Kind::LongText => format!(", {} TEXT", quoted(column.name)),
             Kind::Bool => format!(", {} BOOLEAN", quoted(column.name)),
         })
         .collect();
@@ -157,6 +158,7 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
     for (fid, row) in (1_i64..).zip(&layer.rows) {
         let bounds = row.shape.bounds();
         extent = joined(extent, bounds);
+        let is_somewhere = row.shape.vertex_count() > 0;
         wkb::put(&mut blob, &row.shape, srs_id, bounds);
         let cells = row.cells.iter().map(|cell| match cell {
             Cell::Real(number) => SqlCell::Real(*number),
@@ -165,13 +167,17 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
             Cell::Bool(yes) => SqlCell::Integer(i64::from(*yes)),
             Cell::Null => SqlCell::Null,
         });
-        let cells = [SqlCell::Integer(fid), SqlCell::Blob(&blob)].into_iter().chain(cells);
+        let geometry = if is_somewhere { SqlCell::Blob(&blob) } else { SqlCell::Null };
+        let cells = [SqlCell::Integer(fid), geometry].into_iter().chain(cells);
         add_feature.execute(params_from_iter(cells))?;
+        if !is_somewhere {
+            continue;
+        }
         let [min_x, max_x, min_y, max_y] = bounds;
         add_bounds.execute(params![fid, min_x, max_x, min_y, max_y])?;
     }
-    if !layer.rows.is_empty() {
-        let [min_x, max_x, min_y, max_y] = extent;
+    let [min_x, max_x, min_y, max_y] = extent;
+    if min_x <= max_x {
         db.execute(
             "UPDATE gpkg_contents SET min_x = ?2, min_y = ?3, max_x = ?4, max_y = ?5 WHERE table_name = ?1",
             params![layer.name, min_x, min_y, max_x, max_y],

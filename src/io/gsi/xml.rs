@@ -153,7 +153,11 @@ impl<'a, 's> Xml<'a, 's> {
                         })?;
                     }
                 }
-                Event::Eof if self.depth > 0 || !self.seen_root => {
+                Event::Eof if !self.seen_root => {
+                    let message = "there is no element in it: it is no XML, or only the beginning of one";
+                    return Err(Error::file(self.path, message));
+                }
+                Event::Eof if self.depth > 0 => {
                     let message = "the document ends in the middle; load the file again from where it came";
                     return Err(Error::file(self.path, message));
                 }
@@ -253,7 +257,7 @@ mod tests {
             (b"<a><b></b>", "ends in the middle"),
             (b"<a></b>", "broken"),
             (b"<a", "broken or ends"),
-            (b"no tag at all", "ends in the middle"),
+            (b"no tag at all", "no element in it"),
             (b"\xff\xfe<\0", "UTF-16"),
             (b"<?xml version=\"1.0\" encoding=\"klingon\"?><a/>", "klingon"),
         ] {

@@ -11,22 +11,48 @@ const COLUMNS: &[Column] = &[
     Column { name: "closed", kind: Kind::Bool },
 ];
 
+/// The same where lines say how far they are expected to be off.
+const WITH_ERRORS: &[Column] = &[
+    Column { name: "elev", kind: Kind::Real },
+    Column { name: "source", kind: Kind::Text(12) },
+    Column { name: "is_index", kind: Kind::Bool },
+    Column { name: "depression", kind: Kind::Bool },
+    Column { name: "closed", kind: Kind::Bool },
+    Column { name: "err_v", kind: Kind::Real },
+    Column { name: "err_h", kind: Kind::Real },
+    Column { name: "inferred", kind: Kind::Bool },
+];
+
+/// Decimals of an expected error: more would tell nothing.
+const DECIMALS: f64 = 1e3;
+
 /// The features of a layer of contours; see [`write_contours`](crate::io::write_contours) for their attributes.
 pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
+    let with_errors = layer.lines.iter().any(|line| line.expected.is_some());
     let mut rows = Vec::with_capacity(layer.lines.len());
     for line in &layer.lines {
         let source = match line.source {
             Source::Input => "input",
             Source::Interpolated => "interpolated",
         };
-        let cells = vec![
+        let mut cells = vec![
             Cell::Real(line.elevation),
             Cell::Text(source.into()),
             Cell::Bool(line.index),
             Cell::Bool(line.depression),
             Cell::Bool(line.is_closed()),
         ];
+        if with_errors {
+            let rounded = |error: f64| Cell::Real((error * DECIMALS).round() / DECIMALS);
+            cells.extend(match line.expected {
+                Some(expected) => {
+                    [rounded(expected.vertical), rounded(expected.horizontal), Cell::Bool(expected.inferred)]
+                }
+                None => [Cell::Null, Cell::Null, Cell::Null],
+            });
+        }
         rows.push(Row { shape: Shape::Contour(&line.points, line.elevation), cells });
     }
-    Layer { name: &layer.name, geometry: Geometry::Lines, columns: COLUMNS, rows }
+    let columns = if with_errors { WITH_ERRORS } else { COLUMNS };
+    Layer { name: &layer.name, geometry: Geometry::Lines, columns, rows }
 }

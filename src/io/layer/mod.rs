@@ -13,14 +13,18 @@ use glam::{DVec2, DVec3};
 use crate::error::{Error, Result};
 
 mod contours;
+mod findings;
 mod landforms;
 mod moved;
+mod repaired;
 mod skeleton;
 mod steep;
 
 pub use contours::of_contours;
+pub use findings::of_findings;
 pub use landforms::of_landforms;
 pub(super) use moved::MovedShapes;
+pub use repaired::{of_map, of_spots};
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 pub use steep::steep_areas;
 
@@ -33,6 +37,8 @@ pub enum Kind {
     Int,
     /// Text of at most so many bytes in UTF-8, for formats that give every value the same room.
     Text(u8),
+    /// Text of any length. A shapefile takes 254 bytes of it.
+    LongText,
     /// Yes or no.
     Bool,
 }
@@ -53,7 +59,7 @@ pub enum Cell<'a> {
     Real(f64),
     /// A value of [`Kind::Int`].
     Int(i64),
-    /// A value of [`Kind::Text`].
+    /// A value of [`Kind::Text`] or [`Kind::LongText`].
     Text(Cow<'a, str>),
     /// A value of [`Kind::Bool`].
     Bool(bool),
@@ -64,6 +70,8 @@ pub enum Cell<'a> {
 /// Where a feature is, in map units; heights in metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape<'a> {
+    /// A point, or a feature without a place.
+    Point(Option<DVec2>),
     /// A line at one height.
     Contour(&'a [DVec2], f64),
     /// A line with a height of its own at every vertex.
@@ -76,6 +84,8 @@ pub enum Shape<'a> {
 /// The family of shapes that a layer holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Geometry {
+    /// [`Shape::Point`]. They are written as GeoPackage and GeoJSON.
+    Points,
     /// [`Shape::Contour`] and [`Shape::Line`].
     Lines,
     /// [`Shape::Area`].
@@ -126,14 +136,16 @@ impl Shape<'_> {
     /// The family that this is of.
     fn geometry(&self) -> Geometry {
         match self {
+            Self::Point(_) => Geometry::Points,
             Self::Contour(..) | Self::Line(_) => Geometry::Lines,
             Self::Area(_) => Geometry::Areas,
         }
     }
 
-    /// All vertices; those of an area at height 0, ring after ring.
+    /// All vertices; points and those of an area at height 0, ring after ring.
     pub(super) fn vertices(&self) -> impl Iterator<Item = DVec3> {
         let (level, z, line, rings): (&[DVec2], f64, &[DVec3], &[Vec<DVec2>]) = match self {
+            Self::Point(place) => (place.as_slice(), 0.0, &[], &[]),
             Self::Contour(points, z) => (points, *z, &[], &[]),
             Self::Line(points) => (&[], 0.0, points, &[]),
             Self::Area(rings) => (&[], 0.0, &[], rings),
@@ -145,6 +157,7 @@ impl Shape<'_> {
     /// How many vertices there are.
     pub(super) fn vertex_count(&self) -> usize {
         match self {
+            Self::Point(place) => place.iter().len(),
             Self::Contour(points, _) => points.len(),
             Self::Line(points) => points.len(),
             Self::Area(rings) => rings.iter().map(Vec::len).sum(),
@@ -198,7 +211,7 @@ impl Cell<'_> {
     /// What keeps it from standing in a column, if anything.
     fn flaw(&self, kind: Kind) -> Option<&'static str> {
         match (self, kind) {
-            (Self::Null, _) | (Self::Bool(_), Kind::Bool) => None,
+            (Self::Null, _) | (Self::Bool(_), Kind::Bool) | (Self::Text(_), Kind::LongText) => None,
             (Self::Real(number), Kind::Real) => (!number.is_finite()).then_some("is not finite"),
             (Self::Int(number), Kind::Int) => {
                 (number.unsigned_abs() > GREATEST_INT).then_some("is too large a whole number")

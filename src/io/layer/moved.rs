@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 
 /// A shape that holds its vertices.
 enum Moved {
+    Point(Option<DVec2>),
     Contour(Vec<DVec2>, f64),
     Line(Vec<DVec3>),
     Area(Vec<Vec<DVec2>>),
@@ -34,6 +35,8 @@ impl MovedShapes {
             let flat = |points: &[DVec2]| points.iter().map(|p| place(*p)).collect::<Result<Vec<DVec2>>>();
             let shape = |row: &Row<'_>| {
                 Ok(match &row.shape {
+                    // What is told of a place is told also where the place is nowhere in the other system.
+                    Shape::Point(point) => Moved::Point(point.and_then(|p| back.place(p))),
                     Shape::Contour(points, z) => Moved::Contour(flat(points)?, *z),
                     Shape::Line(points) => {
                         let place = |p: &DVec3| Ok(place(p.truncate())?.extend(p.z));
@@ -51,6 +54,7 @@ impl MovedShapes {
     pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
         let row = |(row, moved): (&'a Row<'a>, &'a mut Moved)| {
             let shape = match moved {
+                Moved::Point(point) => Shape::Point(*point),
                 Moved::Contour(points, z) => Shape::Contour(points, *z),
                 Moved::Line(points) => Shape::Line(points),
                 Moved::Area(rings) => Shape::Area(std::mem::take(rings)),

@@ -14,6 +14,7 @@ use super::{Quantity, create, sidecar, write_text};
 use crate::crs::Crs;
 use crate::dem::{Dem, Grid};
 use crate::error::{Error, Report, Result};
+use crate::io::text;
 
 /// Longest word of a file. Doubles written out in full have about 330 digits.
 const LONGEST_WORD: usize = 512;
@@ -65,6 +66,8 @@ struct Words {
     word: Vec<u8>,
     /// Whether the word is to be given once more.
     again: bool,
+    /// Bytes that were looked at.
+    offset: u64,
 }
 
 impl Words {
@@ -84,10 +87,12 @@ impl Words {
             }
             // Everything up to the space, and the end-of-file mark of old systems, parts words.
             let skipped = if self.word.is_empty() { buffer.iter().take_while(|&&b| b <= b' ').count() } else { 0 };
+            text::without_zeros(path, &buffer[..skipped], self.offset)?;
             let rest = &buffer[skipped..];
             let length = rest.iter().position(|&b| b <= b' ').unwrap_or(rest.len());
             self.word.extend_from_slice(&rest[..length.min(LONGEST_WORD + 1)]);
             let is_whole = length < rest.len();
+            self.offset += (skipped + length) as u64;
             self.input.consume(skipped + length);
             if self.word.len() > LONGEST_WORD {
                 return Err(Error::file(path, "is not an ESRI ASCII grid, which holds words and numbers"));
@@ -113,7 +118,8 @@ struct Header {
 fn open(path: &Path) -> Result<(Header, Words)> {
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-    let mut words = Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false };
+    let mut words =
+        Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false, offset: 0 };
     let (mut cols, mut rows, mut west, mut south, mut dx, mut dy) = (None, None, None, None, None, None);
     let mut nodata = USUAL_NODATA;
     loop {
@@ -224,4 +230,23 @@ fn free_mark(values: &[f32]) -> i64 {
     let mut marks = (4..8).map(|digits| 1 - 10_i64.pow(digits));
     let is_free = |mark: &i64| !values.contains(&(*mark as f32));
     marks.find(is_free).unwrap_or(-99_999_999)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_bytes_are_no_space_between_words() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.asc");
+        let start = "ncols 2\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 ";
+        for (text, at) in [("\0\0\0".to_owned(), 1), (format!("{start}\0 2\n"), start.len() + 1)] {
+            std::fs::write(&path, text).unwrap();
+            let said = read(&path).unwrap_err().to_string();
+            assert!(said.contains(&format!("its byte {at} is zero")), "{said}");
+        }
+        std::fs::write(&path, format!("{start}2\n")).unwrap();
+        assert_eq!(read(&path).unwrap().value.values, [1.0, 2.0]);
+    }
 }

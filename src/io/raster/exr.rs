@@ -17,10 +17,15 @@ use exr::prelude::{
 
 use super::pam::{self, Band};
 use super::read::{Coding, Heights, check_size};
-use super::{Filled, Quantity, create, geo_transform, sidecar};
+use super::{Filled, Quantity, STANDARD_ERROR, create, geo_transform, sidecar};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::error::{Error, Finding, FindingKind, Report, Result};
+
+/// The channel of heights.
+const HEIGHTS: &str = "Y";
+/// The channel of standard errors; it comes after the other by its name, as the format wants.
+const ERRORS: &str = "standard_error";
 
 /// Rows of a compressed block are scan lines in increasing order, so that the bytes do not depend on the threads.
 const ENCODING: Encoding = Encoding {
@@ -30,8 +35,11 @@ const ENCODING: Encoding = Encoding {
 };
 
 /// Writes `dem` to `path` and its nodata mark to `path` + `.aux.xml`.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
-    let channel = AnyChannel::new("Y", FlatSamples::F32(dem.values.clone()));
+///
+/// The standard errors, if there are any, are a second channel.
+pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&[f32]>) -> Result<()> {
+    let heights = AnyChannel::new(HEIGHTS, FlatSamples::F32(dem.values.clone()));
+    let second = errors.map(|errors| AnyChannel::new(ERRORS, FlatSamples::F32(errors.to_vec())));
     let mut attributes = LayerAttributes {
         comments: Some(Text::from(format!("{}; NaN where there is no data", quantity.words()).as_str())),
         software_name: Some(Text::from("tokosen")),
@@ -46,7 +54,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
         (dem.grid.cols, dem.grid.rows),
         attributes,
         ENCODING,
-        AnyChannels::sort(std::iter::once(channel).collect()),
+        AnyChannels::sort(std::iter::once(heights).chain(second).collect()),
     );
     let mut image = Image::from_layer(layer);
     // Readers refuse ratios beyond this range.
@@ -64,11 +72,24 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
             other => Filled::Format(other.into()),
         })
     })?;
-    pam::write_aux_xml(path, dem, &Band { quantity, offset: 0.0, scale: 1.0, nodata: Some("nan") })
+    let band = Band { name: quantity.name(), unit: quantity.unit(), offset: 0.0, scale: 1.0, nodata: Some("nan") };
+    let second = Band { name: STANDARD_ERROR, unit: Quantity::Height.unit(), ..band };
+    let bands = [band, second];
+    pam::write_aux_xml(path, dem, &bands[..1 + usize::from(errors.is_some())])
 }
 
 /// Reads a height map: the first channel, with the attributes that [`write`] gives it.
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    read_channel(path, |_| true)?.ok_or_else(|| Error::file(path, "has no channel"))
+}
+
+/// Reads the channel of standard errors, if there is one.
+pub(super) fn read_errors(path: &Path) -> Result<Option<Dem>> {
+    Ok(read_channel(path, |name| name == ERRORS)?.map(|report| report.value))
+}
+
+/// Reads the first channel with a name that is wanted.
+fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<Report<Dem>>> {
     let wrong = |error: exr::error::Error| match error {
         exr::error::Error::Io(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
         other => Error::file_cause(path, "is not an OpenEXR file that can be read, or it is cut off", other),
@@ -118,9 +139,9 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let mut findings = Vec::new();
     let channels = layer.channel_data.list;
     let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
-    let mut channels = channels.into_iter();
-    let Some(channel) = channels.next() else { return Err(Error::file(path, "has no channel")) };
-    if names.len() > 1 {
+    let wanted = channels.into_iter().zip(&names).find(|(_, name)| is_wanted(name));
+    let Some((channel, _)) = wanted else { return Ok(None) };
+    if names.len() > 1 && names != [HEIGHTS, ERRORS] {
         let message = format!("the file has the channels {}; the first is taken for the heights", names.join(", "));
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
@@ -134,13 +155,13 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     findings.extend(heights.findings());
     let grid = placement.grid;
     if values.len() != grid.len() {
-        let message = format!("its first channel has {} values for {} x {} cells", values.len(), grid.cols, grid.rows);
+        let message = format!("its channel has {} values for {} x {} cells", values.len(), grid.cols, grid.rows);
         return Err(Error::file(path, message));
     }
     if placement.south_up {
         flip(&mut values, grid.cols);
     }
-    Ok(Report { value: Dem { grid, values, crs }, findings })
+    Ok(Some(Report { value: Dem { grid, values, crs }, findings }))
 }
 
 /// GDAL's six numbers from the matrix of doubles in the attribute.
@@ -173,7 +194,7 @@ mod tests {
         let path = dir.path().join("dem.exr");
         let mut dem = sample(37, 53);
         dem.crs = Some(Crs { epsg: None, wkt: Some("LOCAL_CS[\"平面\"]".into()) });
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height, None).unwrap();
         let image = read()
             .no_deep_data()
             .largest_resolution_level()

@@ -16,8 +16,8 @@ use tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Predictor, SampleFormat, Tag};
 
 use super::geokeys::GeoKeys;
-use super::{Filled, Quantity, create};
-use crate::dem::Dem;
+use super::{Filled, Quantity, STANDARD_ERROR, create};
+use crate::dem::{Dem, Grid};
 use crate::error::Result;
 
 /// Side of a tile in cells; a multiple of 16, as the format wants.
@@ -35,28 +35,35 @@ const NODATA: f32 = -9999.0;
 /// What GDAL keeps in its own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
-fn metadata(quantity: Quantity) -> String {
-    let item = |name: &str, role: &str, text: &str| {
-        format!("  <Item name=\"{name}\" sample=\"0\" role=\"{role}\">{text}</Item>\n")
+fn metadata(quantity: Quantity, with_errors: bool) -> String {
+    let of_band = |band: u8, name: &str, role: &str, text: &str| {
+        format!("  <Item name=\"{name}\" sample=\"{band}\" role=\"{role}\">{text}</Item>\n")
     };
+    let item = |name: &str, role: &str, text: &str| of_band(0, name, role, text);
     let unit = quantity.unit().map(|(unit, _)| item("UNITTYPE", "unittype", unit)).unwrap_or_default();
     // Heights are what everybody expects of an elevation model; other values say what they are.
     let name = match quantity {
-        Quantity::Height => String::new(),
+        Quantity::Height if !with_errors => String::new(),
         other => item("DESCRIPTION", "description", other.name()),
     };
-    format!("<GDALMetadata>\n{name}{unit}</GDALMetadata>\n")
+    let errors = if with_errors {
+        of_band(1, "DESCRIPTION", "description", STANDARD_ERROR) + &of_band(1, "UNITTYPE", "unittype", "m")
+    } else {
+        String::new()
+    };
+    format!("<GDALMetadata>\n{name}{unit}{errors}</GDALMetadata>\n")
 }
 
-/// Writes `dem` to `path`.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
-    let tiles = dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
+/// Writes `dem` to `path`, with a second band of `errors` if there are any.
+pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&[f32]>) -> Result<()> {
+    let bands = 1 + u64::from(errors.is_some());
+    let tiles = bands * dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
     let big = tiles * (TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
     create(path, |out| {
         let written = if big {
-            write_kind::<TiffKindBig>(out, dem, quantity)
+            write_kind::<TiffKindBig>(out, dem, quantity, errors)
         } else {
-            write_kind::<TiffKindStandard>(out, dem, quantity)
+            write_kind::<TiffKindStandard>(out, dem, quantity, errors)
         };
         written.map_err(|error| match error {
             TiffError::IoError(error) => Filled::Io(error),
@@ -69,6 +76,7 @@ fn write_kind<K: TiffKind>(
     out: impl Write + Seek,
     dem: &Dem,
     quantity: Quantity,
+    errors: Option<&[f32]>,
 ) -> std::result::Result<(), TiffError> {
     let grid = dem.grid;
     let nodata = if dem.values.contains(&NODATA) { f32::NAN } else { NODATA };
@@ -76,12 +84,15 @@ fn write_kind<K: TiffKind>(
     let mut directory = encoder.image_directory()?;
 
     let across = grid.cols.div_ceil(TILE);
-    let count = across * grid.rows.div_ceil(TILE);
+    let a_band = across * grid.rows.div_ceil(TILE);
+    let bands: Vec<&[f32]> = std::iter::once(dem.values.as_slice()).chain(errors).collect();
+    let count = bands.len() * a_band;
     let (mut offsets, mut lengths) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for first in (0..count).step_by(BATCH) {
         let batch: Vec<std::io::Result<Vec<u8>>> = (first..count.min(first + BATCH))
             .into_par_iter()
-            .map(|tile| compress(&tile_bytes(dem, tile % across, tile / across, nodata)))
+            .map(|k| (bands[k / a_band], k % a_band))
+            .map(|(band, tile)| compress(&tile_bytes(band, &grid, [tile % across, tile / across], nodata)))
             .collect();
         for tile in batch {
             let tile = tile?;
@@ -93,22 +104,27 @@ fn write_kind<K: TiffKind>(
     // The caller has checked that both fit into 31 bits.
     directory.write_tag(Tag::ImageWidth, grid.cols as u32)?;
     directory.write_tag(Tag::ImageLength, grid.rows as u32)?;
-    directory.write_tag(Tag::BitsPerSample, 32_u16)?;
+    directory.write_tag(Tag::BitsPerSample, vec![32_u16; bands.len()].as_slice())?;
     directory.write_tag(Tag::Compression, CompressionMethod::Deflate)?;
     directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::BlackIsZero)?;
-    directory.write_tag(Tag::SamplesPerPixel, 1_u16)?;
-    directory.write_tag(Tag::PlanarConfiguration, PlanarConfiguration::Chunky)?;
+    directory.write_tag(Tag::SamplesPerPixel, bands.len() as u16)?;
+    // The bands lie one after the other, so that a reader of heights need not read the errors.
+    let planar = if errors.is_some() { PlanarConfiguration::Planar } else { PlanarConfiguration::Chunky };
+    directory.write_tag(Tag::PlanarConfiguration, planar)?;
+    if errors.is_some() {
+        directory.write_tag(Tag::ExtraSamples, 0_u16)?;
+    }
     directory.write_tag(Tag::Predictor, Predictor::FloatingPoint)?;
     directory.write_tag(Tag::TileWidth, TILE as u32)?;
     directory.write_tag(Tag::TileLength, TILE as u32)?;
     directory.write_tag(Tag::TileOffsets, K::convert_slice(&offsets))?;
     directory.write_tag(Tag::TileByteCounts, K::convert_slice(&lengths))?;
-    directory.write_tag(Tag::SampleFormat, SampleFormat::IEEEFP.to_u16())?;
+    directory.write_tag(Tag::SampleFormat, vec![SampleFormat::IEEEFP.to_u16(); bands.len()].as_slice())?;
     directory.write_tag(Tag::Software, "tokosen")?;
     directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
     directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
     directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;
-    directory.write_tag(GDAL_METADATA, metadata(quantity).as_str())?;
+    directory.write_tag(GDAL_METADATA, metadata(quantity, errors.is_some()).as_str())?;
     if let Some(keys) = dem.crs.as_ref().and_then(GeoKeys::of) {
         directory.write_tag(Tag::GeoKeyDirectoryTag, keys.directory.as_slice())?;
         if !keys.ascii.is_empty() {
@@ -125,14 +141,14 @@ fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
 }
 
 /// The bytes of one tile after the predictor. Beyond the map's edge the last column and row go on.
-fn tile_bytes(dem: &Dem, tile_col: usize, tile_row: usize, nodata: f32) -> Vec<u8> {
-    let (cols, rows) = (dem.grid.cols, dem.grid.rows);
+fn tile_bytes(values: &[f32], grid: &Grid, [tile_col, tile_row]: [usize; 2], nodata: f32) -> Vec<u8> {
+    let (cols, rows) = (grid.cols, grid.rows);
     let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
     for (row, line) in bytes.chunks_exact_mut(TILE * size_of::<f32>()).enumerate() {
         let start = (tile_row * TILE + row).min(rows - 1) * cols;
         let left = tile_col * TILE;
         for col in 0..TILE {
-            let height = dem.values[start + (left + col).min(cols - 1)];
+            let height = values[start + (left + col).min(cols - 1)];
             let stored = if height.is_nan() { nodata } else { height };
             for (plane, byte) in stored.to_be_bytes().into_iter().enumerate() {
                 line[plane * TILE + col] = byte;
@@ -171,7 +187,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         for (cols, rows) in [(3, 2), (256, 256), (257, 255), (300, 700)] {
             let dem = sample(cols, rows);
-            write(&path, &dem, Quantity::Height).unwrap();
+            write(&path, &dem, Quantity::Height, None).unwrap();
             let (values, nodata) = read(&path);
             assert_eq!(nodata, "-9999");
             assert_eq!(values.len(), cols * rows);
@@ -191,7 +207,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         let mut dem = sample(20, 20);
         dem.values[0] = -9999.0;
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height, None).unwrap();
         let (values, nodata) = read(&path);
         assert_eq!(values[0], -9999.0);
         assert!(values[21].is_nan());
@@ -205,10 +221,10 @@ mod tests {
         let mut dem = sample(4, 4);
         let wkt = "PROJCS[\"own\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.25]]],UNIT[\"metre\",1]]";
         dem.crs = Some(Crs { epsg: None, wkt: Some(wkt.into()) });
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height, None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, dem.crs);
         dem.crs = None;
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height, None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, None);
     }
 
@@ -216,7 +232,7 @@ mod tests {
     fn the_large_kind_reads_back_too() {
         let dem = sample(300, 20);
         let mut file = std::io::Cursor::new(Vec::new());
-        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height).unwrap();
+        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height, None).unwrap();
         assert_eq!(file.get_ref()[2], 43);
         file.set_position(0);
         let DecodingResult::F32(values) = Decoder::new(file).unwrap().read_image().unwrap() else { panic!("not f32") };

@@ -9,6 +9,7 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use super::STANDARD_ERROR;
 use super::like::{self, Tiff};
 use super::read::{Coding, Heights, check_size, metres_in, room, unit_finding};
 use super::sidecar::{Aux, elements};
@@ -28,6 +29,20 @@ const IS_MASK: u32 = 4;
 const MOST_SUBFILES: usize = 64;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
+    read_band(path, 0)
+}
+
+/// Reads the second band if it holds the standard errors of the first.
+pub(super) fn read_errors(path: &Path) -> Result<Option<Dem>> {
+    let mut tiff = like::open(path)?;
+    if !second_is_error(path, &mut tiff)? {
+        return Ok(None);
+    }
+    Ok(Some(read_band(path, 1)?.value))
+}
+
+/// Reads one of the bands, counted from 0.
+fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
     let mut tiff = like::open(path)?;
     let mut findings = Vec::new();
     let (samples, sample_bytes) = samples(path, &mut tiff, &mut findings)?;
@@ -49,8 +64,11 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
             continue;
         }
         let message = format!("part {} of {} cannot be decoded; the file is broken", index + 1, chunks.count());
+        // Bands are stored one after the other, or side by side.
+        let (skipped, beside) =
+            if samples == 1 { (band as u32 * chunks.count(), 0) } else { (0, band.min(samples - 1)) };
         decoder
-            .read_chunk_to_buffer(&mut decoded, index, stride * sample_bytes)
+            .read_chunk_to_buffer(&mut decoded, index + skipped, stride * sample_bytes)
             .map_err(|e| like::wrong(path, &unsupported(&e, message), e))?;
         let (width, height) = decoder.chunk_data_dimensions(index);
         let (width, height) = (width as usize, height as usize);
@@ -58,7 +76,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         for line in 0..height {
             let row = placement.row(top + line) * grid.cols + left;
             let out = &mut values[row..row + width];
-            copy(&decoded, line * stride, samples, out, &mut heights);
+            copy(&decoded, line * stride + beside, samples, out, &mut heights);
         }
     }
     findings.extend(heights.findings());
@@ -98,12 +116,22 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
             format!("has values of {bits} bits, which are not read; heights have 8, 16, 32 or 64"),
         ));
     }
-    if bands > 1 {
+    if bands > 1 && !(bands == 2 && second_is_error(path, tiff)?) {
         let message = format!("the raster has {bands} bands; the first one is taken for the heights");
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
     let planar = tiff.decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
     Ok((if matches!(planar, Ok(Some(2))) { 1 } else { bands }, usize::from(bits / 8)))
+}
+
+/// Whether the second band says that it holds the standard errors of the first.
+fn second_is_error(path: &Path, tiff: &mut Tiff) -> Result<bool> {
+    let Some(text) = text_tag(path, tiff, GDAL_METADATA)? else { return Ok(false) };
+    let items = elements(&text).unwrap_or_default();
+    let says_so = |role: Option<&str>, sample: Option<&str>, text: &str| {
+        role == Some("description") && sample == Some("1") && text == STANDARD_ERROR
+    };
+    Ok(items.iter().any(|item| says_so(item.attribute("role"), item.attribute("sample"), item.text.trim())))
 }
 
 /// How the stored values become heights: by the file's own tags, else by the `.aux.xml` beside it.
@@ -220,7 +248,7 @@ impl Chunks {
     }
 }
 
-/// Copies one line of the first band.
+/// Copies one line of a band.
 fn copy(decoded: &DecodingResult, start: usize, samples: usize, out: &mut [f32], heights: &mut Heights) {
     fn each<T: Copy>(
         from: &[T],

@@ -35,7 +35,7 @@ use crate::dem::{Dem, Grid};
 use crate::error::{Error, Result};
 
 pub use picture::{write_picture, write_shade};
-pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid};
+pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
 
 /// The extensions [`write_dem`] knows, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
@@ -119,8 +119,8 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
 pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {
-        "tif" | "tiff" => geotiff::write,
-        "exr" => exr::write,
+        "tif" | "tiff" => |path, dem, quantity| geotiff::write(path, dem, quantity, None),
+        "exr" => |path, dem, quantity| exr::write(path, dem, quantity, None),
         "png" if params.png == PngEncoding::Gsi => gsi_tile::write,
         "png" => png::write,
         "asc" => asc::write,
@@ -137,6 +137,37 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
     };
     check(path, dem)?;
     write(path, dem, params.quantity)
+}
+
+/// The extensions of the formats that hold a second value a cell, for messages.
+pub const TWO_BAND_EXTENSIONS: [&str; 3] = ["tif", "tiff", "exr"];
+
+/// What the second value of each cell is called in files.
+pub const STANDARD_ERROR: &str = "standard error";
+
+/// Writes a height map with the standard error of every cell, metres: the second band of a GeoTIFF, a second channel of an
+/// OpenEXR file. Where an error is NaN there is no data.
+///
+/// # Errors
+/// As [`write_raster`], for another format, and if there is not one error a cell.
+pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    check(path, dem)?;
+    if errors.len() != dem.values.len() {
+        let message = format!("{}: {} errors for {} cells", path.display(), errors.len(), dem.values.len());
+        return Err(Error::Parameter(message));
+    }
+    match extension.as_str() {
+        "tif" | "tiff" => geotiff::write(path, dem, Quantity::Height, Some(errors)),
+        "exr" => exr::write(path, dem, Quantity::Height, Some(errors)),
+        _ => {
+            let known = TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
+            Err(Error::file(
+                path,
+                format!("this format has one value a cell; heights with errors are written as {known}"),
+            ))
+        }
+    }
 }
 
 /// Refuses a height map that no format could hold.
@@ -236,6 +267,36 @@ mod tests {
             assert!(error.contains(".tif, .tiff, .exr, .png, .asc, .xyz"), "{error}");
             assert!(!path.exists());
         }
+    }
+
+    #[test]
+    fn errors_come_back_bit_for_bit_beside_the_heights() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut dem = sample(300, 270);
+        dem.crs = None;
+        let errors: Vec<f32> =
+            dem.values.iter().enumerate().map(|(i, v)| if v.is_nan() { *v } else { i as f32 * 1e-3 }).collect();
+        for extension in TWO_BAND_EXTENSIONS {
+            let path = dir.path().join("dem").with_extension(extension);
+            write_with_errors(&path, &dem, &errors).unwrap();
+            let report = read_dem(&path).unwrap();
+            let kinds: Vec<_> = report.findings.iter().map(|f| f.kind).collect();
+            assert_eq!(kinds, [crate::error::FindingKind::UnknownCrs], "nothing is left out of {extension}");
+            let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+            assert!(bits(&report.value.dem.values) == bits(&dem.values), "{extension}");
+            let read = read_standard_errors(&path).unwrap().unwrap();
+            assert_eq!(read.grid, dem.grid);
+            assert!(bits(&read.values) == bits(&errors), "{extension}");
+            write_dem(&path, &dem).unwrap();
+            assert_eq!(read_standard_errors(&path).unwrap(), None);
+        }
+        for extension in ["png", "asc", "xyz"] {
+            let path = dir.path().join("dem").with_extension(extension);
+            let error = write_with_errors(&path, &dem, &errors).unwrap_err().to_string();
+            assert!(error.contains(".tif, .tiff, .exr") && !path.exists(), "{error}");
+        }
+        let short = write_with_errors(&dir.path().join("dem.tif"), &dem, &errors[1..]);
+        assert!(matches!(short, Err(Error::Parameter(_))));
     }
 
     #[test]

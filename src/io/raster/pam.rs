@@ -6,14 +6,17 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
-use super::{Quantity, beside, geo_transform, write_text};
+use super::{beside, geo_transform, write_text};
 use crate::dem::Dem;
 use crate::error::Result;
 
 /// How stored values become heights, and which one of them means that there is no data.
+#[derive(Clone, Copy)]
 pub(super) struct Band {
     /// What the values are.
-    pub quantity: Quantity,
+    pub name: &'static str,
+    /// Their unit, as programs name it and in words.
+    pub unit: Option<(&'static str, &'static str)>,
     /// Height of the value 0, metres; likewise for other quantities.
     pub offset: f64,
     /// Metres a step.
@@ -26,18 +29,21 @@ pub(super) struct Band {
 ///
 /// # Errors
 /// Whatever the operating system refuses.
-pub(super) fn write_aux_xml(path: &Path, dem: &Dem, band: &Band) -> Result<()> {
+pub(super) fn write_aux_xml(path: &Path, dem: &Dem, bands: &[Band]) -> Result<()> {
     let mut xml = placement(dem);
-    // Writing to a String cannot fail.
-    let _ = writeln!(xml, "  <PAMRasterBand band=\"1\">\n    <Description>{}</Description>", band.quantity.name());
-    if let Some(nodata) = band.nodata {
-        let _ = writeln!(xml, "    <NoDataValue>{nodata}</NoDataValue>");
+    for (k, band) in bands.iter().enumerate() {
+        // Writing to a String cannot fail.
+        let _ = writeln!(xml, "  <PAMRasterBand band=\"{}\">\n    <Description>{}</Description>", k + 1, band.name);
+        if let Some(nodata) = band.nodata {
+            let _ = writeln!(xml, "    <NoDataValue>{nodata}</NoDataValue>");
+        }
+        if let Some((unit, _)) = band.unit {
+            let _ = writeln!(xml, "    <UnitType>{unit}</UnitType>");
+        }
+        let _ = writeln!(xml, "    <Offset>{}</Offset>\n    <Scale>{}</Scale>", band.offset, band.scale);
+        xml.push_str("  </PAMRasterBand>\n");
     }
-    if let Some((unit, _)) = band.quantity.unit() {
-        let _ = writeln!(xml, "    <UnitType>{unit}</UnitType>");
-    }
-    let _ = writeln!(xml, "    <Offset>{}</Offset>\n    <Scale>{}</Scale>", band.offset, band.scale);
-    xml.push_str("  </PAMRasterBand>\n</PAMDataset>\n");
+    xml.push_str("</PAMDataset>\n");
     write_text(&beside(path, ".aux.xml"), &xml)
 }
 

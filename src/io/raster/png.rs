@@ -29,7 +29,13 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     pam::write_aux_xml(
         path,
         dem,
-        &Band { quantity, offset: coding.offset, scale: coding.scale, nodata: coding.holes.then_some("0") },
+        &[Band {
+            name: quantity.name(),
+            unit: quantity.unit(),
+            offset: coding.offset,
+            scale: coding.scale,
+            nodata: coding.holes.then_some("0"),
+        }],
     )?;
     pam::write_world(path, "pgw", dem)
 }

@@ -54,6 +54,19 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     Ok(Report { value: DemFile { dem, product: None }, findings })
 }
 
+/// Reads the standard errors that [`write_with_errors`](super::write_with_errors) put beside the heights; `None` if the file
+/// has none, or is of a format that has no room for them.
+///
+/// # Errors
+/// As [`read_dem`].
+pub fn read_standard_errors(path: &Path) -> Result<Option<Dem>> {
+    match extension(path).as_str() {
+        "tif" | "tiff" => geotiff_read::read_errors(path),
+        "exr" => exr::read_errors(path),
+        _ => Ok(None),
+    }
+}
+
 /// The grid of a height map and its coordinate reference system, where it names one.
 ///
 /// A raster that is stored with its south edge first gives the same cells with north up. Of a GeoTIFF only the header is

@@ -114,12 +114,16 @@ const NUMBER_DECIMALS: u8 = 15;
 /// Digits of a whole number that programs do not yet take for one with decimals.
 const INT_WIDTH: u8 = 18;
 
+/// The most bytes that a text field holds.
+const LONGEST_TEXT: u8 = 254;
+
 /// Bytes of a column in every record.
 fn width(column: &Column) -> u8 {
     match column.kind {
         Kind::Real => NUMBER_WIDTH,
         Kind::Int => INT_WIDTH,
         Kind::Text(width) => width,
+        Kind::LongText => LONGEST_TEXT,
         Kind::Bool => 1,
     }
 }
@@ -153,7 +157,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
         descriptor[..column.name.len()].copy_from_slice(column.name.as_bytes());
         (descriptor[11], descriptor[17]) = match column.kind {
             Kind::Real => (b'N', NUMBER_DECIMALS),
-            Kind::Text(_) => (b'C', 0),
+            Kind::Text(_) | Kind::LongText => (b'C', 0),
             // Yes and no are a digit, because many programs show a logical field as the letters T and F.
             Kind::Int | Kind::Bool => (b'N', 0),
         };

@@ -48,7 +48,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
 fn record_length(row: &Row<'_>) -> u64 {
     let count = row.shape.vertex_count() as u64;
     match &row.shape {
-        Shape::Contour(..) | Shape::Line(_) => RECORD_OVERHEAD + 4 + 16 + 24 * count,
+        Shape::Contour(..) | Shape::Line(_) | Shape::Point(_) => RECORD_OVERHEAD + 4 + 16 + 24 * count,
         Shape::Area(rings) => RECORD_OVERHEAD + 4 * rings.len() as u64 + 16 * count,
     }
 }
@@ -57,7 +57,8 @@ fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<
     let mut shp = BufWriter::with_capacity(1 << 16, File::create(path)?);
     let mut shx = BufWriter::new(File::create(path.with_extension("shx"))?);
     let kind = match layer.geometry {
-        Geometry::Lines => POLYLINE_Z,
+        // Layers of points do not come here.
+        Geometry::Lines | Geometry::Points => POLYLINE_Z,
         Geometry::Areas => POLYGON,
     };
     let (mut bounds, mut heights) = (NO_BOUNDS, NO_HEIGHTS);

@@ -21,9 +21,9 @@ mod minimise;
 mod pits;
 mod residual;
 mod reweight;
-mod roughness;
+pub(super) mod roughness;
 mod stages;
-mod trial;
+pub(super) mod trial;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
@@ -42,7 +42,7 @@ use crate::skeleton::BreakLine;
 use crate::tin::{NONE, Side};
 use energy::CrossingWeight;
 use lattice::Crossing;
-use pits::breach;
+use pits::{Limits, breach};
 use stages::{Problem, solve};
 
 /// Weights of crossings against second differences: the contours are met within a thousandth of the interval, and where their
@@ -97,7 +97,7 @@ pub(super) struct Draft<'a> {
     break_lines: &'a [BreakLine],
     gap: f64,
     bounds: [Vec<f32>; 2],
-    guide: Vec<f32>,
+    pub(super) guide: Vec<f32>,
     /// Nodes where water may stay.
     hollows: Vec<bool>,
 }
@@ -173,7 +173,8 @@ pub(super) fn spline(draft: &Draft<'_>, knobs: &Knobs, progress: &dyn Progress) 
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
     });
-    breach(&mut heights, &lattice, lo, |n| hollows[n]);
+    let limits = Limits { lo, depth: interval as f32 };
+    breach(&mut heights, &lattice, &limits, |n| hollows[n]);
     WorkingGrid { grid: *grid, heights }
 }
 
@@ -219,7 +220,7 @@ fn around(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync)
 }
 
 /// Slope at every node, rise over run; NaN beside nodes outside the frame.
-fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
+pub(super) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
     let at = |n: usize| {
         let (i, j) = (n % grid.cols, n / grid.cols);
         let (w, e) = (i.saturating_sub(1), (i + 1).min(grid.cols - 1));

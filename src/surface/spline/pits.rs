@@ -12,18 +12,27 @@ use super::lattice::Lattice;
 /// Nodes that are looked at for one way out; a pit that needs more stays.
 const MOST_VISITED: usize = 20_000;
 
-/// Cuts ways out of pits. Heights stay at `lo` or above; NaN is outside the frame and drains. `is_bottom` says where ground
-/// lies in a hollow by the contours: pits there stay.
-pub fn breach(heights: &mut [f32], lattice: &Lattice, lo: &[f32], is_bottom: impl Fn(usize) -> bool) {
+/// What ways out of pits must not do.
+pub struct Limits<'a> {
+    /// Heights stay here or above.
+    pub lo: &'a [f32],
+    /// No way is cut as deep as this: the vertical interval. Between neighbouring contours none has to be, and where
+    /// contours are broken and the ground has no floor, one that is would go through the hills behind them.
+    pub depth: f32,
+}
+
+/// Cuts ways out of pits. NaN is outside the frame and drains. `is_bottom` says where ground lies in a hollow by the
+/// contours: pits there stay.
+pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bottom: impl Fn(usize) -> bool) {
     // Lowest first: a way that one pit was given is there for the pits above.
     let mut pits: Vec<u32> =
         (0..heights.len()).filter(|&n| is_pit(heights, lattice, n) && !is_bottom(n)).map(|n| n as u32).collect();
     pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
     for pit in pits {
         if is_pit(heights, lattice, pit as usize)
-            && let Some(way) = way_out(heights, lattice, lo, pit)
+            && let Some(way) = way_out(heights, lattice, limits, pit)
         {
-            cut(heights, lattice, lo, &way);
+            cut(heights, lattice, limits.lo, &way);
         }
     }
 }
@@ -52,7 +61,7 @@ fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<
 
 /// The nodes from a pit over the lowest pass to lower ground, both included. None where the floor of a band is in the way
 /// or the search grows too large.
-fn way_out(heights: &[f32], lattice: &Lattice, lo: &[f32], pit: u32) -> Option<Vec<u32>> {
+fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
     let goal = heights[pit as usize];
     let mut from: HashMap<u32, u32> = HashMap::from([(pit, pit)]);
     let mut open = BinaryHeap::from([Reverse((Key(goal), pit))]);
@@ -67,7 +76,7 @@ fn way_out(heights: &[f32], lattice: &Lattice, lo: &[f32], pit: u32) -> Option<V
             let height = heights[m as usize];
             let lower = height < goal || height.is_nan();
             // Ground that may not be cut below the pit is no way out.
-            if !lower && lo[m as usize] >= goal {
+            if !lower && (limits.lo[m as usize] >= goal || height - goal >= limits.depth) {
                 continue;
             }
             from.insert(m, n);
@@ -159,7 +168,7 @@ mod tests {
         let mut heights = dammed(40, 9);
         let before = heights.clone();
         assert!(pits(&heights, &grid) > 3);
-        breach(&mut heights, &grid, &[0.0; 360], |_| false);
+        breach(&mut heights, &grid, &Limits { lo: &[0.0; 360], depth: 20.0 }, |_| false);
         assert_eq!(pits(&heights, &grid), 0);
         assert!(heights.iter().zip(&before).all(|(now, then)| now <= then));
         // Most ground is as it was.
@@ -171,9 +180,11 @@ mod tests {
         let grid = grid(40, 9);
         let before = dammed(40, 9);
         let mut heights = before.clone();
-        breach(&mut heights, &grid, &before, |_| false);
+        breach(&mut heights, &grid, &Limits { lo: &before, depth: 20.0 }, |_| false);
         assert_eq!(heights, before, "nothing may be cut");
-        breach(&mut heights, &grid, &[0.0; 360], |_| true);
+        breach(&mut heights, &grid, &Limits { lo: &[0.0; 360], depth: 20.0 }, |_| true);
         assert_eq!(heights, before, "all are hollows");
+        breach(&mut heights, &grid, &Limits { lo: &[0.0; 360], depth: 1.0 }, |_| false);
+        assert_eq!(heights, before, "the dams are higher than that");
     }
 }

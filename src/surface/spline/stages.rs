@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, minimise};
-use super::pits::breach;
+use super::pits::{Limits, breach};
 use super::reweight::{let_crease, tighten};
 use crate::progress::Progress;
 
@@ -144,7 +144,8 @@ impl Stage {
         let before: Vec<f32> =
             z.iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let mut after = before.clone();
-        breach(&mut after, &self.lattice, lo, |n| problem.hollows[n]);
+        let limits = Limits { lo, depth: problem.interval as f32 };
+        breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
         for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
             upper[n] = upper[n].min(after[n]).max(lo[n]);
         }

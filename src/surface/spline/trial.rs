@@ -23,18 +23,34 @@ const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
 const INTERVAL_SHARE: f64 = 1e-3;
 
 /// A map with a part of its levels hidden.
-struct Trial {
-    tiled: Tiling,
-    break_lines: Vec<BreakLine>,
-    places: Vec<Place>,
-    grid: Grid,
+pub struct Trial {
+    /// The map of the levels that are left, with ridge and canyon lines.
+    pub tiled: Tiling,
+    /// Its ridge and canyon lines.
+    pub break_lines: Vec<BreakLine>,
+    /// Places whose level is known, though the map that is left does not tell it.
+    pub places: Vec<Place>,
+    /// The working grid.
+    pub grid: Grid,
 }
 
 /// The middle of a segment of a hidden contour.
-struct Place {
-    at: DVec2,
-    level: f64,
-    length: f64,
+pub struct Place {
+    /// Map position.
+    pub at: DVec2,
+    /// Elevation of the hidden contour.
+    pub level: f64,
+    /// Length of the segment, map units.
+    pub length: f64,
+}
+
+/// Which levels a trial leaves: every so many, from one of the first on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Left {
+    /// Every so many.
+    pub every: i64,
+    /// Which of them, 0 to `every - 1`.
+    pub phase: i64,
 }
 
 /// How far a surface misses a place on a hidden contour.
@@ -51,20 +67,27 @@ pub struct Missed {
 ///
 /// The parts are small, so that each is one task.
 pub fn trials<const N: usize>(tiled: &Tiling, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
-    let cell = working_grid(tiled, params.spline.wanted).cell;
-    // Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
-    let cell = 2.0 * (cell.x * cell.y).sqrt().max(grid::mean_gap(tiled) / grid::NODES_A_GAP);
+    let cell = cell(tiled, params, 2);
     let parts = parts(tiled, &params.frame, cell);
-    let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|parity| (map, frame, parity))).collect();
-    let missed = both.into_par_iter().filter_map(|(map, frame, parity)| {
-        Some(trial(map, frame, parity, tiled, params.resolution, cell)?.missed(knobs))
+    let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
+    let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
+        let left = Left { every: 2, phase };
+        Some(trial(map, frame, left, tiled, Some(params.resolution), cell)?.missed(knobs))
     });
     let each: Vec<[Vec<Missed>; N]> = missed.collect();
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
 }
 
+/// Size of the cells of a trial that leaves every so many levels.
+///
+/// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
+pub fn cell(tiled: &Tiling, params: &SurfaceParams, every: i64) -> f64 {
+    let cell = working_grid(tiled, params.spline.wanted).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(grid::mean_gap(tiled) / grid::NODES_A_GAP)
+}
+
 /// The whole map, or squares of a large one.
-fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
+pub fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
     let points = || tiled.map.contours.iter().flat_map(|c| c.points.iter().copied());
     let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
@@ -102,24 +125,42 @@ fn square(tiled: &Tiling, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     (cut.map, Frame::Polygon(cut.area))
 }
 
-fn trial(map: &ContourMap, frame: &Frame, parity: i64, of: &Tiling, resolution: f64, cell: f64) -> Option<Trial> {
+/// A part of the map `of` with levels hidden; `None` if no surface can be drawn over those that are left.
+/// `resolution` is that of the ridge and canyon lines; without one there are none.
+pub fn trial(
+    map: &ContourMap,
+    frame: &Frame,
+    left: Left,
+    of: &Tiling,
+    resolution: Option<f64>,
+    cell: f64,
+) -> Option<Trial> {
     let interval = of.interval;
-    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(2) == parity;
+    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
-    let (left, hidden): (Vec<&Contour>, Vec<&Contour>) =
+    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
         map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
     let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
     let places = places
         .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
         .collect();
-    let map =
-        ContourMap { contours: left.into_iter().cloned().collect(), spots: map.spots.clone(), ..ContourMap::default() };
+    let map = ContourMap {
+        contours: known.into_iter().cloned().collect(),
+        spots: map.spots.clone(),
+        ..ContourMap::default()
+    };
     let tiled = tiling(map, frame, &()).ok()?.value;
-    if (tiled.interval.step / (2.0 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+    if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let finer = finer(&tiled, resolution).ok()?;
-    let (tiled, break_lines, _) = with_skeleton(tiled, finer);
+    let (tiled, break_lines) = match resolution {
+        None => (tiled, Vec::new()),
+        Some(resolution) => {
+            let finer = finer(&tiled, resolution).ok()?;
+            let (tiled, break_lines, _) = with_skeleton(tiled, finer);
+            (tiled, break_lines)
+        }
+    };
     let grid = working_grid(&tiled, Some(Wanted::Cell(cell)));
     Some(Trial { tiled, break_lines, places, grid })
 }
@@ -160,20 +201,24 @@ impl Trial {
 }
 
 /// Column and row of a map position, as fractions.
-fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
+pub fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
     let first = grid.center(0, 0);
     ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y)
 }
 
 /// The height between four nodes; `None` off the grid.
 fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
-    let grid = &surface.grid;
+    between(&surface.grid, &surface.heights, p)
+}
+
+/// The value between four nodes; `None` off the grid.
+pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
     let (x, y) = node(grid, p);
     if x < 0.0 || y < 0.0 || x >= grid.cols as f64 - 1.0 || y >= grid.rows as f64 - 1.0 {
         return None;
     }
     let (u, v) = (x.fract() as f32, y.fract() as f32);
     let n = y as usize * grid.cols + x as usize;
-    let row = |n: usize| surface.heights[n] * (1.0 - u) + surface.heights[n + 1] * u;
+    let row = |n: usize| values[n] * (1.0 - u) + values[n + 1] * u;
     Some(row(n) * (1.0 - v) + row(n + grid.cols) * v)
 }

@@ -52,7 +52,8 @@ pub(super) fn sea_level(water: &Water, map: &ContourMap, findings: &mut Vec<Find
             "contour {} lies below the sea ({level}): ground between the coast and such contours is left as they say",
             below.elevation
         );
-        findings.extend(below.points.first().map(|&place| Finding::at(FindingKind::BelowSea, place, message)));
+        let finding = Finding::new(FindingKind::BelowSea, below.points.first().copied(), message);
+        findings.push(finding.about(below.feature, below.elevation));
     }
     Ok(Some(level))
 }

@@ -15,9 +15,20 @@ use crate::contour::clean::{Meeting, Segment, meeting, place, point_distance};
 /// How often crossings are looked for again after the last ones became vertices.
 const ROUNDS: usize = 4;
 
-/// The shore with vertices where it meets contours of its level, which get them too. Vertices move by `snap` at most.
-pub(super) fn node(shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<DVec2> {
+/// How far vertices move to where shores and contours of one level meet, map units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// Vertices of the shore move so far onto a contour.
+    pub snap: f64,
+    /// Points nearer than this to each other are one.
+    pub tolerance: f64,
+}
+
+/// The shore with vertices where it meets contours of its level, which get them too.
+pub(super) fn node(shore: Vec<DVec2>, level: f64, net: &mut Net, reach: Reach) -> Vec<DVec2> {
+    let snap = reach.snap;
     let shore = snapped(shore, level, net, snap);
+    let shore = with_ends(shore, level, net, reach.tolerance);
     let mut shore = with_contour_vertices(&shore, level, net, snap);
     for _ in 0..ROUNDS {
         let count = shore.len();
@@ -57,6 +68,29 @@ fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<D
     }
     if is_closed {
         shore[last] = shore[0];
+    }
+    shore.dedup();
+    shore
+}
+
+/// Ends of an open piece, which lie on the frame, as vertices of a contour along the frame. A crossing that is computed
+/// there instead would lie beside the end by rounding, and two vertices at one place would have room for lines between them.
+fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -> Vec<DVec2> {
+    let Some(last) = shore.len().checked_sub(1) else { return shore };
+    if shore[0] == shore[last] {
+        return shore;
+    }
+    for k in [0, last] {
+        let p = shore[k];
+        let pieces: Vec<Piece> = own(net, p, p, level, tolerance).collect();
+        let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
+        let nearest = ends.min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)));
+        if let Some(vertex) = nearest.filter(|v| v.distance(p) <= tolerance) {
+            shore[k] = vertex;
+        } else {
+            let beside = pieces.iter().filter(|piece| point_distance(p, &piece.ends) <= tolerance);
+            beside.for_each(|piece| net.add_node(piece, p));
+        }
     }
     shore.dedup();
     shore

@@ -110,5 +110,5 @@ pub(in crate::surface) fn lake_finding(ponds: &Ponds, lake: u32, place: DVec2, b
         band.hi,
         height = rounded(*height)
     );
-    Finding::at(FindingKind::LakeLeftOut, place, message)
+    Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::cut::{Clash, cut_back, cut_from_water, joined};
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
-use super::nodes::{conflict, node};
+use super::nodes::{Reach, conflict, node};
 use super::ponds::{Pond, Ponds, rounded};
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip, rings};
 use crate::error::{Error, Finding, FindingKind, Result};
@@ -18,6 +18,8 @@ const NEAR: f64 = 0.1;
 const BACK: f64 = 0.05;
 /// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours.
 const SNAP: f64 = 0.01;
+/// Points nearer than this are one, as a share of the frame's diagonal.
+const NEAR_POINTS: f64 = 1e-9;
 /// Heights are often rounded to centimetres: a lake and a contour that differ by no more are at one level, metres.
 const SAME_LEVEL: f64 = 0.01;
 
@@ -42,11 +44,12 @@ pub(in crate::surface) fn settle(
 ) -> Result<(Ponds, FrameRing)> {
     let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
+    let reach = Reach { snap: SNAP * spacing, tolerance: NEAR_POINTS * ground.frame.diagonal() };
     let mut net = Net::new(ground.map, ground.links, lakes, NEAR * spacing);
     let mut ponds: Vec<Pond> = Vec::new();
     for lake in lakes {
         let Some(height) = height_of(lake, ground, &net, NEAR * spacing)? else {
-            findings.push(left_out(lake.feature, first_point(lake), "lies outside of the map"));
+            findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
             continue;
         };
         let area = MultiPolygon::from(lake.polygon.clone());
@@ -76,12 +79,12 @@ pub(in crate::surface) fn settle(
     for pond in &mut ponds {
         let place = first_vertex(&pond.area);
         if pond.shores.is_empty() {
-            findings.push(left_out(pond.feature, place, "lies outside of the map"));
+            findings.push(left_out(pond.feature, Some(pond.height), place, "lies outside of the map"));
             pond.used = false;
             continue;
         }
         let shores = std::mem::take(&mut pond.shores).into_iter();
-        pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, SNAP * spacing)).collect();
+        pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, reach)).collect();
         pond.shores.retain(|shore| shore.len() >= 2);
     }
     // Vertices that a later shore adds to a contour count for the earlier ones too.
@@ -89,6 +92,7 @@ pub(in crate::surface) fn settle(
         if let Some(place) = conflict(&pond.shores, pond.height, &net) {
             findings.push(left_out(
                 pond.feature,
+                Some(pond.height),
                 place,
                 "has a shore that weaves across a contour too closely to be kept",
             ));
@@ -122,7 +126,8 @@ fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<
                 rounded(pond.height),
                 rounded(other.height)
             );
-            findings.push(Finding::at(FindingKind::LakeCutBack, first_vertex(&pond.area), message));
+            let finding = Finding::at(FindingKind::LakeCutBack, first_vertex(&pond.area), message);
+            findings.push(finding.about(pond.feature, pond.height).about(other.feature, other.height));
             pond.area = rest;
         }
     }
@@ -141,11 +146,12 @@ fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
         rounded(height),
         clash.level
     );
-    Finding::at(FindingKind::LakeCutBack, clash.place, message)
+    Finding::at(FindingKind::LakeCutBack, clash.place, message).about(feature, height).of_elevations([clash.level])
 }
 
-fn left_out(feature: u64, place: DVec2, why: &str) -> Finding {
-    Finding::at(FindingKind::LakeLeftOut, place, format!("the lake of feature {feature} {why}; it is left out"))
+fn left_out(feature: u64, height: Option<f64>, place: DVec2, why: &str) -> Finding {
+    let message = format!("the lake of feature {feature} {why}; it is left out");
+    Finding::at(FindingKind::LakeLeftOut, place, message).about(feature, height.unwrap_or(f64::NAN))
 }
 
 fn first_point(lake: &Lake) -> DVec2 {

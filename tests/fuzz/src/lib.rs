@@ -1,4 +1,10 @@
-//! What the fuzz targets share: readers take files, so each input goes through one.
+//! What the fuzz targets share: readers take files, so each input goes through one; for the pipeline, bytes make a map.
+
+#[path = "../../common/mod.rs"]
+mod common;
+#[path = "../../guarantees/mod.rs"]
+mod guarantees;
+pub mod pipeline;
 
 use std::path::Path;
 

@@ -38,16 +38,15 @@ fn bad_points_are_dropped() {
     lines[3].points[1].y = f64::NAN;
     let report = cleaned(lines, 0.0);
     assert_eq!(report.value.contours, [line(1, 10.0, &[(0, 0), (1, 0), (2, 0)]), line(4, 20.0, &[(0, 3), (2, 3)])]);
-    use FindingKind::{NonFinitePoint, PointLine, RepeatedPoint, SkippedFeature};
+    use FindingKind::{MissingElevation, NonFinitePoint, PointLine, RepeatedPoint};
     let found: Vec<_> = report.findings.iter().map(|f| (f.kind, f.place.map(|p| (p.x, p.y)))).collect();
     assert_eq!(
         found,
         [
-            (SkippedFeature, None),
-            (SkippedFeature, Some((7.0, 7.0))),
+            (MissingElevation, None),
+            (MissingElevation, Some((7.0, 7.0))),
             (NonFinitePoint, Some((0.0, 3.0))),
             (RepeatedPoint, Some((1.0, 0.0))),
-            (RepeatedPoint, Some((5.0, 5.0))),
             (PointLine, None),
             (PointLine, Some((5.0, 5.0))),
         ]
@@ -231,14 +230,21 @@ fn a_line_that_touches_itself_is_split() {
 fn spikes_are_left_out() {
     let report = cleaned(vec![line(1, 10.0, &[(0, 0), (5, 0), (5, 5), (6, 9), (5, 5), (5, 0), (9, 1)])], 0.0);
     assert_eq!(report.value.contours, [line(1, 10.0, &[(0, 0), (5, 0), (9, 1)])]);
-    assert_eq!(kinds(&report), [FindingKind::SelfCross; 2]);
+    assert_eq!(kinds(&report), [FindingKind::Spike]);
+    assert_eq!(report.findings[0].place, Some(DVec2::new(6.0, 9.0)));
+    assert!(report.findings[0].message.contains("9.123 map units"), "{}", report.findings[0]);
+    // Two from one point are two.
+    let report = cleaned(vec![line(1, 10.0, &[(0, 0), (5, 0), (5, 5), (5, 0), (6, -4), (5, 0), (9, 1)])], 0.0);
+    assert_eq!(report.value.contours, [line(1, 10.0, &[(0, 0), (5, 0), (9, 1)])]);
+    assert_eq!(kinds(&report), [FindingKind::Spike; 2]);
     // A whole line there and back stays once, and so does a ring without area.
     let report = cleaned(vec![line(1, 10.0, &[(0, 0), (5, 1), (9, 0), (5, 1), (0, 0)])], 0.0);
     assert_eq!(report.value.contours, [line(1, 10.0, &[(0, 0), (5, 1), (9, 0)])]);
+    assert_eq!(kinds(&report), [FindingKind::Spike]);
     // Those that do not come back to a vertex, short of one and beyond one.
     let report = cleaned(vec![line(1, 10.0, &[(0, 0), (9, 0), (4, 0), (4, 9)])], 0.0);
     assert_eq!(report.value.contours, [line(1, 10.0, &[(0, 0), (4, 0), (4, 9)])]);
-    assert_eq!(kinds(&report), [FindingKind::SelfCross; 2]);
+    assert_eq!(kinds(&report), [FindingKind::Spike]);
     let report = cleaned(vec![line(1, 10.0, &[(0, 3), (2, 0), (9, 0), (-4, 0), (-4, 9)])], 0.0);
     assert_eq!(report.value.contours, [line(1, 10.0, &[(-4, 9), (-4, 0), (2, 0), (0, 3)])]);
 }
@@ -272,7 +278,33 @@ fn crossing_levels_lose_one_segment() {
     assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
     assert_eq!(report.findings[0].place, Some(DVec2::ZERO));
     let message = &report.findings[0].message;
-    assert!(["10 m", "feature 1", "20 m", "feature 2"].iter().all(|part| message.contains(part)), "{message}");
+    let parts = ["10 m (feature 1) crosses the contour 20 m (feature 2)", "one segment of it, 4.000 map units long"];
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    assert_eq!(
+        (&report.findings[0].features[..], &report.findings[0].elevations[..]),
+        (&[1, 2][..], &[10.0, 20.0][..])
+    );
+}
+
+#[test]
+fn every_crossing_of_two_lines_is_told() {
+    let straight = line(1, 10.0, &[(-5, 0), (100, 0)]);
+    let wave = line(2, 20.0, &[(0, 9), (10, -9), (20, 9), (30, -9)]);
+    let report = cleaned(vec![straight, wave.clone()], 0.0);
+    assert_eq!(report.value.contours, [wave]);
+    let places: Vec<_> = report.findings.iter().map(|f| (f.kind, f.place)).collect();
+    assert_eq!(places, [5.0, 15.0, 25.0].map(|x| (FindingKind::LevelsCross, Some(DVec2::new(x, 0.0)))));
+}
+
+#[test]
+fn of_two_long_segments_that_cross_the_shorter_goes() {
+    for (long, short) in [(1, 2), (2, 1)] {
+        let (a, b) = (line(long, 10.0, &[(-200, 0), (200, 0)]), line(short, 20.0, &[(0, -90), (0, 100), (50, 150)]));
+        let report = cleaned(vec![a.clone(), b], 0.0);
+        assert_eq!(report.value.contours, [a, line(short, 20.0, &[(0, 100), (50, 150)])]);
+        assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
+        assert!(report.findings[0].message.contains("190.000 map units long"), "{}", report.findings[0]);
+    }
 }
 
 #[test]
@@ -292,6 +324,21 @@ fn a_shared_vertex_of_two_levels_frees_one_line() {
             line(2, 20.0, &[(-5, 5), (0, 0), (5, 5)])
         ]
     );
+    assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
+    let message = &report.findings[0].message;
+    assert!(message.contains("touches the contour 20 m") && message.contains("2 segments of it, 7.211"), "{message}");
+    let through =
+        cleaned(vec![line(1, 10.0, &[(-5, 0), (0, 0), (5, 1)]), line(2, 20.0, &[(-5, 5), (0, 0), (5, -5)])], 0.0);
+    assert_eq!(kinds(&through), [FindingKind::LevelsCross]);
+    assert!(through.findings[0].message.contains("crosses the contour"), "{}", through.findings[0]);
+}
+
+#[test]
+fn a_line_that_touches_another_level_twice_has_two_faults() {
+    let report = cleaned(
+        vec![line(1, 10.0, &[(-50, 0), (50, 0)]), line(2, 20.0, &[(-9, 9), (-5, 0), (0, 8), (5, 0), (9, 9)])],
+        0.0,
+    );
     assert_eq!(kinds(&report), [FindingKind::LevelsCross; 2]);
 }
 
@@ -301,7 +348,7 @@ fn a_cut_ring_is_one_open_line() {
     let report = cleaned(vec![ring, line(2, 20.0, &[(5, -9), (5, 2), (5, 9)])], 0.0);
     let of_ring: Vec<_> = report.value.contours.iter().filter(|c| c.feature == 1).collect();
     assert_eq!(of_ring, [&line(1, 10.0, &[(4, 0), (0, 0), (0, 4), (4, 4)])]);
-    assert_eq!(report.findings.len(), 2);
+    assert_eq!(kinds(&report), [FindingKind::LevelsCross; 2]);
 }
 
 #[test]
@@ -313,7 +360,16 @@ fn a_line_upon_another_level_goes_as_one() {
     let report = cleaned(vec![line(1, 10.0, &lower), line(2, 20.0, &upper)], 0.0);
     let whole = report.value.contours.iter().filter(|c| c.points.len() > 30).count();
     assert_eq!(whole, 1, "one of the two levels stays whole");
-    assert_eq!(report.findings.len(), 31);
+    assert_eq!(kinds(&report), [FindingKind::OverlappingLines]);
+    let (finding, length) = (&report.findings[0], line(0, 0.0, &cliff).length());
+    let parts = [format!("for {length:.3} map units"), "87.000 east and 1.000 north".into(), "31 segments".into()];
+    assert!(parts.iter().all(|part| finding.message.contains(part)), "{finding}");
+    assert_eq!(finding.place, Some(DVec2::ZERO));
+    // The same along a part of a ring, over its start.
+    let ring = line(1, 10.0, &[(0, 0), (0, 9), (9, 9), (20, 5), (9, 0), (0, 0)]);
+    let report = cleaned(vec![ring, line(2, 20.0, &[(-5, 9), (0, 9), (0, 0), (9, 0), (9, -9)])], 0.0);
+    assert_eq!(kinds(&report), [FindingKind::OverlappingLines]);
+    assert!(report.findings[0].message.contains("for 18.000 map units"), "{}", report.findings[0]);
 }
 
 #[test]
@@ -321,7 +377,9 @@ fn near_levels_count_as_touching() {
     let beside =
         |y: f64| Contour { elevation: 20.0, points: vec![DVec2::new(2.0, y), DVec2::new(3.0, 9.0)], feature: 2 };
     let base = line(1, 10.0, &[(0, 0), (9, 0)]);
-    assert_eq!(kinds(&cleaned(vec![base.clone(), beside(1e-7)], 0.0)), [FindingKind::LevelsCross]);
+    let near = cleaned(vec![base.clone(), beside(1e-7)], 0.0);
+    assert_eq!(kinds(&near), [FindingKind::LevelsCross]);
+    assert!(near.findings[0].message.contains("comes nearer than 0.000001 map units to"), "{}", near.findings[0]);
     assert!(cleaned(vec![base.clone(), beside(1e-5)], 0.0).findings.is_empty());
     // Of one level they may be as near as they like.
     let same = Contour { elevation: 10.0, ..beside(1e-7) };
@@ -337,7 +395,8 @@ fn lines_of_one_level_may_touch_and_not_cross() {
     assert_eq!(crossing.value.contours, std::slice::from_ref(&base));
     assert_eq!(kinds(&crossing), [FindingKind::SelfCross]);
     let upon = cleaned(vec![base, line(2, 10.0, &[(2, 5), (2, 0), (5, 0), (5, 5)])], 0.0);
-    assert_eq!(upon.findings.len(), 1);
+    assert_eq!(kinds(&upon), [FindingKind::OverlappingLines]);
+    assert!(upon.findings[0].message.contains("for 3.000 map units"), "{}", upon.findings[0]);
     assert_eq!(upon.value.contours.len(), 3);
 }
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use proptest::prelude::*;
 
 use super::*;
-use crate::contour::clean::{clean_lines, contacts, segments::Segments};
+use crate::contour::clean::{clean_lines, contacts, removed::Why, segments::Segments};
 
 type Point = (i64, i64);
 /// Elevation, and the two ends in order.
@@ -211,7 +211,7 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
     let left_out: Vec<Contour> = cleaned
         .removed
         .iter()
-        .map(|r| Contour { elevation: r.elevation, points: r.ends.to_vec(), feature: r.feature })
+        .map(|r| Contour { elevation: r.elevation, points: r.way.clone(), feature: r.feature })
         .collect();
     let (before, after, removed) =
         (pieces(input, &vertices), pieces(&cleaned.contours, &vertices), pieces(&left_out, &vertices));
@@ -233,6 +233,8 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
     prop_assert_eq!(&again.contours, &cleaned.contours);
     prop_assert_eq!(&again.findings, &cleaned.findings);
     prop_assert_eq!(&again.removed, &cleaned.removed);
+    prop_assert_eq!(&again.faults, &cleaned.faults);
+    prop_assert_eq!(cleaned.faults.is_empty(), !cleaned.removed.iter().any(|r| r.why == Why::Meets));
     Ok(())
 }
 
@@ -248,8 +250,9 @@ fn check_removed_were_bad(input: &[Contour]) -> Result<(), TestCaseError> {
         .flat_map(|(s, t)| [s, t])
         .map(|(i, k)| piece(lines[i].0, lines[i].1[k], lines[i].1[k + 1]))
         .collect();
-    for r in &cleaned.removed {
-        let p = piece(r.elevation, to_grid(r.ends[0]), to_grid(r.ends[1]));
+    let left_out = cleaned.removed.iter().flat_map(|r| r.way.windows(2).map(|w| (r.elevation, [w[0], w[1]])));
+    for (elevation, ends) in left_out {
+        let p = piece(elevation, to_grid(ends[0]), to_grid(ends[1]));
         let is_part = |b: &&Piece| b.0 == p.0 && is_on(p.1, b.1, b.2) && is_on(p.2, b.1, b.2);
         prop_assert!(bad.iter().any(|b| is_part(&b)), "{p:?} was removed without need");
     }

@@ -1,0 +1,53 @@
+//! One fault, one finding: what follows from a fault that is told already is not told again.
+
+use std::collections::HashSet;
+
+use crate::error::{Finding, FindingKind, Proposal};
+
+/// The findings without those that only follow from another: a line whose elevation is known to be wrong contradicts the
+/// ground around it as well, a piece that was cut out leaves a gap, and a line far from the others moves the frame away from
+/// all ends.
+pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
+    use FindingKind::{FarAway, Gap, LevelJump, LooksLikeDegrees, OpenEnd, WrongLabel, ZeroElevation};
+    let mut zero = HashSet::new();
+    findings.retain(|f| f.kind != ZeroElevation || f.features.iter().fold(false, |new, n| zero.insert(*n) | new));
+
+    let frame_is_moved = findings.iter().any(|f| matches!(f.kind, FarAway | LooksLikeDegrees));
+    let known = |f: &&Finding| matches!(f.kind, FarAway | LooksLikeDegrees | LevelJump | ZeroElevation);
+    let known: HashSet<u64> = findings.iter().filter(known).flat_map(|f| f.features.iter().copied()).collect();
+    let is_cut = |f: &&Finding| is_cut(f.kind);
+    let mut cuts: Vec<Finding> = findings.iter().filter(is_cut).cloned().collect();
+    // By x, so that only those near a gap are looked at.
+    cuts.sort_by(|a, b| x_of(a).total_cmp(&x_of(b)));
+    findings.retain(|f| match f.kind {
+        WrongLabel => !all_in(&f.features, &known),
+        Gap => !all_in(&f.features, &known) && !is_left_by(f, &cuts),
+        OpenEnd => !frame_is_moved && !all_in(&f.features, &known),
+        _ => true,
+    });
+    findings
+}
+
+fn is_cut(kind: FindingKind) -> bool {
+    use FindingKind::{LevelsCross, OverlappingLines, SelfCross, Spike};
+    matches!(kind, LevelsCross | OverlappingLines | SelfCross | Spike)
+}
+
+fn x_of(finding: &Finding) -> f64 {
+    finding.place.map_or(f64::NEG_INFINITY, |p| p.x)
+}
+
+fn all_in(features: &[u64], known: &HashSet<u64>) -> bool {
+    !features.is_empty() && features.iter().all(|feature| known.contains(feature))
+}
+
+/// Whether a gap lies where a piece of its line was cut out.
+fn is_left_by(gap: &Finding, cuts: &[Finding]) -> bool {
+    let (Some(place), Some(Proposal::Join { ends: [a, b] })) = (gap.place, &gap.proposal) else { return false };
+    let reach = a.distance(*b);
+    let from = cuts.partition_point(|cut| x_of(cut) < place.x - reach);
+    cuts[from..].iter().take_while(|cut| x_of(cut) <= place.x + reach).any(|cut| {
+        let is_near = cut.place.is_some_and(|p| p.distance(place) <= reach);
+        is_near && gap.features.iter().any(|feature| cut.features.contains(feature))
+    })
+}

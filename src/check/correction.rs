@@ -1,0 +1,108 @@
+//! Changes to a map that its findings propose, and the map with them.
+
+use glam::DVec2;
+
+use crate::contour::{Contour, ContourMap};
+use crate::error::{Finding, FindingKind, Report};
+
+/// A change to a clean map.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Correction {
+    /// Give a line another elevation.
+    Label {
+        /// The line's number in the map.
+        line: u32,
+        /// The elevation that fits, metres.
+        elevation: f64,
+    },
+    /// Join two ends by a straight piece.
+    Join {
+        /// Numbers of the two lines in the map; the same where a line is closed.
+        lines: [u32; 2],
+        /// The ends, map units.
+        ends: [DVec2; 2],
+    },
+}
+
+/// What a check of a clean map found, and the changes that would mend it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Judged {
+    /// The findings, in a fixed order.
+    pub findings: Vec<Finding>,
+    /// The corrections that they propose.
+    pub corrections: Vec<Correction>,
+}
+
+/// Makes the changes. The map needs cleaning after it: lines of one level may meet now, and the ends of new pieces lie on
+/// those of the lines that they join.
+///
+/// The findings tell every change that was made.
+pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<ContourMap> {
+    let mut findings = Vec::new();
+    let mut pieces = Vec::new();
+    for correction in corrections {
+        match *correction {
+            Correction::Label { line, elevation } => {
+                let Some(contour) = map.contours.get_mut(line as usize) else { continue };
+                let (from, feature) = (contour.elevation, contour.feature);
+                contour.elevation = elevation;
+                let message = format!("the contour {from} m (feature {feature}) got the elevation {elevation} m");
+                let place = contour.points.get(contour.points.len() / 2).copied();
+                let finding = Finding::new(FindingKind::Relabelled, place, message);
+                findings.push(finding.about(feature, from).about(feature, elevation));
+            }
+            Correction::Join { lines, ends: [a, b] } => {
+                let line = |k: usize| map.contours.get(lines[k] as usize);
+                let (Some(one), Some(other)) = (line(0), line(1)) else { continue };
+                let (elevation, gap) = (one.elevation, a.distance(b));
+                let message = format!(
+                    "a gap of {gap:.3} map units in the contour {elevation} m (features {} and {}) was joined",
+                    one.feature, other.feature
+                );
+                let finding = Finding::at(FindingKind::JoinedGap, a.midpoint(b), message);
+                findings.push(finding.about(one.feature, elevation).about(other.feature, elevation));
+                let feature = one.feature.min(other.feature);
+                pieces.push(Contour { elevation, points: vec![a, b], feature });
+            }
+        }
+    }
+    map.contours.append(&mut pieces);
+    Report { value: map, findings }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::{CleanParams, clean};
+
+    #[test]
+    fn a_label_and_a_gap_are_mended() {
+        let line = |elevation: f64, points: &[(f64, f64)], feature| Contour {
+            elevation,
+            points: points.iter().map(|&p| p.into()).collect(),
+            feature,
+        };
+        let map = ContourMap {
+            contours: vec![
+                line(10.0, &[(0.0, 0.0), (4.0, 0.0)], 1),
+                line(10.0, &[(6.0, 0.0), (9.0, 0.0)], 2),
+                line(90.0, &[(0.0, 5.0), (9.0, 5.0)], 3),
+            ],
+            ..ContourMap::default()
+        };
+        let ends = [DVec2::new(4.0, 0.0), DVec2::new(6.0, 0.0)];
+        let corrections = [Correction::Join { lines: [0, 1], ends }, Correction::Label { line: 2, elevation: 20.0 }];
+        let Report { value, findings } = correct(map, &corrections);
+        let kinds: Vec<FindingKind> = findings.iter().map(|f| f.kind).collect();
+        assert_eq!(kinds, [FindingKind::JoinedGap, FindingKind::Relabelled]);
+        assert_eq!(findings[1].elevations, [90.0, 20.0]);
+        let clean = clean(value, &CleanParams::default()).unwrap().value.contours;
+        assert_eq!(
+            clean,
+            [
+                line(10.0, &[(0.0, 0.0), (4.0, 0.0), (6.0, 0.0), (9.0, 0.0)], 1),
+                line(20.0, &[(0.0, 5.0), (9.0, 5.0)], 3)
+            ]
+        );
+    }
+}

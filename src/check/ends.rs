@@ -1,0 +1,301 @@
+//! Gaps and other open ends.
+//!
+//! Two ends of one level in the same sub-domain are taken as the two sides of a gap, the nearest and best aligned ones first.
+//! What is left over ends in the open: an auxiliary contour off the interval is meant to, others are told. Along a
+//! ragged outline lines end everywhere; that is no fault.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use glam::DVec2;
+
+use super::graph::Graph;
+use super::grid::{Label, LevelGrid};
+use super::labels::Wrong;
+use super::{Correction, Ground, Judged};
+use crate::error::{Finding, FindingKind, Proposal};
+use crate::tin::{Link, NONE, OpenEnd, Sight, line_starts};
+
+/// Links to the frame longer than so many times that of nine in ten ends stop short of it.
+const SHORT_OF_FRAME: f64 = 8.0;
+/// Ends nearer to the frame than so many times that lie on a ragged outline.
+const OUTLYING: f64 = 1.5;
+/// The widest gap between ends that point at each other, as a share of the map's diagonal.
+const WIDEST: f64 = 0.5;
+/// The widest one between others.
+const WIDEST_ASKEW: f64 = 0.1;
+/// The largest turn between a line's end and the way across a gap that it points along: 60 degrees.
+const COS_POINTING: f64 = 0.5;
+/// Ends that gates chain together: from so many on they follow a cliff or an outline.
+const CLIFF: usize = 6;
+/// Ends of one level that are paired with each other; more of them are a map without order.
+const MOST_OF_LEVEL: usize = 1000;
+
+/// An end that is looked at.
+struct Loose {
+    /// Its number among all ends.
+    end: usize,
+    /// The sub-domains around it.
+    around: Vec<u32>,
+    /// Whether it is linked to the frame over a long way.
+    is_linked: bool,
+    /// Whether it is done with.
+    is_told: bool,
+}
+
+/// Two ends of a gap, by their numbers among all ends.
+type Pair = [usize; 2];
+
+/// Finds gaps and open ends. Lines in `wrong` are told already; their ends are passed over.
+pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+    let ends = ground.ends;
+    let usual = usual_link(ends, ground.links);
+    let far = far_from_frame(ground, usual);
+    // As near to the frame as others that are linked to it.
+    let is_outlying = |i: usize| usual > 0.0 && distance_to_frame(ground, ends[i].position) <= OUTLYING * usual;
+    let is_wrong = |line: u32| wrong.binary_search_by_key(&line, |w| w.line).is_ok();
+    let is_level = |e: &OpenEnd| matches!(grid.label(e.elevation), Label::On(_));
+    let wanted: Vec<usize> =
+        (0..ends.len()).filter(|&i| (!ends[i].at_frame || far[i]) && !is_wrong(ends[i].contour)).collect();
+    if wanted.is_empty() {
+        return;
+    }
+    let vertex_of = vertices(ground, &wanted);
+    let end_at: HashMap<u32, usize> = vertex_of.iter().map(|(&end, &v)| (v, end)).collect();
+    let around = regions_around(ground, &end_at);
+    let mut loose: BTreeMap<usize, Loose> = BTreeMap::new();
+    for &end in &wanted {
+        let around = around.get(&end).cloned().unwrap_or_default();
+        loose.insert(end, Loose { end, around, is_linked: far[end], is_told: false });
+    }
+
+    let pair_of = |edge: &[u32; 2]| Some([*end_at.get(&edge[0])?, *end_at.get(&edge[1])?]);
+    let mut bridged: Vec<Pair> = ground.gaps.bridges.iter().filter_map(pair_of).collect();
+    bridged.sort_unstable();
+    for pair in bridged {
+        if !pair.iter().all(|&end| is_outlying(end)) {
+            tell_gap(ground, pair, true, judged);
+        }
+        pair.iter().for_each(|end| {
+            loose.entry(*end).and_modify(|l| l.is_told = true);
+        });
+    }
+
+    // Auxiliary contours end in the open; what lies beyond a ragged outline is no fault.
+    loose.retain(|_, l| {
+        !l.is_told
+            && is_level(&ends[l.end])
+            && !is_outlying(l.end)
+            && !l.around.iter().any(|&r| graph.ragged[r as usize])
+    });
+    let gates: Vec<Pair> = ground.gaps.gates.iter().filter_map(pair_of).collect();
+    let chains = chains(&loose, &gates, ends);
+    for chain in chains.iter().filter(|c| c.len() >= CLIFF) {
+        tell_cliff(ground, chain, judged);
+        chain.iter().for_each(|end| {
+            loose.remove(end);
+        });
+    }
+
+    let sight = Sight::new(ground.map);
+    for pair in pairs(&loose, &gates, ends, ground.frame.diagonal()) {
+        let [a, b] = pair.map(|i| &ends[i]);
+        // A little short of the other end, so that its own line does not hide it.
+        let before = b.position.lerp(a.position, 1e-6);
+        tell_gap(ground, pair, sight.sees(ground.map, a.position, before), judged);
+        pair.iter().for_each(|end| {
+            loose.remove(end);
+        });
+    }
+    tell_open(ground, &loose, judged);
+}
+
+/// How far nine in ten of the ends at the frame are linked to it at most, map units.
+fn usual_link(ends: &[OpenEnd], links: &[Link]) -> f64 {
+    let linked = links.iter().map(|l| l.end.distance(l.frame));
+    let on_frame = ends.iter().filter(|e| e.at_frame).count().saturating_sub(links.len());
+    let mut lengths: Vec<f64> = std::iter::repeat_n(0.0, on_frame).chain(linked).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(0.0)
+}
+
+/// By end: whether it is linked to the frame over a way much longer than usual.
+fn far_from_frame(ground: &Ground, usual: f64) -> Vec<bool> {
+    let Ground { ends, links, frame, .. } = *ground;
+    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
+    let by_end: HashMap<[u64; 2], f64> = links.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
+    let least = (SHORT_OF_FRAME * usual).max(1e-3 * frame.diagonal());
+    let length = |e: &OpenEnd| if e.at_frame { by_end.get(&bits(e.position)).copied().unwrap_or(0.0) } else { 0.0 };
+    ends.iter().map(|e| length(e) > least).collect()
+}
+
+fn distance_to_frame(ground: &Ground, p: DVec2) -> f64 {
+    let to_edge = |[a, b]: [DVec2; 2]| {
+        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        if along.is_nan() { p.distance(a) } else { p.distance(a.lerp(b, along)) }
+    };
+    ground.frame.edges().map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
+/// The vertices of ends in the triangulation.
+fn vertices(ground: &Ground, wanted: &[usize]) -> HashMap<usize, u32> {
+    let start = line_starts(ground.map);
+    let source = |end: usize| {
+        let line = ground.ends[end].contour as usize;
+        let is_first = ground.map.contours[line].points.first() == Some(&ground.ends[end].position);
+        if is_first { start[line] } else { start[line + 1] - 1 }
+    };
+    let by_source: HashMap<u32, usize> = wanted.iter().map(|&end| (source(end), end)).collect();
+    let vertices = (0..ground.tin.positions.len() as u32).filter_map(|v| {
+        let end = by_source.get(&ground.tin.source[v as usize])?;
+        Some((*end, v))
+    });
+    vertices.collect()
+}
+
+/// The sub-domains that touch each end.
+fn regions_around(ground: &Ground, end_at: &HashMap<u32, usize>) -> HashMap<usize, Vec<u32>> {
+    let mut is_end = vec![false; ground.tin.positions.len()];
+    end_at.keys().for_each(|&v| is_end[v as usize] = true);
+    let mut around: HashMap<usize, Vec<u32>> = HashMap::new();
+    for (t, corners) in ground.tin.triangles.iter().enumerate() {
+        for v in corners.iter().filter(|&&v| is_end[v as usize]) {
+            let (region, found) = (ground.regions.of_triangle[t], around.entry(end_at[v]).or_default());
+            if region != NONE && !found.contains(&region) {
+                found.push(region);
+            }
+        }
+    }
+    around
+}
+
+/// Ends that gates between different levels chain together.
+fn chains(loose: &BTreeMap<usize, Loose>, gates: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
+    let mut next: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for &[a, b] in gates {
+        if ends[a].elevation != ends[b].elevation && loose.contains_key(&a) && loose.contains_key(&b) {
+            next.entry(a).or_default().push(b);
+            next.entry(b).or_default().push(a);
+        }
+    }
+    let mut chains = Vec::new();
+    while let Some((first, _)) = next.first_key_value() {
+        let mut chain = vec![*first];
+        let mut at = 0;
+        while let Some(end) = chain.get(at).copied() {
+            at += 1;
+            for other in next.remove(&end).into_iter().flatten() {
+                if next.contains_key(&other) && !chain.contains(&other) {
+                    chain.push(other);
+                }
+            }
+        }
+        chains.push(chain);
+    }
+    chains
+}
+
+/// The pairs of ends that belong together, the nearest and best aligned ones first.
+fn pairs(loose: &BTreeMap<usize, Loose>, gates: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
+    let mut by_level: BTreeMap<u64, Vec<&Loose>> = BTreeMap::new();
+    for l in loose.values() {
+        by_level.entry(ends[l.end].elevation.to_bits()).or_default().push(l);
+    }
+    let gates: HashSet<Pair> = gates.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+    let mut candidates: Vec<(f64, Pair)> = Vec::new();
+    for of_level in by_level.values().filter(|of_level| of_level.len() <= MOST_OF_LEVEL) {
+        for (i, a) in of_level.iter().enumerate() {
+            for b in &of_level[i + 1..] {
+                let gated = || gates.contains(&[a.end.min(b.end), a.end.max(b.end)]);
+                if (a.around.iter().any(|r| b.around.contains(r)) || gated())
+                    && let Some(cost) = gap_cost(&ends[a.end], &ends[b.end], diagonal)
+                {
+                    candidates.push((cost, [a.end, b.end]));
+                }
+            }
+        }
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut taken: HashSet<usize> = HashSet::new();
+    candidates.retain(|(_, pair)| {
+        let free = !pair.iter().any(|end| taken.contains(end));
+        if free {
+            taken.extend(pair);
+        }
+        free
+    });
+    candidates.into_iter().map(|(_, pair)| pair).collect()
+}
+
+/// The distance between two ends, up to three times as much where they point away from each other; none where it is
+/// larger than the lines themselves or, on a map of this diagonal, larger than a gap can be.
+fn gap_cost(a: &OpenEnd, b: &OpenEnd, diagonal: f64) -> Option<f64> {
+    let across = b.position - a.position;
+    let distance = across.length();
+    let way = across.normalize_or_zero();
+    let facing = a.outwards.dot(way).min(b.outwards.dot(-way));
+    let lines = if a.contour == b.contour { a.length } else { a.length + b.length };
+    let most = if facing >= COS_POINTING {
+        lines.min(WIDEST * diagonal)
+    } else {
+        a.length.min(b.length).min(WIDEST_ASKEW * diagonal)
+    };
+    (distance <= most).then_some(distance * (2.0 - facing))
+}
+
+/// A gap; `is_clear` when nothing lies between its ends, so that a straight piece can join them.
+fn tell_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
+    let mut ends = pair.map(|i| &ground.ends[i]);
+    ends.sort_by_key(|e| e.contour);
+    let [a, b] = ends;
+    let [one, other] = [a, b].map(|e| &ground.map.contours[e.contour as usize]);
+    let gap = a.position.distance(b.position);
+    let of = if one.feature == other.feature {
+        format!("feature {}", one.feature)
+    } else {
+        format!("features {} and {}", one.feature, other.feature)
+    };
+    let message = format!("a gap of {gap:.3} map units in the contour {} m ({of})", a.elevation);
+    let finding = Finding::at(FindingKind::Gap, a.position.midpoint(b.position), message);
+    let mut finding = finding.about(one.feature, a.elevation).about(other.feature, a.elevation);
+    if is_clear {
+        let ends = [a.position, b.position];
+        finding = finding.proposing(Proposal::Join { ends });
+        judged.corrections.push(Correction::Join { lines: [a.contour, b.contour], ends });
+    }
+    judged.findings.push(finding);
+}
+
+/// Many lines that end beside each other.
+fn tell_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
+    let levels = chain.iter().map(|&i| ground.ends[i].elevation);
+    let (lo, hi) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
+    let message = format!(
+        "{} contours from {lo} to {hi} m end in the open beside each other: a cliff, or a part of the map is missing",
+        chain.len()
+    );
+    let finding = Finding::at(FindingKind::OpenEnd, ground.ends[chain[chain.len() / 2]].position, message);
+    let lines = chain.iter().map(|&i| &ground.ends[i]);
+    judged
+        .findings
+        .push(lines.fold(finding, |f, e| f.about(ground.map.contours[e.contour as usize].feature, e.elevation)));
+}
+
+/// What is left over, one finding a line.
+fn tell_open(ground: &Ground, loose: &BTreeMap<usize, Loose>, judged: &mut Judged) {
+    let mut by_line: BTreeMap<u32, Vec<&Loose>> = BTreeMap::new();
+    for l in loose.values() {
+        by_line.entry(ground.ends[l.end].contour).or_default().push(l);
+    }
+    for (line, of_line) in by_line {
+        let contour = &ground.map.contours[line as usize];
+        let (elevation, feature) = (contour.elevation, contour.feature);
+        let what = match of_line[..] {
+            [one] if one.is_linked => "stops short of the frame: a piece may be missing",
+            [_] => "ends in the open: a piece of it is missing, or it ends at a cliff",
+            _ => "ends in the open on both sides: a piece of a contour, or an auxiliary one",
+        };
+        let message = format!("the contour {elevation} m (feature {feature}) {what}");
+        let place = ground.ends[of_line[0].end].position;
+        judged.findings.push(Finding::at(FindingKind::OpenEnd, place, message).about(feature, elevation));
+    }
+}

@@ -1,0 +1,273 @@
+//! Wrong labels and missing contours, told by the bands around them.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::bands::{Span, levels_between, separates};
+use super::graph::{Graph, Stretch};
+use super::grid::{Label, LevelGrid, is_other_unit, likeness};
+use super::{Correction, Ground, Judged};
+use crate::contour::ContourMap;
+use crate::error::{Finding, FindingKind, Proposal};
+use crate::tin::{NONE, VertexKind, line_at, line_starts};
+
+/// How much less plausible it is that an innermost contour has the level of the contours around it.
+const FACING: f64 = 1.0;
+/// So many labels that are their proposal in feet, or in metres, are no coincidence.
+const OTHER_UNIT: usize = 3;
+/// Features that a finding about many lines names.
+const NAMED: usize = 20;
+
+/// A contour whose label contradicts the ground around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wrong {
+    /// Number of the contour.
+    pub line: u32,
+    /// The levels it can have instead, the most plausible first; none if the ground tells nothing.
+    pub levels: Vec<i64>,
+}
+
+/// The contours whose labels contradict the ground on their sides.
+pub fn wrong_labels(map: &ContourMap, graph: &Graph, spans: &[Option<Span>], grid: &LevelGrid) -> Vec<Wrong> {
+    let span = |r: u32| spans.get(r as usize).copied().flatten().filter(|_| !graph.ragged[r as usize]);
+    let mut wrong = Vec::new();
+    for of_line in graph.stretches.chunk_by(|a, b| a.line == b.line) {
+        let line = of_line[0].line;
+        let label = grid.label(map.contours[line as usize].elevation);
+        let is_bad = |s: &&Stretch| match s.sides.map(|r| if r == NONE { None } else { span(r) }) {
+            [Some(a), Some(b)] if !s.dangles() => !separates(label, a, b),
+            [Some(a), _] | [None, Some(a)] => !a.meets(label),
+            [None, None] => false,
+        };
+        let bad: Vec<&Stretch> = of_line.iter().filter(is_bad).collect();
+        let judged: f64 =
+            of_line.iter().filter(|s| s.sides.iter().any(|&r| r != NONE && span(r).is_some())).map(|s| s.share).sum();
+        if bad.is_empty() || bad.iter().map(|s| s.share).sum::<f64>() <= 0.5 * judged {
+            continue;
+        }
+        let longest = bad.iter().find(|s| !s.dangles() && s.sides.iter().all(|&r| r != NONE && span(r).is_some()));
+        let levels = longest.map_or_else(Vec::new, |s| match s.sides.map(span) {
+            [Some(a), Some(b)] => levels_between(a, b).collect(),
+            _ => Vec::new(),
+        });
+        wrong.push(Wrong { line, levels });
+    }
+    wrong
+}
+
+/// The innermost contours among the wrong ones could as well enclose a top as a pit: both levels of the ground around them
+/// fit. What tells: whether the map's other innermost contours enclose tops or pits, the level of the contours around (a slope
+/// goes on more often than it turns), and which level is easily mistaken for the label.
+pub fn settle_innermost(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], wrong: &mut [Wrong]) {
+    let map = ground.map;
+    let innermost = innermost(graph, ground.regions.regions.len());
+    let mut asked: BTreeMap<u32, BTreeMap<i64, f64>> = BTreeMap::new();
+    for w in wrong.iter_mut() {
+        if let Some(span) = innermost.get(&w.line).and_then(|&[_, around]| spans[around as usize]) {
+            w.levels = (span.lo..=span.hi + 1).collect();
+            asked.insert(w.line, BTreeMap::new());
+        }
+    }
+    if asked.is_empty() {
+        return;
+    }
+    let (mut tops, mut pits) = (1.0f64, 1.0f64);
+    for (line, &[inside, around]) in &innermost {
+        if let (false, Some(a), Some(b)) = (asked.contains_key(line), spans[inside as usize], spans[around as usize]) {
+            if a.lo > b.hi {
+                tops += 1.0;
+            } else if a.hi < b.lo {
+                pits += 1.0;
+            }
+        }
+    }
+    facing(ground, &innermost, grid, &mut asked);
+    for w in wrong {
+        let (Some(faced), Some(&[_, around])) = (asked.get(&w.line), innermost.get(&w.line)) else { continue };
+        let Some(span) = spans[around as usize] else { continue };
+        let total: f64 = faced.values().sum::<f64>().max(f64::MIN_POSITIVE);
+        let elevation = map.contours[w.line as usize].elevation;
+        let cost = |y: i64| {
+            let turn = if y > span.hi { tops } else { pits };
+            FACING * faced.get(&y).unwrap_or(&0.0) / total - likeness(elevation, grid.elevation(y)) - turn.ln()
+        };
+        w.levels.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+    }
+}
+
+/// The contours that alone bound a sub-domain, with it and the one on their other side.
+fn innermost(graph: &Graph, count: usize) -> BTreeMap<u32, [u32; 2]> {
+    let mut borders = vec![0u32; count];
+    let apart = || graph.stretches.iter().filter(|s| !s.dangles());
+    for r in apart().flat_map(|s| s.sides).filter(|&r| r != NONE) {
+        borders[r as usize] += 1;
+    }
+    let mut innermost = BTreeMap::new();
+    for s in apart().filter(|s| !s.sides.contains(&NONE)) {
+        let [a, b] = s.sides;
+        match [a, b].map(|r| borders[r as usize] == 1) {
+            [true, false] => innermost.insert(s.line, [a, b]),
+            [false, true] => innermost.insert(s.line, [b, a]),
+            _ => None,
+        };
+    }
+    innermost
+}
+
+/// Adds, for each line asked for, the levels of the contours that it faces, with the length along which it does. Other
+/// innermost contours do not count: they stand beside it on the same slope.
+fn facing(
+    ground: &Ground,
+    innermost: &BTreeMap<u32, [u32; 2]>,
+    grid: &LevelGrid,
+    asked: &mut BTreeMap<u32, BTreeMap<i64, f64>>,
+) {
+    let tin = ground.tin;
+    let start = line_starts(ground.map);
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for i in 0..3 {
+            if tin.contour_level(t, i).is_none() {
+                continue;
+            }
+            let apex = tin.triangles[t as usize][(i + 2) % 3];
+            let line = line_at(tin, &start, tin.edge(t, i)[0]);
+            let Some(faced) = line.and_then(|line| asked.get_mut(&line)) else { continue };
+            if tin.kinds[apex as usize] == VertexKind::Contour
+                && line_at(tin, &start, apex).is_none_or(|other| !innermost.contains_key(&other))
+                && let Label::On(y) = grid.label(tin.heights[apex as usize])
+            {
+                *faced.entry(y).or_default() += tin.edge_length(t, i);
+            }
+        }
+    }
+}
+
+/// The findings about wrong labels, with the corrections.
+pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+    let elevation = |w: &Wrong| map.contours[w.line as usize].elevation;
+    let fits = |w: &Wrong| w.levels.first().map(|&y| grid.elevation(y));
+    let in_other_unit = |w: &&Wrong| fits(w).is_some_and(|to| is_other_unit(elevation(w), to));
+    let mixed = wrong.iter().filter(in_other_unit).count() >= OTHER_UNIT;
+    for w in wrong {
+        let contour = &map.contours[w.line as usize];
+        let (from, feature) = (contour.elevation, contour.feature);
+        let place = contour.points.get(contour.points.len() / 2).copied();
+        let Some(to) = fits(w) else {
+            let message = format!("the elevation {from} m of feature {feature} contradicts the contours around it");
+            judged.findings.push(Finding::new(FindingKind::WrongLabel, place, message).about(feature, from));
+            continue;
+        };
+        let others: Vec<String> = w.levels[1..].iter().take(2).map(|&y| format!("{}", grid.elevation(y))).collect();
+        let or = if others.is_empty() { String::new() } else { format!(", or perhaps {}", others.join(" or ")) };
+        let (kind, why) = if mixed && in_other_unit(&w) {
+            (FindingKind::MixedUnits, "is in another unit than those of the contours around it")
+        } else if from == 0.0 {
+            (FindingKind::ZeroElevation, "contradicts the contours around it")
+        } else {
+            (FindingKind::WrongLabel, "contradicts the contours around it")
+        };
+        // The next level but one inside a contour: its neighbour may be missing as well.
+        let is_next = |&y: &i64| matches!(grid.label(from), Label::On(x) if x.abs_diff(y) == 1);
+        let missing = if w.levels.len() > 1 && w.levels.iter().any(is_next) {
+            ", unless a contour beside it is missing"
+        } else {
+            ""
+        };
+        let message = format!("the elevation {from} m of feature {feature} {why}; {to} m{or} would fit{missing}");
+        let finding = Finding::new(kind, place, message).about(feature, from);
+        judged.findings.push(finding.proposing(Proposal::Relabel { from, to }));
+        judged.corrections.push(Correction::Label { line: w.line, elevation: to });
+    }
+}
+
+/// A place in a sub-domain where contours are missing.
+#[derive(Debug, Clone, Copy)]
+struct Steep {
+    rise: f64,
+    distance: f64,
+    lines: [Option<u32>; 2],
+    place: DVec2,
+}
+
+/// One finding for each sub-domain where levels are skipped and no line of them ends in the open.
+pub fn tell_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
+    let Ground { map, tin, regions, .. } = *ground;
+    let mut wanted: BTreeMap<u32, (Vec<i64>, Option<Steep>)> = BTreeMap::new();
+    for (r, span) in spans.iter().enumerate() {
+        let ends = &graph.dangling[r];
+        let skipped = span.iter().flat_map(|span| span.skipped());
+        let missing: Vec<i64> = skipped.filter(|&y| !ends.iter().any(|(l, _)| *l == Label::On(y))).collect();
+        if !missing.is_empty() && !graph.ragged[r] {
+            wanted.insert(r as u32, (missing, None));
+        }
+    }
+    if wanted.is_empty() {
+        return;
+    }
+    let start = line_starts(map);
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let region = regions.of_triangle[t as usize];
+        let Some((_, best)) = wanted.get_mut(&region) else { continue };
+        let Some(span) = spans[region as usize] else { continue };
+        let limits = [grid.elevation(span.lo) - 0.1 * grid.step(), grid.elevation(span.hi + 1) + 0.1 * grid.step()];
+        for i in 0..3 {
+            let [u, v] = tin.edge(t, i);
+            let [a, b] = [u, v].map(|v| tin.heights[v as usize]);
+            let on_lines = [u, v].iter().all(|&v| tin.kinds[v as usize] == VertexKind::Contour);
+            if !on_lines || a.min(b) < limits[0] || a.max(b) > limits[1] {
+                continue;
+            }
+            let (rise, distance) = ((a - b).abs(), tin.edge_length(t, i));
+            if best.is_none_or(|s| rise > s.rise || (rise == s.rise && distance < s.distance)) {
+                let place = 0.5 * (tin.positions[u as usize] + tin.positions[v as usize]) + tin.origin;
+                let ends = if a <= b { [u, v] } else { [v, u] };
+                *best = Some(Steep { rise, distance, lines: ends.map(|v| line_at(tin, &start, v)), place });
+            }
+        }
+    }
+    for (region, (missing, steep)) in wanted {
+        let levels: Vec<String> = missing.iter().map(|&y| format!("{}", grid.elevation(y))).collect();
+        let fallback = || tin.corners(regions.regions[region as usize].triangle)[0] + tin.origin;
+        let lines: Vec<_> =
+            steep.iter().flat_map(|s| s.lines).flatten().map(|line| &map.contours[line as usize]).collect();
+        let neighbours = match lines[..] {
+            [a, b] => format!("contours {} and {} are neighbours", a.elevation, b.elevation),
+            _ => "the contours here skip a level".to_owned(),
+        };
+        let message = format!(
+            "{neighbours}: the contour {} between them is missing, or one of the two has a wrong elevation",
+            levels.join(", ")
+        );
+        let finding = Finding::at(FindingKind::SkippedLevel, steep.map_or_else(fallback, |s| s.place), message);
+        judged.findings.push(lines.into_iter().fold(finding, |f, line| f.about(line.feature, line.elevation)));
+    }
+}
+
+/// One note for each elevation off the interval whose lines lie between its two levels, as an auxiliary contour does.
+pub fn tell_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+    let is_wrong = |line: usize| wrong.binary_search_by_key(&(line as u32), |w| w.line).is_ok();
+    let mut by_level: BTreeMap<(i64, u64), Vec<usize>> = BTreeMap::new();
+    for (line, contour) in map.contours.iter().enumerate() {
+        if let Label::Within(k) = grid.label(contour.elevation)
+            && !is_wrong(line)
+        {
+            by_level.entry((k, contour.elevation.to_bits())).or_default().push(line);
+        }
+    }
+    for ((k, _), lines) in by_level {
+        let first = &map.contours[lines[0]];
+        let count = if lines.len() == 1 { String::new() } else { format!(" ({} lines)", lines.len()) };
+        let message = format!(
+            "the elevation {} m of feature {}{count} lies between the levels {} and {}: an auxiliary contour, or a wrong elevation",
+            first.elevation,
+            first.feature,
+            grid.elevation(k),
+            grid.elevation(k + 1)
+        );
+        let finding =
+            Finding::new(FindingKind::OffInterval, first.points.get(first.points.len() / 2).copied(), message);
+        let named = lines.iter().take(NAMED).map(|&line| &map.contours[line]);
+        judged.findings.push(named.fold(finding, |f, c| f.about(c.feature, c.elevation)));
+    }
+}

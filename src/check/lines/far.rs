@@ -1,0 +1,219 @@
+//! Vertices and lines far from all others, and coordinates that are degrees.
+//!
+//! A slip in one digit of a coordinate throws a vertex far out and the next one back. A wrong zone, or degrees among metres,
+//! throws whole lines: they are split off the map at the widest gaps between its lines, seen along x and along y.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::shape::{Box2, Shape, median, steps};
+use crate::contour::{Contour, ContourMap};
+use crate::crs::{Crs, CrsKind};
+use crate::error::{Finding, FindingKind};
+
+/// A vertex is far if both its segments are longer than so many usual ones of its line,
+const JUMP_STEPS: f64 = 50.0;
+/// and than this share of the map,
+const JUMP_OF_MAP: f64 = 0.05;
+/// and its neighbours are nearer to each other than this share of them.
+const JUMP_BACK: f64 = 0.1;
+
+/// Lines are far if they are further from all others than so many diagonals of those. Islands of one map lie within a few of
+/// their own sizes; another zone is hundreds of kilometres away.
+const FAR: f64 = 10.0;
+/// The others must have this share of the vertices at least.
+const MOST: f64 = 0.5;
+/// Most gaps that a map is split at.
+const GAPS: usize = 64;
+/// Coordinates with a smaller usual distance between vertices, in map units, are degrees if they fit in ±180 and ±90: contours
+/// in metres have a vertex every metre or ten.
+const DEGREE_SPACING: f64 = 0.02;
+
+/// All of them.
+pub(super) fn find(map: &ContourMap, shape: &Shape) -> Vec<Finding> {
+    let kind = map.crs.as_ref().and_then(Crs::kind);
+    let all = shape.boxes.iter().fold(Box2::EMPTY, |b, other| b.with(other));
+    if kind != Some(CrsKind::Geographic) && all.fits_degrees() && shape.spacing > 0.0 && shape.spacing < DEGREE_SPACING
+    {
+        let message = format!(
+            "all coordinates lie within 180 and 90, and vertices are {:.2e} apart mostly: they look like degrees, and the \
+             coordinate reference system does not say so",
+            shape.spacing
+        );
+        return vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
+    }
+    if kind == Some(CrsKind::Geographic) && !all.fits_degrees() && shape.spacing > DEGREE_SPACING {
+        let message = "the coordinate reference system is in degrees, and coordinates lie beyond 180 and 90: they look like \
+                       those of a plane";
+        return vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
+    }
+    let slips = slips(map, middle_diagonal(map));
+    let mut boxes = shape.boxes.clone();
+    for slip in &slips {
+        boxes[slip.line] = slip.box_without(&map.contours[slip.line]);
+    }
+    let mut findings: Vec<Finding> = slips.iter().flat_map(|slip| slip.findings(&map.contours[slip.line])).collect();
+    findings.extend(far_lines(map, &boxes, kind, shape.spacing));
+    findings
+}
+
+/// The diagonal of the box around the middle vertices of the lines, which single bad vertices do not widen.
+fn middle_diagonal(map: &ContourMap) -> f64 {
+    Box2::of(map.contours.iter().filter_map(|c| c.points.get(c.points.len() / 2).copied())).diagonal()
+}
+
+/// The vertices of a line that are thrown out.
+struct Slip {
+    line: usize,
+    vertices: Vec<usize>,
+}
+
+impl Slip {
+    /// The box of the other vertices.
+    fn box_without(&self, line: &Contour) -> Box2 {
+        let last = line.points.len() - 1;
+        let is_out = |i: usize| {
+            let i = if i == last && line.is_closed() { 0 } else { i };
+            self.vertices.binary_search(&i).is_ok()
+        };
+        Box2::of((0usize..).zip(&line.points).filter(|(i, _)| !is_out(*i)).map(|(_, p)| *p))
+    }
+
+    fn findings(&self, line: &Contour) -> impl Iterator<Item = Finding> {
+        self.vertices.iter().map(|&i| {
+            let [before, p, after] = around(line, i);
+            let away = p.distance(before).min(p.distance(after));
+            let message = format!(
+                "a vertex of the contour {} m (feature {}) lies {away:.3} map units away from those before and after it: a slip \
+                 in a coordinate",
+                line.elevation, line.feature
+            );
+            Finding::at(FindingKind::FarAway, p, message).about(line.feature, line.elevation)
+        })
+    }
+}
+
+/// A vertex with those before and after it.
+fn around(line: &Contour, i: usize) -> [DVec2; 3] {
+    let n = line.points.len();
+    // A ring's first point is its last one.
+    let before = if i == 0 { n - 2 } else { i - 1 };
+    [line.points[before], line.points[i], line.points[i + 1]]
+}
+
+fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
+    let of_line = |(line, contour): (usize, &Contour)| {
+        let n = contour.points.len();
+        let from = usize::from(!contour.is_closed());
+        let mut vertices: Vec<usize> = (from..n.saturating_sub(1))
+            .filter(|&i| {
+                let [before, p, after] = around(contour, i);
+                let away = p.distance(before).min(p.distance(after));
+                away > JUMP_OF_MAP * diagonal && before.distance(after) < JUMP_BACK * away
+            })
+            .collect();
+        // With fewer vertices left there is nothing that says what is usual.
+        if vertices.is_empty() || n < vertices.len() + 4 {
+            return None;
+        }
+        let usual = median(&mut steps(contour).collect::<Vec<f64>>());
+        vertices.retain(|&i| {
+            let [before, p, after] = around(contour, i);
+            p.distance(before).min(p.distance(after)) > JUMP_STEPS * usual
+        });
+        (!vertices.is_empty()).then_some(Slip { line, vertices })
+    };
+    map.contours.par_iter().enumerate().filter_map(of_line).collect()
+}
+
+/// Lines on one side of a gap.
+struct Apart {
+    lines: Vec<u32>,
+    gap: f64,
+}
+
+/// One finding for each group of lines that is far from the others.
+fn far_lines(map: &ContourMap, boxes: &[Box2], kind: Option<CrsKind>, spacing: f64) -> Vec<Finding> {
+    let weight = |lines: &[u32]| lines.iter().map(|&i| map.contours[i as usize].points.len()).sum::<usize>();
+    let mut body: Vec<u32> = (0u32..).zip(boxes).filter(|(_, b)| !b.is_empty()).map(|(i, _)| i).collect();
+    let all = weight(&body) as f64;
+    let mut parts: Vec<Apart> = Vec::new();
+    // The body whose gap was wide enough last, by the number of parts split off before, and its box.
+    let mut found: Option<(usize, Box2)> = None;
+    while parts.len() < GAPS {
+        let Some((gap, low, high)) = widest_gap(&body, boxes) else { break };
+        let (heavy, light) = if weight(&low) >= weight(&high) { (low, high) } else { (high, low) };
+        if (weight(&heavy) as f64) < MOST * all {
+            break;
+        }
+        parts.push(Apart { lines: light, gap });
+        body = heavy;
+        let size = around_lines(&body, boxes);
+        if gap > FAR * size.diagonal() {
+            found = Some((parts.len(), size));
+        }
+    }
+    let Some((count, body)) = found else { return Vec::new() };
+    parts.truncate(count);
+    parts.retain(|part| part.gap > FAR * body.diagonal());
+    let in_degrees = kind != Some(CrsKind::Geographic) && body.fits_degrees() && spacing < DEGREE_SPACING;
+    let mut findings: Vec<Finding> =
+        parts.iter().map(|part| finding(map, part, &around_lines(&part.lines, boxes), &body, kind)).collect();
+    if in_degrees && parts.iter().any(|part| !around_lines(&part.lines, boxes).fits_degrees()) {
+        let message =
+            "most lines look like degrees, and others do not: they are of several coordinate reference systems";
+        findings = vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
+    }
+    findings
+}
+
+fn around_lines(lines: &[u32], boxes: &[Box2]) -> Box2 {
+    lines.iter().fold(Box2::EMPTY, |b, &i| b.with(&boxes[i as usize]))
+}
+
+/// The widest gap along x or y between lines, and the lines on its two sides.
+fn widest_gap(lines: &[u32], boxes: &[Box2]) -> Option<(f64, Vec<u32>, Vec<u32>)> {
+    let mut best: Option<(f64, usize, f64)> = None;
+    for axis in 0..2 {
+        let mut spans: Vec<[f64; 2]> =
+            lines.iter().map(|&i| &boxes[i as usize]).map(|b| [b.min[axis], b.max[axis]]).collect();
+        spans.par_sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut reach = spans.first()?[1];
+        for span in &spans {
+            let gap = span[0] - reach;
+            if gap > best.map_or(0.0, |b| b.0) {
+                best = Some((gap, axis, span[0]));
+            }
+            reach = reach.max(span[1]);
+        }
+    }
+    let (gap, axis, from) = best?;
+    let (high, low) = lines.iter().partition(|&&i| boxes[i as usize].min[axis] >= from);
+    Some((gap, low, high))
+}
+
+fn finding(map: &ContourMap, part: &Apart, around: &Box2, body: &Box2, kind: Option<CrsKind>) -> Finding {
+    let line = |i: &u32| &map.contours[*i as usize];
+    let looks_so = kind != Some(CrsKind::Geographic) && around.fits_degrees() && !body.fits_degrees();
+    let (code, why) = if looks_so {
+        (FindingKind::LooksLikeDegrees, "their coordinates look like degrees")
+    } else {
+        (FindingKind::FarAway, "they are of another zone, or their coordinates have a slip")
+    };
+    let message = format!(
+        "lines ({}) lie {:.3} map units away from all others, which lie within {:.3}: {why}",
+        part.lines.len(),
+        part.gap,
+        body.diagonal()
+    );
+    let first = part.lines.iter().flat_map(|i| &line(i).points).copied().filter(|p| p.is_finite());
+    let place = first.min_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    let mut finding = Finding::new(code, place, message);
+    finding.features = part.lines.iter().map(|i| line(i).feature).collect();
+    finding.features.sort_unstable();
+    finding.features.dedup();
+    finding.elevations = part.lines.iter().map(|i| line(i).elevation).filter(|z| z.is_finite()).collect();
+    finding.elevations.sort_unstable_by(f64::total_cmp);
+    finding.elevations.dedup();
+    finding
+}

@@ -1,0 +1,124 @@
+//! Lines whose elevation jumps: two ends of different level, and no third, at one place.
+//!
+//! Maps are cut in sheets and squares, and a line's pieces carry their elevations each for itself. Where the pieces go on as
+//! each other they are one line, and most of its pieces tell the true elevation of a single wrong one.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use super::ends::{At, End, place};
+use crate::check::{Correction, Judged};
+use crate::contour::{Contour, ContourMap};
+use crate::error::{Finding, FindingKind, Proposal};
+
+/// Fewest pieces of a line whose majority tells its elevation: of two, either may be wrong.
+const VOTERS: usize = 3;
+
+pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
+    let lines = &map.contours;
+    let mut judged = Judged::default();
+    let partner = |end: End| match ends[end] {
+        At::One(other) if ends[other] == At::One(end) => Some(other),
+        _ => None,
+    };
+    let level = |end: End| lines[end / 2].elevation;
+    let jumps =
+        |end: End| partner(end).filter(|&other| level(end) != level(other) && (level(end) - level(other)).is_finite());
+    let mut told = vec![false; lines.len()];
+    for line in 0..lines.len() {
+        let own = [2 * line, 2 * line + 1];
+        if told[line] || own.iter().all(|&end| jumps(end).is_none()) {
+            continue;
+        }
+        let way = chain(own[0], partner);
+        way.iter().for_each(|end| told[end / 2] = true);
+        let closes = partner(way[0]).is_some();
+        let right = elevation_of(lines, &way, closes);
+        if let Some(elevation) = right {
+            let wrong = way.iter().map(|end| end / 2).filter(|&line| lines[line].elevation != elevation);
+            judged.corrections.extend(wrong.map(|line| Correction::Label { line: line as u32, elevation }));
+        }
+        let entered = &way[usize::from(!closes)..];
+        let pairs = entered.iter().filter_map(|&end| Some([end, jumps(end)?]));
+        judged.findings.extend(pairs.map(|pair| finding(lines, pair, right)));
+    }
+    judged.corrections.sort_by_key(|c| match c {
+        Correction::Label { line, .. } => *line,
+        Correction::Join { lines, .. } => lines[0],
+    });
+    judged
+}
+
+/// The pieces of the line that a piece belongs to, as the ends that each is entered at, from one end of the line to the
+/// other, or once round.
+fn chain(start: End, partner: impl Fn(End) -> Option<End>) -> Vec<End> {
+    let mut first = start;
+    while let Some(before) = partner(first).map(|end| end ^ 1).filter(|&before| before != start) {
+        first = before;
+    }
+    let mut way = vec![first];
+    let mut end = first;
+    while let Some(next) = partner(end ^ 1).filter(|&next| next != first) {
+        way.push(next);
+        end = next;
+    }
+    way
+}
+
+/// The elevation that a line's pieces tell, if they do: that of most of them and of most of its length, or else that on both
+/// sides of the only other one.
+fn elevation_of(lines: &[Contour], way: &[End], closes: bool) -> Option<f64> {
+    let mut votes: BTreeMap<u64, (f64, Vec<f64>)> = BTreeMap::new();
+    let mut runs: Vec<f64> = Vec::new();
+    for line in way.iter().map(|end| &lines[end / 2]) {
+        votes.entry((line.elevation + 0.0).to_bits()).or_insert((line.elevation, Vec::new())).1.push(line.length());
+        if runs.last() != Some(&line.elevation) {
+            runs.push(line.elevation);
+        }
+    }
+    let votes: Vec<(f64, usize, f64)> = votes
+        .into_values()
+        .map(|(elevation, mut lengths)| {
+            // Summed in a fixed order, whichever end the line is followed from.
+            lengths.sort_unstable_by(f64::total_cmp);
+            (elevation, lengths.len(), lengths.iter().sum())
+        })
+        .collect();
+    let best = votes.iter().max_by(|a, b| a.1.cmp(&b.1).then(a.2.total_cmp(&b.2)))?;
+    let is_clear = votes.iter().all(|v| v.0 == best.0 || (v.1 < best.1 && v.2 < best.2));
+    if way.len() >= VOTERS && is_clear {
+        return Some(best.0);
+    }
+    match runs[..] {
+        [before, _, after] if !closes && before == after => Some(before),
+        _ => None,
+    }
+}
+
+fn finding(lines: &[Contour], [end, other]: [End; 2], right: Option<f64>) -> Finding {
+    let (mut wrong, mut next) = (&lines[end / 2], &lines[other / 2]);
+    // The one that is to change comes first; else the lower.
+    let is_right = |line: &Contour| Some(line.elevation) == right;
+    if is_right(wrong) || (!is_right(next) && next.elevation < wrong.elevation) {
+        (wrong, next) = (next, wrong);
+    }
+    let says = match right {
+        Some(z) => format!("the other pieces of the line say {z} m"),
+        None => "nothing tells which of the two is right".to_owned(),
+    };
+    let message = format!(
+        "the contour {} m (feature {}) goes on as {} m (feature {}); {says}",
+        wrong.elevation, wrong.feature, next.elevation, next.feature
+    );
+    let (p, q) = (place(lines, end), place(lines, other));
+    let (p, q) = (p + DVec2::ZERO, q + DVec2::ZERO);
+    let at = if p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).is_le() { p } else { q };
+    let finding = Finding::at(FindingKind::LevelJump, at, message)
+        .about(wrong.feature, wrong.elevation)
+        .about(next.feature, next.elevation);
+    match right {
+        Some(to) => finding.proposing(Proposal::Relabel { from: wrong.elevation, to }),
+        None => finding,
+    }
+}

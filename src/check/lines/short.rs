@@ -1,0 +1,57 @@
+//! Lines of hardly any length or area: what is left of a slip of the hand or of a cut, too small to mean ground.
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use super::ends::At;
+use super::shape::Shape;
+use crate::contour::{Contour, ContourMap};
+use crate::error::{Finding, FindingKind};
+
+/// A line that reaches no further than this share of the usual distance between vertices is none. Contours traced on height
+/// maps have rings of three thousandths of it.
+const SHORT: f64 = 1e-3;
+/// A ring whose area is a smaller share of the square of its length has hardly any: a strip that is a million times as
+/// long as wide.
+const FLAT: f64 = 1e-6;
+
+/// Lines of the features `told` are told of otherwise.
+pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], told: &HashSet<u64>) -> Vec<Finding> {
+    let found = map.contours.par_iter().enumerate().filter_map(|(i, line)| {
+        let length = shape.lengths[i];
+        // Lines without length are none, and cleaning says so. Pieces that others go on from are parts of a line.
+        let is_alone = ends[2 * i] == At::Nothing && ends[2 * i + 1] == At::Nothing;
+        if told.contains(&line.feature) || !(length > 0.0 && line.elevation.is_finite() && is_alone) {
+            return None;
+        }
+        let name = format!("the contour {} m (feature {})", line.elevation, line.feature);
+        let reach = shape.boxes[i].diagonal();
+        let message = if reach < SHORT * shape.spacing {
+            format!("{name} is {length:.2e} map units long; vertices are {:.3} apart mostly", shape.spacing)
+        } else if is_flat(line, length, shape.spacing) {
+            format!("{name} is a ring of {length:.3} map units without any area to speak of")
+        } else {
+            return None;
+        };
+        let place = line
+            .points
+            .iter()
+            .copied()
+            .filter(|p| p.is_finite())
+            .min_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+        Some(Finding::new(FindingKind::ShortLine, place, message).about(line.feature, line.elevation))
+    });
+    found.collect()
+}
+
+/// Whether a ring has hardly any area. One that runs there and back on the same way has none at all, and cleaning says so.
+fn is_flat(line: &Contour, length: f64, spacing: f64) -> bool {
+    if !line.is_closed() {
+        return false;
+    }
+    let origin = line.points[0];
+    let twice: f64 = line.points.windows(2).map(|w| (w[0] - origin).perp_dot(w[1] - origin)).sum();
+    let area = 0.5 * twice.abs();
+    area != 0.0 && area < FLAT * length * length && area < SHORT * spacing * length
+}

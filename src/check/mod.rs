@@ -1,0 +1,61 @@
+//! Checks of a map: what is wrong with its contours, where, and what would mend it.
+//!
+//! Faults that one line or a pair of lines shows are found while the map is read, by [`examine`], and by cleaning. Those that
+//! only the ground around shows (wrong elevations, missing contours, gaps) need its sub-domains, so they are found in the
+//! triangulation.
+
+mod bands;
+mod causes;
+mod correction;
+mod ends;
+mod graph;
+mod grid;
+mod labels;
+mod lines;
+#[cfg(test)]
+mod tests;
+mod widths;
+
+pub use causes::first_causes;
+pub use correction::{Correction, Judged, correct};
+pub use lines::{LineParams, examine, merged};
+
+use self::graph::Graph;
+use self::grid::LevelGrid;
+use crate::contour::ContourMap;
+use crate::tin::{FrameRing, Gaps, Link, OpenEnd, Regions, Tin};
+
+/// A triangulated map, as it is judged.
+#[derive(Clone, Copy)]
+pub(crate) struct Ground<'a> {
+    /// The clean map, cut to the frame.
+    pub map: &'a ContourMap,
+    /// Its triangulation, the map's contours before all other points.
+    pub tin: &'a Tin,
+    /// The sub-domains of its triangles.
+    pub regions: &'a Regions,
+    /// The frame.
+    pub frame: &'a FrameRing,
+    /// All ends of open contours.
+    pub ends: &'a [OpenEnd],
+    /// From ends to the frame.
+    pub links: &'a [Link],
+    /// What closes the openings between ends.
+    pub gaps: &'a Gaps,
+}
+
+/// Judges the labels, the ends and the completeness of a triangulated map by the bands of its sub-domains.
+pub(crate) fn judge(ground: &Ground) -> Judged {
+    let Ground { map, tin, regions, gaps, .. } = *ground;
+    let mut judged = Judged::default();
+    let grid = LevelGrid::new(map, &regions.interval);
+    let graph = Graph::new(map, tin, regions, gaps, &grid);
+    let spans = bands::explain(&graph, &widths::for_missing(tin, regions, &graph));
+    let mut wrong = labels::wrong_labels(map, &graph, &spans, &grid);
+    labels::settle_innermost(ground, &graph, &grid, &spans, &mut wrong);
+    labels::tell_wrong(map, &grid, &wrong, &mut judged);
+    labels::tell_skipped(ground, &graph, &grid, &spans, &mut judged);
+    labels::tell_auxiliary(map, &grid, &wrong, &mut judged);
+    ends::tell_ends(ground, &graph, &grid, &wrong, &mut judged);
+    judged
+}

@@ -1,0 +1,249 @@
+//! Faults planted on small drawn maps, one kind at a time.
+
+use glam::DVec2;
+
+use super::Correction;
+use crate::check::correct;
+use crate::contour::{CleanParams, Contour, ContourMap, clean};
+use crate::error::{Finding, FindingKind, Proposal};
+use crate::surface::{Tiling, tiling};
+use crate::tin::Frame;
+
+/// Kinds that the check of labels, ends and missing contours makes.
+const JUDGED: [FindingKind; 7] = [
+    FindingKind::WrongLabel,
+    FindingKind::ZeroElevation,
+    FindingKind::MixedUnits,
+    FindingKind::OffInterval,
+    FindingKind::SkippedLevel,
+    FindingKind::Gap,
+    FindingKind::OpenEnd,
+];
+
+fn line(elevation: f64, points: &[(f64, f64)], feature: u64) -> Contour {
+    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature }
+}
+
+fn ring(elevation: f64, centre: DVec2, radius: f64, feature: u64) -> Contour {
+    let at = |k: i32| centre + radius * DVec2::from_angle(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
+    Contour { elevation, points: (0..=40).map(at).collect(), feature }
+}
+
+/// Rings around the origin from the outermost to the innermost, with the features 1, 2, ...
+fn hill(elevations: &[f64]) -> Vec<Contour> {
+    let rings = elevations.iter().enumerate();
+    let radius = |k: usize| 10.0 * (elevations.len() - k) as f64;
+    rings.map(|(k, &z)| ring(z, DVec2::ZERO, radius(k), k as u64 + 1)).collect()
+}
+
+/// A slope of lines from west to east, 10 units apart, which bend a little.
+fn slope(elevations: &[f64]) -> Vec<Contour> {
+    let course = |k: usize| {
+        let y = move |x: f64| 10.0 * k as f64 + 3.0 * (x / 20.0).sin();
+        (0..=100).map(f64::from).map(move |x| DVec2::new(x, y(x))).collect()
+    };
+    let lines = elevations.iter().enumerate();
+    lines.map(|(k, &elevation)| Contour { elevation, points: course(k), feature: k as u64 + 1 }).collect()
+}
+
+fn levels(count: usize) -> Vec<f64> {
+    (0..count).map(|k| 100.0 + 10.0 * k as f64).collect()
+}
+
+fn tiled(contours: Vec<Contour>) -> (Tiling, Vec<Finding>) {
+    let map = ContourMap { contours, ..ContourMap::default() };
+    let map = clean(map, &CleanParams::default()).unwrap().value;
+    let report = tiling(map, &Frame::Hull, &()).unwrap();
+    let mut findings = report.findings;
+    findings.retain(|f| JUDGED.contains(&f.kind));
+    (report.value, findings)
+}
+
+fn found(contours: Vec<Contour>) -> Vec<(FindingKind, Vec<u64>, Option<f64>)> {
+    let told = tiled(contours).1;
+    let proposed = |f: &Finding| match f.proposal {
+        Some(Proposal::Relabel { to, .. }) => Some(to),
+        _ => None,
+    };
+    told.into_iter().map(|f| (f.kind, f.features.clone(), proposed(&f))).collect()
+}
+
+/// The lines without the points of one of them from `from` to `to`.
+fn cut(mut lines: Vec<Contour>, which: usize, from: usize, to: usize) -> Vec<Contour> {
+    let mut rest = lines[which].clone();
+    rest.points.drain(..to);
+    rest.feature += 100;
+    lines[which].points.truncate(from + 1);
+    lines.push(rest);
+    lines
+}
+
+#[test]
+fn sound_maps_have_no_findings() {
+    assert_eq!(found(hill(&levels(6))), []);
+    assert_eq!(found(slope(&levels(8))), []);
+    let crater = [100.0, 110.0, 120.0, 120.0, 110.0, 100.0];
+    assert_eq!(found(hill(&crater)), []);
+    let mut tops = hill(&levels(2));
+    tops.push(ring(120.0, DVec2::new(-4.0, 0.0), 3.0, 8));
+    tops.push(ring(120.0, DVec2::new(4.0, 0.0), 3.0, 9));
+    assert_eq!(found(tops), []);
+}
+
+#[test]
+fn a_wrong_label_is_told_with_the_right_one() {
+    for wrong in [0, 40, 100, 110, 140, 150, 230, 410, 1200] {
+        let mut elevations = levels(7);
+        elevations[3] = f64::from(wrong);
+        let kind = if wrong == 0 { FindingKind::ZeroElevation } else { FindingKind::WrongLabel };
+        let told = vec![(kind, vec![4], Some(130.0))];
+        assert_eq!(found(hill(&elevations)), told, "{wrong} in a hill");
+        assert_eq!(found(slope(&elevations)), told, "{wrong} on a slope");
+    }
+}
+
+#[test]
+fn a_typo_off_the_interval_is_a_wrong_label_where_the_levels_say_so() {
+    let mut elevations = levels(7);
+    elevations[3] = 135.0;
+    assert_eq!(found(hill(&elevations)), [(FindingKind::WrongLabel, vec![4], Some(130.0))]);
+    let mut auxiliary = levels(7);
+    auxiliary.insert(4, 135.0);
+    assert_eq!(found(hill(&auxiliary)), [(FindingKind::OffInterval, vec![5], None)]);
+}
+
+#[test]
+fn the_innermost_ring_gets_the_level_that_rises_on() {
+    let mut elevations = levels(6);
+    elevations[5] = 510.0;
+    assert_eq!(found(hill(&elevations)), [(FindingKind::WrongLabel, vec![6], Some(150.0))]);
+}
+
+#[test]
+fn feet_among_metres() {
+    let feet = |z: f64| (z / 0.3048 * 10.0).round() / 10.0;
+    let mut elevations = levels(16);
+    for k in [3, 7, 11] {
+        elevations[k] = feet(elevations[k]);
+    }
+    let told: Vec<_> =
+        [3, 7, 11].map(|k: usize| (FindingKind::MixedUnits, vec![k as u64 + 1], Some(100.0 + 10.0 * k as f64))).into();
+    let mut got = found(slope(&elevations));
+    got.sort_by_key(|f| f.1.clone());
+    assert_eq!(got, told);
+}
+
+#[test]
+fn a_missing_contour_is_told_with_its_place() {
+    for (lines, lo, hi) in [(slope(&levels(8)), 30.0, 50.0), (hill(&levels(8)), 30.0, 50.0)] {
+        let mut lines = lines;
+        let is_hill = lines[0].is_closed();
+        lines.remove(4);
+        let (_, told) = tiled(lines);
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert_eq!(told[0].kind, FindingKind::SkippedLevel);
+        assert_eq!(told[0].elevations, [130.0, 150.0]);
+        let place = told[0].place.unwrap();
+        let at = if is_hill { place.length() } else { place.y };
+        assert!((lo - 4.0..=hi + 4.0).contains(&at), "{place}");
+    }
+}
+
+#[test]
+fn a_short_gap_is_told_once_and_can_be_joined() {
+    let (tiling, told) = tiled(cut(slope(&levels(7)), 3, 40, 45));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told[0].kind, FindingKind::Gap);
+    assert_eq!(told[0].features, [4, 104]);
+    assert!(matches!(told[0].proposal, Some(Proposal::Join { .. })));
+    assert!(matches!(tiling.corrections[..], [Correction::Join { .. }]));
+    let mended = correct(tiling.map, &tiling.corrections).value.contours;
+    assert_eq!(found(mended), []);
+}
+
+#[test]
+fn a_long_gap_is_told_once() {
+    for (from, to) in [(30, 60), (35, 70)] {
+        let (_, told) = tiled(cut(slope(&levels(7)), 3, from, to));
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::Gap, &[4, 104][..]));
+    }
+    let mut rings = hill(&levels(7));
+    rings[3].points.drain(..8);
+    let told = found(rings);
+    assert_eq!(told, [(FindingKind::Gap, vec![4], None)]);
+}
+
+#[test]
+fn a_line_that_stops_is_an_open_end() {
+    let mut lines = slope(&levels(7));
+    lines[3].points.truncate(40);
+    assert_eq!(found(lines), [(FindingKind::OpenEnd, vec![4], None)]);
+}
+
+#[test]
+fn a_ring_with_gap_and_a_wrong_label_are_two_findings() {
+    let mut elevations = levels(9);
+    elevations[6] = 610.0;
+    let mut kinds: Vec<_> = found(cut(slope(&elevations), 2, 40, 44)).into_iter().map(|f| f.0).collect();
+    kinds.sort();
+    assert_eq!(kinds, [FindingKind::Gap, FindingKind::WrongLabel]);
+}
+
+#[test]
+fn a_mislabelled_piece_between_open_ends_does_not_fit_its_band() {
+    let mut lines = slope(&levels(7));
+    lines.push(line(520.0, &[(40.0, 36.0), (60.0, 36.0)], 50));
+    let told = found(lines);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!((told[0].0, &told[0].1[..]), (FindingKind::WrongLabel, &[50][..]));
+}
+
+#[test]
+fn the_order_of_the_features_does_not_matter() {
+    let mut lines = cut(slope(&[100.0, 110.0, 120.0, 310.0, 140.0, 160.0, 170.0, 180.0, 190.0]), 7, 30, 50);
+    let forward = tiled(lines.clone()).1;
+    lines.reverse();
+    assert_eq!(tiled(lines).1, forward);
+    assert_eq!(forward.len(), 3, "{forward:?}");
+}
+
+mod random {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Nested rings: hills on a slope of rings, from a list of (parent, how many rings).
+    fn terrain(hills: &[(u8, u8)]) -> Vec<Contour> {
+        let mut lines = vec![ring(100.0, DVec2::ZERO, 1000.0, 1), ring(110.0, DVec2::ZERO, 960.0, 2)];
+        for (h, &(turn, depth)) in hills.iter().enumerate() {
+            let angle = std::f64::consts::TAU * h as f64 / hills.len() as f64;
+            let centre = 600.0 * DVec2::from_angle(angle);
+            let depth = 3 + depth % 4;
+            for k in 0..depth {
+                let rise = if turn % 3 == 0 && k > depth / 2 { depth + 2 - k - depth % 2 } else { k + 1 };
+                let radius = 150.0 * f64::from(depth - k) / f64::from(depth);
+                lines.push(ring(110.0 + 10.0 * f64::from(rise), centre, radius, lines.len() as u64 + 1));
+            }
+        }
+        lines
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn one_fault_at_a_time(hills in prop::collection::vec((0u8..9, 0u8..9), 3..7), which in 0usize..1000, by in 3i32..20) {
+            let sound = terrain(&hills);
+            prop_assert_eq!(found(sound.clone()), []);
+            // A label several levels off is told, whichever line it is on, and nothing else is.
+            let mut lines = sound;
+            let k = 2 + which % (lines.len() - 2);
+            lines[k].elevation += 10.0 * f64::from(by) * if which % 2 == 0 { 1.0 } else { -1.0 };
+            let feature = lines[k].feature;
+            let told = found(lines);
+            prop_assert_eq!(told.len(), 1, "{:?}", told);
+            prop_assert_eq!(&told[0].1[..], &[feature]);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `tokosen check`: contour lines in, what is wrong with them out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::DVec2;
+use serde_json::{Value, json};
+use tokosen::contour::{ContourMap, distinct_levels, find_interval};
+use tokosen::crs::Crs;
+use tokosen::error::{Finding, Proposal, Severity};
+use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
+use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
+use tokosen::surface::tiling;
+use tokosen::tin::Frame;
+
+use super::console::Console;
+use super::map::MapArgs;
+use super::plane::ToCrsArgs;
+use super::repair::{Repair, is_repair};
+use super::{Failure, output, summary};
+
+/// What is wrong with contour lines, where, and what would mend it
+///
+/// Lines are looked at by themselves (repeated points, spikes, duplicates, crossings, gaps, elevations that jump), and
+/// in the ground between them (elevations that contradict the lines around, missing contours, ends in the open, spot heights
+/// outside their band, depression marks). Each finding has a code, a severity, a place, the features and elevations that it is
+/// about, a sentence, and where it can a proposal. An error makes the ground near it wrong, a warning may, a note is
+/// worth knowing.
+///
+/// The exit status is 0 also when something is found; with --strict it is 1 if that is an error or a warning.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    map: MapArgs,
+    /// Findings as points: .gpkg or .geojson. With --repair the repaired contours instead: .geojson, .gpkg, .fgb, .dxf or .shp;
+    /// a GeoPackage holds spot heights too
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Option<PathBuf>,
+    /// Print the findings as JSON
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: ToCrsArgs,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen check contours.gpkg
+  tokosen check contours.shp -a ELEV -o findings.gpkg
+  tokosen check contours.gpkg --json --strict
+  tokosen check contours.gpkg --repair safe -o fixed.gpkg
+  tokosen check contours.gpkg --repair all -o fixed.gpkg";
+
+/// Runs the verb.
+pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
+    let staged = args.open()?;
+    let mut input = args.map.read(console)?;
+    let back = args.to_crs.way(&input.places)?;
+    let fixed = staged.is_some() && args.writes_map();
+    let map = if fixed { Some(input.map.clone()) } else { None };
+    let tiled = tiling(input.map, &Frame::Hull, console);
+    let tiled = summary::found(tiled, &mut input.findings, console)?;
+    input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
+    let findings = &input.findings;
+
+    if let Some(staged) = &staged {
+        console.step("writing", || match &map {
+            Some(map) => write_layers_back(staged, &map_layers(map, staged), &back),
+            None => write_layers_back(staged, &[of_findings(findings)], &back),
+        })?;
+    }
+    if args.json {
+        console.result(&format!("{:#}", as_json(args, &tiled.map, findings, console)));
+    } else {
+        summary::findings_by_severity(findings, console);
+        args.map.describe(&tiled.map, console);
+    }
+    let written = staged.as_ref().map(|staged| staged.target().to_owned());
+    if let Some(staged) = staged {
+        staged.commit()?;
+    }
+    if !args.json {
+        if let Some(path) = written {
+            console.say(&format!("written    {} ({})", path.display(), contents(map.as_ref(), findings, &path)));
+        }
+        summary::close_severities(findings, console);
+    }
+    args.map.strictly(findings)
+}
+
+impl CheckArgs {
+    /// Whether the output is the map and not the findings.
+    fn writes_map(&self) -> bool {
+        self.map.repair.is_some()
+    }
+
+    /// Opens the output, if there is one.
+    fn open(&self) -> Result<Option<StagedOutput>, Failure> {
+        let Some(path) = &self.output else {
+            return match self.to_crs.to_crs {
+                Some(_) => Err(Failure::Usage("--to-crs is about the file that is written: add -o FILE".into())),
+                None => Ok(None),
+            };
+        };
+        if self.map.repair == Some(Repair::None) {
+            return Err(Failure::Usage("--repair none repairs nothing that -o could hold; use safe or all".into()));
+        }
+        let known = match VectorFormat::from_path(path) {
+            Ok(VectorFormat::GeoPackage | VectorFormat::GeoJson) => true,
+            Ok(_) => self.writes_map(),
+            Err(_) => false,
+        };
+        if !known {
+            let kinds = match self.writes_map() {
+                true => "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp",
+                false => "findings are written as .gpkg or .geojson",
+            };
+            return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
+        }
+        let inputs: Vec<&Path> = self.map.files().collect();
+        output::check_paths(&inputs, &[path.as_path()])?;
+        Ok(Some(output::open(path)?))
+    }
+}
+
+/// The layers of a repaired map. Only a GeoPackage holds points beside lines.
+fn map_layers<'a>(map: &'a ContourMap, staged: &StagedOutput) -> Vec<Layer<'a>> {
+    let mut layers = vec![of_map(map)];
+    if !map.spots.is_empty() && holds_spots(staged.target()) {
+        layers.push(of_spots(map));
+    }
+    layers
+}
+
+fn holds_spots(path: &Path) -> bool {
+    matches!(VectorFormat::from_path(path), Ok(VectorFormat::GeoPackage))
+}
+
+/// What the written file holds, in words.
+fn contents(map: Option<&ContourMap>, findings: &[Finding], path: &Path) -> String {
+    let Some(map) = map else { return format!("{} findings", findings.len()) };
+    let repairs = findings.iter().filter(|finding| is_repair(finding)).count();
+    let spots = match map.spots.len() {
+        0 => String::new(),
+        n if holds_spots(path) => format!(", {n} spot heights"),
+        n => format!("; its {n} spot heights only go into a .gpkg"),
+    };
+    format!("{} lines{spots}, {repairs} repairs", map.contours.len())
+}
+
+/// The findings for programs; places are in the input's coordinates.
+fn as_json(args: &CheckArgs, map: &ContourMap, findings: &[Finding], console: &Console) -> Value {
+    let place = |p: DVec2| match console.places() {
+        Some(places) if !places.are_unmoved() => places.in_input(p),
+        _ => Some(p),
+    };
+    let place = |p: DVec2| place(p).map_or(Value::Null, |p| json!([p.x, p.y]));
+    let proposal = |proposal: &Proposal| match proposal {
+        Proposal::Relabel { from, to } => json!({ "do": "relabel", "from": from, "to": to }),
+        Proposal::Join { ends: [a, b] } => json!({ "do": "join", "ends": [place(*a), place(*b)] }),
+    };
+    let finding = |finding: &Finding| {
+        json!({
+            "code": finding.kind.code(),
+            "severity": finding.kind.severity().name(),
+            "place": finding.place.map_or(Value::Null, place),
+            "features": finding.features,
+            "elevations": finding.elevations,
+            "message": finding.message,
+            "proposal": finding.proposal.as_ref().map(proposal),
+            "repaired": is_repair(finding),
+        })
+    };
+    let mut codes: BTreeMap<&str, usize> = BTreeMap::new();
+    for finding in findings {
+        *codes.entry(finding.kind.code()).or_default() += 1;
+    }
+    let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
+    let levels = distinct_levels(&map.contours);
+    let crs = console.places().map_or(map.crs.as_ref(), |places| places.input_crs());
+    json!({
+        "input": args.map.contours.display().to_string(),
+        "crs": crs.and_then(Crs::name),
+        "lines": map.contours.len(),
+        "vertices": map.vertex_count(),
+        "levels": { "lowest": levels.first(), "highest": levels.last(), "count": levels.len() },
+        "interval": find_interval(&map.contours).map(|interval| interval.step),
+        "counts": {
+            "error": count(Severity::Error),
+            "warning": count(Severity::Warning),
+            "note": count(Severity::Note),
+        },
+        "codes": codes,
+        "findings": findings.iter().map(finding).collect::<Vec<_>>(),
+    })
+}

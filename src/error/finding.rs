@@ -1,0 +1,263 @@
+//! What was noticed about the input: [`Finding`], its [`FindingKind`], [`Severity`] and [`Proposal`].
+
+use std::fmt;
+
+use glam::DVec2;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// Worth knowing; nothing is wrong with the result.
+    Note,
+    /// Odd: the result is sound, and may not be what the map means.
+    Warning,
+    /// Wrong: ground near it cannot be right, or something was left out for it.
+    Error,
+}
+
+impl Severity {
+    /// The word for people and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// Declares the kinds with their code, severity and heading, so that none can lack one of them.
+macro_rules! kinds {
+    ($($(#[$doc:meta])+ $name:ident = $code:literal, $severity:ident, $title:literal;)+) => {
+        /// The kinds of finding, by the step that meets them.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum FindingKind {
+            $($(#[$doc])+ $name,)+
+        }
+
+        impl FindingKind {
+            /// All kinds, in their order.
+            pub const ALL: &[Self] = &[$(Self::$name,)+];
+
+            /// The code for files and programs, which stays the same from version to version.
+            pub fn code(self) -> &'static str {
+                match self {
+                    $(Self::$name => $code,)+
+                }
+            }
+
+            /// How bad findings of this kind are.
+            pub fn severity(self) -> Severity {
+                match self {
+                    $(Self::$name => Severity::$severity,)+
+                }
+            }
+
+            /// What the findings of this kind are about, as a heading.
+            pub fn title(self) -> &'static str {
+                match self {
+                    $(Self::$name => $title,)+
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// A feature without a usable geometry; it was left out.
+    SkippedFeature = "skipped-feature", Error, "features left out";
+    /// A feature without a usable elevation among others that have one; it was left out.
+    MissingElevation = "missing-elevation", Error, "features without an elevation left out";
+    /// The coordinate reference system is not known.
+    UnknownCrs = "unknown-crs", Note, "coordinate reference system unknown";
+    /// Files in several coordinate reference systems were taken as being in one.
+    MixedCrs = "mixed-crs", Warning, "coordinate reference systems taken as one";
+    /// Coordinates are degrees where a plane is expected, or the other way round.
+    LooksLikeDegrees = "looks-like-degrees", Error, "coordinates that look like degrees";
+    /// A square of a height map is there twice.
+    RepeatedMesh = "repeated-mesh", Note, "squares of the height map that are there twice";
+    /// A file is there twice, for instance in an archive and beside it; it was read once.
+    RepeatedFile = "repeated-file", Note, "files that are there twice";
+    /// A coordinate was NaN or infinite; the point was left out.
+    NonFinitePoint = "non-finite-point", Error, "points without coordinates left out";
+    /// Lines far from all others: a sheet in the wrong zone, or a slip in a coordinate.
+    FarAway = "far-away", Error, "lines far from all others";
+    /// The same point twice or more in a row; kept once.
+    RepeatedPoint = "repeated-point", Note, "repeated points";
+    /// A line with fewer than two different points; left out.
+    PointLine = "point-line", Warning, "lines without length left out";
+    /// A line that is shorter than the map can mean.
+    ShortLine = "short-line", Note, "lines of hardly any length";
+    /// The same line twice; kept once.
+    DuplicateLine = "duplicate-line", Warning, "duplicate lines";
+    /// A line runs to a point and back the same way; the spike was left out.
+    Spike = "spike", Warning, "spikes";
+    /// Lines run along each other for a part of their way; a piece of one was cut out.
+    OverlappingLines = "overlapping-lines", Error, "lines that run along each other";
+    /// A line crosses or touches itself, or crosses another line of its elevation; a piece was cut out.
+    SelfCross = "self-cross", Error, "lines that cross themselves or their own level";
+    /// Lines of different elevation cross or touch; a piece was cut out.
+    LevelsCross = "levels-cross", Error, "lines of different level that cross or touch";
+    /// Two lines of different elevation end at the same point and at no other line: one line whose elevation jumps.
+    LevelJump = "level-jump", Error, "elevations that jump along a line";
+    /// Ends of one level were joined across a gap under the snap distance.
+    ClosedGap = "closed-gap", Note, "gaps closed";
+    /// Two ends of one level that should join, further apart than the snap distance.
+    Gap = "gap", Error, "gaps";
+    /// A line ends in the open, away from the frame and from other ends of its level.
+    OpenEnd = "open-end", Warning, "lines that end in the open";
+    /// A level that is not on the vertical interval: an auxiliary contour, or a wrong elevation.
+    OffInterval = "off-interval", Note, "levels off the vertical interval";
+    /// An elevation of 0 where the ground is not, or a number that stands for no data.
+    ZeroElevation = "zero-elevation", Error, "elevations of 0 or without meaning among others";
+    /// Some elevations are in feet and some in metres.
+    MixedUnits = "mixed-units", Error, "metres and feet mixed";
+    /// A line's elevation contradicts the lines around it.
+    WrongLabel = "wrong-label", Error, "elevations that contradict the lines around";
+    /// Neighbouring contours skip one or more levels: a contour is missing.
+    SkippedLevel = "skipped-level", Error, "neighbouring contours that skip a level";
+    /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
+    DepressionMark = "depression-mark", Warning, "depression marks that the contours contradict";
+    /// A spot height lies on a contour or on another spot height of a different elevation; left out.
+    SpotOnLine = "spot-on-line", Warning, "spot heights on contours";
+    /// A spot height lies outside the two levels around it; left out.
+    SpotOutsideBand = "spot-outside-band", Warning, "spot heights outside the contours around them";
+    /// A line got the elevation that fits the lines around it.
+    Relabelled = "relabelled", Note, "elevations corrected";
+    /// Two ends were joined across a gap wider than the snap distance.
+    JoinedGap = "joined-gap", Note, "gaps joined";
+    /// The frame polygon reaches beyond what the contours tell of; it was cut.
+    FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
+    /// A lake is crossed or touched by contours of another level, or by other water; it was cut back from them.
+    LakeCutBack = "lake-cut-back", Warning, "lakes cut back from contours";
+    /// A lake contradicts the contours around it; it was left out.
+    LakeLeftOut = "lake-left-out", Warning, "lakes left out";
+    /// Contours lie below the sea; the ground around them was left as it is.
+    BelowSea = "below-sea", Note, "contours below the sea";
+    /// A raster has more than one band; the first was taken.
+    OtherBands = "other-bands", Note, "raster bands left out";
+    /// Cells of a raster hold values that are no heights; they are taken as cells without data.
+    NoHeight = "no-height", Note, "cells whose values are no heights";
+    /// Heights are in another unit than metres.
+    HeightUnit = "height-unit", Note, "heights in another unit than metres";
+}
+
+impl serde::Serialize for FindingKind {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.code())
+    }
+}
+
+/// A correction that would mend what was found.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(tag = "do", rename_all = "kebab-case")]
+pub enum Proposal {
+    /// Give the line at the finding's place another elevation.
+    Relabel {
+        /// The elevation that it has, metres.
+        from: f64,
+        /// The elevation that fits, metres.
+        to: f64,
+    },
+    /// Join two ends of lines of one level by a straight piece.
+    Join {
+        /// The ends, in the input's coordinates.
+        ends: [DVec2; 2],
+    },
+}
+
+impl fmt::Display for Proposal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Relabel { from, to } => write!(f, "elevation {to} instead of {from}"),
+            Self::Join { ends: [a, b] } => write!(f, "join {:.3} {:.3} and {:.3} {:.3}", a.x, a.y, b.x, b.y),
+        }
+    }
+}
+
+/// Something noticed about the input, with its place. The work went on.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Finding {
+    /// What kind of thing it is.
+    pub kind: FindingKind,
+    /// Where, in the input's coordinates, if it has a place.
+    pub place: Option<DVec2>,
+    /// A sentence that a person understands.
+    pub message: String,
+    /// Numbers of the features that it is about, in the file.
+    pub features: Vec<u64>,
+    /// The elevations of those lines, metres.
+    pub elevations: Vec<f64>,
+    /// What would mend it, where that is known.
+    pub proposal: Option<Proposal>,
+}
+
+impl Finding {
+    /// A finding at a place, if it has one.
+    pub fn new(kind: FindingKind, place: Option<DVec2>, message: impl Into<String>) -> Self {
+        let message = message.into();
+        Self { kind, place, message, features: Vec::new(), elevations: Vec::new(), proposal: None }
+    }
+
+    /// A finding at a place.
+    pub fn at(kind: FindingKind, place: DVec2, message: impl Into<String>) -> Self {
+        Self::new(kind, Some(place), message)
+    }
+
+    /// A finding about the whole input.
+    pub fn general(kind: FindingKind, message: impl Into<String>) -> Self {
+        Self::new(kind, None, message)
+    }
+
+    /// The same, about a line: number of its feature and its elevation. Called again for further lines; what is there
+    /// already is not repeated.
+    pub fn about(mut self, feature: u64, elevation: f64) -> Self {
+        if !self.features.contains(&feature) {
+            self.features.push(feature);
+        }
+        self.of_elevations([elevation])
+    }
+
+    /// The same, about heights that belong to no feature, metres.
+    pub fn of_elevations(mut self, elevations: impl IntoIterator<Item = f64>) -> Self {
+        for elevation in elevations {
+            if !self.elevations.contains(&elevation) && elevation.is_finite() {
+                self.elevations.push(elevation);
+            }
+        }
+        self
+    }
+
+    /// The same with a correction that would mend it.
+    pub fn proposing(self, proposal: Proposal) -> Self {
+        Self { proposal: Some(proposal), ..self }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Some(p) => write!(f, "{} at {:.3} {:.3}", self.message, p.x, p.y),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_those_of_the_names_and_differ() {
+        let mut codes: Vec<&str> = FindingKind::ALL.iter().map(|kind| kind.code()).collect();
+        for kind in FindingKind::ALL {
+            let name = format!("{kind:?}").to_lowercase();
+            assert_eq!(kind.code().replace('-', ""), name);
+        }
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(codes.len(), FindingKind::ALL.len());
+    }
+}

@@ -1,0 +1,52 @@
+//! The layer of findings.
+
+use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use crate::error::{Finding, Proposal};
+
+const COLUMNS: &[Column] = &[
+    Column { name: "code", kind: Kind::Text(24) },
+    Column { name: "severity", kind: Kind::Text(8) },
+    Column { name: "elev", kind: Kind::Real },
+    Column { name: "elevs", kind: Kind::LongText },
+    Column { name: "features", kind: Kind::LongText },
+    Column { name: "proposed", kind: Kind::Real },
+    Column { name: "proposal", kind: Kind::LongText },
+    Column { name: "message", kind: Kind::LongText },
+];
+
+/// What was found, as points.
+///
+/// The attributes are `code`, `severity` (`error`, `warning`, `note`), `elev` (elevation of the line that it is about, the first of
+/// several, metres), `elevs` (all of them), `features` (their numbers in the file, with commas between them), `proposed`
+/// (the elevation that would fit, if one is proposed), `proposal` (what would mend it, in words) and `message`. A finding without a
+/// place is a feature without geometry.
+pub fn of_findings(findings: &[Finding]) -> Layer<'_> {
+    let rows = findings.iter().map(|finding| {
+        let proposed = match finding.proposal {
+            Some(Proposal::Relabel { to, .. }) => Cell::Real(to),
+            _ => Cell::Null,
+        };
+        let elevation = finding.elevations.first();
+        Row {
+            shape: Shape::Point(finding.place),
+            cells: vec![
+                Cell::Text(finding.kind.code().into()),
+                Cell::Text(finding.kind.severity().name().into()),
+                elevation.map_or(Cell::Null, |&z| Cell::Real(z)),
+                listed(&finding.elevations),
+                listed(&finding.features),
+                proposed,
+                finding.proposal.as_ref().map_or(Cell::Null, |p| Cell::Text(p.to_string().into())),
+                Cell::Text(finding.message.as_str().into()),
+            ],
+        }
+    });
+    Layer { name: "findings", geometry: Geometry::Points, columns: COLUMNS, rows: rows.collect() }
+}
+
+fn listed<T: ToString>(values: &[T]) -> Cell<'static> {
+    if values.is_empty() {
+        return Cell::Null;
+    }
+    Cell::Text(values.iter().map(T::to_string).collect::<Vec<_>>().join(",").into())
+}

@@ -1,0 +1,37 @@
+//! The layers of a map that was repaired: its contours and its spot heights.
+
+use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use crate::contour::ContourMap;
+
+const LINE_COLUMNS: &[Column] = &[
+    Column { name: "elev", kind: Kind::Real },
+    Column { name: "feature", kind: Kind::Int },
+    Column { name: "depression", kind: Kind::Bool },
+];
+
+const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Real }];
+
+/// The contours of a map.
+///
+/// The attributes are `elev`, `feature` (the feature's number in the input; of a joined line the smallest) and `depression`
+/// (the input's own mark, if it has one).
+pub fn of_map(map: &ContourMap) -> Layer<'_> {
+    let rows = map.contours.iter().map(|line| Row {
+        shape: Shape::Contour(&line.points, line.elevation),
+        cells: vec![
+            Cell::Real(line.elevation),
+            i64::try_from(line.feature).map_or(Cell::Null, Cell::Int),
+            map.depressions.get(&line.feature).map_or(Cell::Null, |&mark| Cell::Bool(mark)),
+        ],
+    });
+    Layer { name: "contours", geometry: Geometry::Lines, columns: LINE_COLUMNS, rows: rows.collect() }
+}
+
+/// The spot heights of a map, as points with the attribute `elev`.
+pub fn of_spots(map: &ContourMap) -> Layer<'_> {
+    let rows = map
+        .spots
+        .iter()
+        .map(|spot| Row { shape: Shape::Point(Some(spot.truncate())), cells: vec![Cell::Real(spot.z)] });
+    Layer { name: "spot_heights", geometry: Geometry::Points, columns: SPOT_COLUMNS, rows: rows.collect() }
+}

@@ -1,0 +1,85 @@
+//! Reads files that must be text as a whole.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::memory;
+
+/// Text has no zero byte. So many bytes are looked at before the others are read: enough to tell what is no text at all,
+/// such as a file of which nothing but its length was written.
+const BEGINNING: u64 = 4096;
+/// Memory for a byte of text: the text itself, and about as much for what is read from it.
+const BYTES_A_BYTE: f64 = 2.0;
+
+/// Reads a file that must be text, in any encoding without zero bytes. `known` tells from the beginning of a file that is
+/// none what it is instead.
+///
+/// # Errors
+/// If it cannot be read, if it is known as something else, if its beginning has a zero byte, or if it needs more memory than
+/// there is.
+pub(super) fn read(path: &Path, known: fn(&[u8]) -> Option<&'static str>) -> Result<Vec<u8>> {
+    let unreadable = |e| Error::io("read", path, e);
+    let mut file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut bytes = Vec::new();
+    (&mut file).take(BEGINNING).read_to_end(&mut bytes).map_err(unreadable)?;
+    if let Some(what) = known(&bytes) {
+        return Err(Error::file(path, what));
+    }
+    without_zeros(path, &bytes, 0)?;
+    let remedy = "clip the map first, or save it as a GeoPackage";
+    memory::check(BYTES_A_BYTE * length as f64, &format!("reading {} as a whole", path.display()), remedy)?;
+    bytes.reserve_exact(usize::try_from(length).unwrap_or(0).saturating_sub(bytes.len()));
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
+/// Refuses bytes of a file, which are at `offset` in it, with a zero among them.
+///
+/// # Errors
+/// The message has the place of the first zero byte.
+pub(super) fn without_zeros(path: &Path, bytes: &[u8], offset: u64) -> Result<()> {
+    match bytes.iter().position(|&byte| byte == 0) {
+        None => Ok(()),
+        Some(at) => {
+            let message = format!(
+                "is no text: its byte {} is zero; the file is broken, or it is saved as UTF-16: save it as UTF-8",
+                offset + at as u64 + 1
+            );
+            Err(Error::file(path, message))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_zeros_is_refused_before_it_is_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.geojson");
+        // Longer than any memory: nothing of it is on the disk.
+        for (length, start) in [(1 << 42, ""), (1 << 20, "{\"type\":")] {
+            std::fs::write(&path, start).unwrap();
+            let file = File::options().write(true).open(&path).unwrap();
+            if file.set_len(length).is_err() {
+                // File systems without files that are mostly empty cannot hold this one.
+                file.set_len(1 << 20).unwrap();
+            }
+            let said = read(&path, |_| None).unwrap_err().to_string();
+            assert!(said.contains(&format!("its byte {} is zero", start.len() + 1)), "{said}");
+        }
+    }
+
+    #[test]
+    fn text_longer_than_its_beginning_is_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.dxf");
+        let text = "999\nline\n".repeat(2000);
+        std::fs::write(&path, &text).unwrap();
+        assert_eq!(read(&path, |_| None).unwrap(), text.as_bytes());
+    }
+}

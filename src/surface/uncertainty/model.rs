@@ -1,0 +1,271 @@
+//! The law of the error: what hidden contours teach, carried over to the map with all its levels.
+//!
+//! Between two contours the error grows with the width between them and is largest half-way. The hidden contours give
+//! it there, for widths of twice the usual, as the figure that 68 of 100 errors lie below. From twice the interval to the
+//! interval it shrinks by the power that the contours themselves bend with ([`growth`](super::super::spline)): the same
+//! law of roughness governs how far a line strays from its chord and how far the ground strays from a surface between
+//! lines. Where ground is so level that the error fills the band, it shrinks with the band only; in between the two laws
+//! pass into each other. Towards a contour the error falls with half of that power of the product of both distances, as
+//! that of any random walk that is tied down at both ends.
+//!
+//! Beyond the last contour of a top or a pit the height is a guess from the slope: the error is a share of the climb, and
+//! that share is what the surface from half of the levels missed its tops by.
+
+use super::places::Seen;
+
+/// Fewest places that a lesson is taken from.
+const FEWEST: usize = 200;
+/// Fewest places beyond the last contour.
+const FEWEST_TOPS: usize = 50;
+/// Classes of width, of equal area.
+const CLASSES: usize = 8;
+/// Shares of errors that lie within one and about two standard errors.
+const WITHIN: [f64; 2] = [0.68, 0.95];
+/// The second figure over the first, where tails are as heavy as one standard error may take.
+const TAIL: f64 = 2.7;
+/// The largest error against the width of the band, in the same sense as the standard error: that of a height about which
+/// nothing but the band is known.
+const UNKNOWN: f64 = 0.35;
+/// A bias of choosing by the larger of two figures.
+const SHRINK: f64 = 0.95;
+/// Limits of the power that error grows with.
+const GROWTHS: (f64, f64) = (0.5, 2.0);
+/// ... and what it is where contours do not tell.
+const USUAL_GROWTH: f64 = 1.5;
+/// Power of the product of both distances against that of the width.
+const PROFILE: f64 = 0.55;
+/// Distances from a single contour count as so much width.
+const ALONE: f64 = 3.0;
+/// Limits of the share of a climb that is error, and what it is where there are no tops to learn from.
+const SHARES: (f64, f64) = (0.2, 0.8);
+const USUAL_SHARE: f64 = 0.5;
+/// Error half-way between contours that are as far apart as in the mean, against the interval, where nothing can be hidden.
+const USUAL_ERROR: f64 = 0.08;
+/// ... and the power of the width that it grows with.
+const USUAL_POWER: f64 = 0.7;
+/// Crossings a node at which contours that were cut from the nodes' own heights begin to fix them, and the least
+/// that is left of the error then.
+const FIXING: f64 = 0.4;
+const LEAST_LEFT: f64 = 0.3;
+/// Mean number of crossings of a line with the edges of a square lattice, over its length in steps: four over pi.
+const CROSSINGS: f64 = 1.273_239_545;
+
+/// Where the error came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lesson {
+    /// From contours that were hidden.
+    Hidden {
+        /// Places on them.
+        places: usize,
+    },
+    /// There were too few levels or places; the error is that of usual terrain.
+    Usual,
+}
+
+/// The law of the error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorModel {
+    /// Where it came from.
+    pub lesson: Lesson,
+    /// Power of the distance between contours that the error grows with.
+    pub growth: f64,
+    /// Share of a climb beyond the last contour that is error.
+    pub beyond: f64,
+    /// Logarithms of width (map units) and of the standard error half-way (metres), ascending in width.
+    curve: Vec<[f64; 2]>,
+    interval: f64,
+}
+
+/// What is known about a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Known {
+    /// Distances from what is known below and above, map units; infinite if there is nothing.
+    pub sides: [f64; 2],
+    /// The band that holds the height, metres.
+    pub band: [f64; 2],
+    /// Height above or below the only contour of the sub-domain and whether that is the lower one; `None` between two.
+    pub climb: Option<(f64, bool)>,
+}
+
+impl ErrorModel {
+    /// Learns from what was seen. `growth` is that of the contours, `interval` in metres, `gap` the mean distance between
+    /// contours.
+    pub fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64) -> Self {
+        let growth = growth.unwrap_or(USUAL_GROWTH).clamp(GROWTHS.0, GROWTHS.1);
+        let (mut between, mut beyond): (Vec<Seen>, Vec<Seen>) = seen.iter().partition(|s| s.width().is_finite());
+        between.retain(|s| s.width() > 0.0);
+        let usual = Self { lesson: Lesson::Usual, growth, beyond: USUAL_SHARE, curve: usual(interval, gap), interval };
+        if between.len() < FEWEST {
+            return usual;
+        }
+        let share = quantile(&mut beyond, |s| s.length, WITHIN[0]) / interval;
+        let beyond = if beyond.len() < FEWEST_TOPS { USUAL_SHARE } else { share.clamp(SHARES.0, SHARES.1) };
+        let curve = classes(&mut between).into_iter().map(|class| point(class, growth, interval)).collect();
+        Self { lesson: Lesson::Hidden { places: between.len() }, beyond, curve, ..usual }
+    }
+
+    /// The standard error at a place, metres: never more than half the band. `fixed` is how far contours cut from the
+    /// nodes themselves fix it, 1 for not at all.
+    pub fn error(&self, place: &Known, fixed: f64) -> f64 {
+        let [below, above] = place.sides;
+        let near = below.min(above);
+        let most = (place.band[1] - place.band[0]) / 2.0;
+        if !near.is_finite() {
+            return UNKNOWN.min(0.5) * 2.0 * most;
+        }
+        if near <= 0.0 {
+            return 0.0;
+        }
+        let error = match place.climb {
+            Some((climb, upwards)) => {
+                let (contour, other) = if upwards { (below, above) } else { (above, below) };
+                let open = if other.is_finite() { other / (contour + other) } else { 1.0 };
+                (self.beyond * climb.abs() * open).max(self.halfway(ALONE * near, self.growth))
+            }
+            None => {
+                let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
+                let share = if below.max(above).is_finite() { below / width } else { 0.5 };
+                let profile = 4.0 * share * (1.0 - share);
+                let tied = self.halfway(width, 0.0) * profile.powf(PROFILE * self.growth);
+                fixed * tied.max(self.halfway(profile * width, self.growth))
+            }
+        };
+        error.min(most)
+    }
+
+    /// The standard error half-way between contours so far apart; towards narrower ones than any that were seen it falls
+    /// with power `narrow`.
+    fn halfway(&self, width: f64, narrow: f64) -> f64 {
+        let at = width.max(f64::MIN_POSITIVE).ln();
+        let (Some(first), Some(last)) = (self.curve.first(), self.curve.last()) else { return 0.0 };
+        let log = if at <= first[0] {
+            first[1] + (at - first[0]) * narrow
+        } else if at >= last[0] {
+            last[1]
+        } else {
+            let next = self.curve.partition_point(|p| p[0] <= at).min(self.curve.len() - 1);
+            let ([xa, ya], [xb, yb]) = (self.curve[next - 1], self.curve[next]);
+            ya + (yb - ya) * (at - xa) / (xb - xa).max(f64::MIN_POSITIVE)
+        };
+        log.exp().min(UNKNOWN * self.interval)
+    }
+}
+
+/// Crossings a node of contours that are so far apart with a lattice of this step.
+pub fn crossings(width: f64, step: f64) -> f64 {
+    CROSSINGS * step / width.max(0.3 * step)
+}
+
+/// What is left of the error of nodes whose own heights the contours were cut from: every crossing of an edge is an
+/// equation, and where there are about as many of these as nodes, little is left open.
+pub fn left(own: f64, mean: f64) -> f64 {
+    let crossings = own.powf(0.8) * mean.powf(0.2);
+    (1.0 / (1.0 + (crossings / FIXING).powi(3)).sqrt()).max(LEAST_LEFT)
+}
+
+/// The curve where nothing can be hidden.
+fn usual(interval: f64, gap: f64) -> Vec<[f64; 2]> {
+    let at = |wide: f64| [(wide * gap).ln(), (USUAL_ERROR * interval * wide.powf(USUAL_POWER)).ln()];
+    vec![at(0.1), at(10.0)]
+}
+
+/// The places in classes of width that stand for equal areas.
+fn classes(between: &mut [Seen]) -> Vec<Vec<Seen>> {
+    between.sort_by(|a, b| a.width().total_cmp(&b.width()));
+    let area = |s: &Seen| s.length * s.width();
+    let all: f64 = between.iter().map(area).sum();
+    let mut classes: Vec<Vec<Seen>> = vec![Vec::new(); CLASSES];
+    let mut sum = 0.0;
+    for seen in between.iter() {
+        let class = (sum / all * CLASSES as f64) as usize;
+        classes[class.min(CLASSES - 1)].push(*seen);
+        sum += area(seen);
+    }
+    // A class of very few wide gaps tells too little.
+    classes.retain(|class| class.len() >= FEWEST / CLASSES);
+    classes
+}
+
+/// Width and error of a class, carried from twice the interval to the interval.
+fn point(mut class: Vec<Seen>, growth: f64, interval: f64) -> [f64; 2] {
+    let width = class[class.len() / 2].width();
+    let area = |s: &Seen| s.length * s.width();
+    let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
+    let error = SHRINK * one.max(two / TAIL);
+    // An error that fills the band is the same share of every band; a small one falls with its power.
+    let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * UNKNOWN);
+    let free = share / (1.0 - (share / UNKNOWN).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
+    let share = free / (1.0 + (free / UNKNOWN).powi(2)).sqrt();
+    [(width / 2.0).ln(), (interval * share).ln()]
+}
+
+/// The error that a share of the weight lies below; 0 without any.
+fn quantile(seen: &mut [Seen], weight: impl Fn(&Seen) -> f64, share: f64) -> f64 {
+    seen.sort_by(|a, b| a.by.total_cmp(&b.by));
+    let all: f64 = seen.iter().map(&weight).sum();
+    let mut below = 0.0;
+    let reached = seen.iter().find(|s| {
+        below += weight(s);
+        below >= share * all
+    });
+    reached.map_or(0.0, |s| s.by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors of all sizes up to `most`, in no order, on contours between others that are `width` apart.
+    fn places(most: f64, width: f64) -> Vec<Seen> {
+        let at = |k: i32| Seen { by: most * f64::from(k * 617 % 1000) / 999.0, sides: [width / 2.0; 2], length: 1.0 };
+        (0..1000).map(at).collect()
+    }
+
+    fn between(below: f64, above: f64) -> Known {
+        Known { sides: [below, above], band: [10.0, 20.0], climb: None }
+    }
+
+    #[test]
+    fn errors_shrink_by_the_power_that_contours_bend_with() {
+        for growth in [1.0, 1.5, 2.0] {
+            let model = ErrorModel::learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
+            assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
+            let halfway = model.error(&between(25.0, 25.0), 1.0);
+            let expected = 0.68 * 0.95 * 0.5f64.powf(growth);
+            assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
+        }
+    }
+
+    #[test]
+    fn errors_are_zero_on_contours_and_never_beyond_the_band() {
+        let model = ErrorModel::learn(&places(19.0, 100.0), None, 10.0, 50.0);
+        assert_eq!(model.error(&between(0.0, 50.0), 1.0), 0.0);
+        let mut last = 0.0;
+        for below in [0.1, 1.0, 5.0, 20.0] {
+            let error = model.error(&between(below, 50.0 - below), 1.0);
+            assert!(error > last && error <= 5.0, "{below}: {error}");
+            last = error;
+        }
+        for sides in [[f64::INFINITY; 2], [1e9, f64::INFINITY], [1e9, 1e9]] {
+            for climb in [None, Some((10.0, true))] {
+                let error = model.error(&Known { sides, band: [10.0, 20.0], climb }, 1.0);
+                assert!(error > 1.0 && error <= 5.0, "{sides:?} {climb:?} {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_spot_height_ends_the_doubt_about_a_top() {
+        let model = ErrorModel::learn(&[], None, 10.0, 50.0);
+        assert_eq!(model.lesson, Lesson::Usual);
+        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)) };
+        assert_eq!(model.error(&top(0.0), 1.0), 0.0);
+        assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
+    }
+
+    #[test]
+    fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
+        assert!(left(crossings(100.0, 1.0), 0.02) > 0.99);
+        assert_eq!(left(crossings(1.0, 1.0), 1.2), LEAST_LEFT);
+    }
+}

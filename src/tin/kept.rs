@@ -1,0 +1,49 @@
+//! The bands of sub-domains, kept while the triangulation gets finer.
+//!
+//! A finer triangulation has the same sub-domains, and heights were found for their bands, so those must not be judged
+//! anew: nothing but the borders says that both judgements would agree.
+
+use super::{Region, Regions, Tin};
+
+/// The sub-domains of a triangulation by their borders.
+///
+/// Edges of sub-domains are edges of every finer triangulation too, between vertices of the same numbers.
+#[derive(Debug, Clone)]
+pub struct KeptBands {
+    /// Ends of directed edges with the sub-domain on the left, ascending.
+    borders: Vec<([u32; 2], u32)>,
+    regions: Vec<Region>,
+}
+
+impl KeptBands {
+    /// Those of `regions`.
+    pub fn new(tin: &Tin, regions: Regions) -> Self {
+        let of_triangle = &regions.of_triangle;
+        let mut borders: Vec<_> = borders(tin).map(|(t, edge)| (edge, of_triangle[t as usize])).collect();
+        borders.sort_unstable();
+        Self { borders, regions: regions.regions }
+    }
+
+    /// The same sub-domains of a finer triangulation, `regions`, with levels and bands as they were.
+    pub fn applied(&self, tin: &Tin, mut regions: Regions) -> Regions {
+        let mut done = vec![false; regions.regions.len()];
+        for (t, edge) in borders(tin) {
+            let id = regions.of_triangle[t as usize] as usize;
+            if done[id] {
+                continue;
+            }
+            if let Ok(k) = self.borders.binary_search_by(|(e, _)| e.cmp(&edge)) {
+                done[id] = true;
+                let Region { band, levels, water, outer, .. } = self.regions[self.borders[k].1 as usize].clone();
+                regions.regions[id] = Region { band, levels, water, outer, triangle: regions.regions[id].triangle };
+            }
+        }
+        regions
+    }
+}
+
+/// Triangles with an edge on the border of their sub-domain, and that edge.
+fn borders(tin: &Tin) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
+    let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+    inside.flat_map(move |t| (0..3).filter(move |&i| tin.across(t, i).is_none()).map(move |i| (t, tin.edge(t, i))))
+}

@@ -1,0 +1,203 @@
+//! What must hold of every surface and of the lines and heights cut from it, whatever it was made of:
+//!
+//! 1. an input contour comes out vertex for vertex, bit for bit;
+//! 2. lines of different levels do not meet, no line crosses itself;
+//! 3. a line's elevation is exactly its level;
+//! 4. every height lies in the band of its sub-domain;
+//! 5. new lines end at the frame, or on an input line of their level that does not divide the ground.
+#![allow(dead_code, reason = "every test uses its own part of this module")]
+
+use std::collections::HashSet;
+
+use glam::DVec2;
+use tokosen::contour::clean::validate;
+use tokosen::contour::{
+    CleanParams, Contour, ContourLayer, ContourMap, FitParams, SampleParams, Source, clean, fit, sample,
+};
+use tokosen::dem::Grid;
+use tokosen::error::Result;
+use tokosen::mesh::{MeshParams, mesh};
+use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::surface::{Surface, SurfaceParams, build, heights};
+use tokosen::tin::{VertexKind, landforms};
+
+use crate::common;
+
+/// A map of lines with their elevations.
+pub fn map_of(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
+    let contours = lines.iter().enumerate().map(|(i, (elevation, points))| Contour {
+        elevation: *elevation,
+        points: points.clone(),
+        feature: i as u64,
+    });
+    ContourMap { contours: contours.collect(), ..ContourMap::default() }
+}
+
+/// A map made sound.
+pub fn clean_map(map: ContourMap) -> ContourMap {
+    clean(map, &CleanParams::default()).expect("the terrain's contours are no heap of crossings").value
+}
+
+/// The lines at all multiples of `step`.
+pub fn layer_of(surface: &Surface, step: f64) -> ContourLayer {
+    let params = LayerParams { targets: vec![Target::Interval { step, base: 0.0 }], index_every: 5 };
+    contour_layers(surface, &params, &()).expect("the step is sound").remove(0)
+}
+
+/// Elevations and points of lines.
+pub fn pairs(layer: &ContourLayer) -> Vec<(f64, Vec<DVec2>)> {
+    layer.lines.iter().map(|l| (l.elevation, l.points.clone())).collect()
+}
+
+/// A point as a key.
+pub fn bits(p: DVec2) -> [u64; 2] {
+    [p.x.to_bits(), p.y.to_bits()]
+}
+
+/// All that must hold for a surface and the lines cut from it.
+pub fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
+    surface.tin.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+    let layer = layer_of(surface, step);
+
+    // 1 and 3: input lines in the order of the map's, forward or backward.
+    let kept: Vec<_> = layer.lines.iter().filter(|l| l.source == Source::Input).collect();
+    let mut wanted: Vec<&Contour> = map.contours.iter().collect();
+    wanted.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
+    assert_eq!(kept.len(), wanted.len(), "{what}: number of input lines");
+    for (line, contour) in kept.iter().zip(wanted) {
+        assert_eq!(line.elevation.to_bits(), contour.elevation.to_bits(), "{what}");
+        let forward = line.points.iter().map(|p| bits(*p)).eq(contour.points.iter().map(|p| bits(*p)));
+        let backward = line.points.iter().rev().map(|p| bits(*p)).eq(contour.points.iter().map(|p| bits(*p)));
+        assert!(forward || backward, "{what}: an input line changed");
+    }
+    for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated) {
+        let k = line.elevation / step;
+        assert!((k - k.round()).abs() < 1e-9, "{what}: {} is no level", line.elevation);
+    }
+
+    // 2
+    let lines = pairs(&layer);
+    let bad = common::crossings(&lines);
+    assert!(bad.is_empty(), "{what}: {} crossings, the first: {}", bad.len(), bad[0]);
+    let input_levels: HashSet<u64> = map.contours.iter().map(|c| c.elevation.to_bits()).collect();
+    let new: Vec<_> = layer
+        .lines
+        .iter()
+        .filter(|l| l.source == Source::Interpolated && !input_levels.contains(&l.elevation.to_bits()))
+        .map(|l| (l.elevation, l.points.clone()))
+        .collect();
+    let bad = common::same_level_crossings(&new);
+    assert!(bad.is_empty(), "{what}: {} crossings of one level, the first: {}", bad.len(), bad[0]);
+
+    // 4
+    let tin = &surface.tin;
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let band = surface.regions.region(t).expect("inside triangles have a region").band;
+        for v in tin.triangles[t as usize] {
+            let height = tin.heights[v as usize];
+            let (kind, place) = (tin.kinds[v as usize], tin.point(v).truncate());
+            assert!(band.contains(height), "{what}: {height} of a {kind:?} at {place} is not in {band:?}");
+            let is_water = band.lo == band.hi;
+            if tin.kinds[v as usize] == VertexKind::Axis && !is_water {
+                assert!(band.lo < height && height < band.hi, "{what}: {height} is on the edge of {band:?}");
+            }
+        }
+    }
+
+    // 5
+    let frame: Vec<[DVec2; 2]> = surface.frame.edges().collect();
+    let diagonal = surface.frame.diagonal();
+    let given: HashSet<([u64; 2], u64)> =
+        kept.iter().flat_map(|l| l.points.iter().map(|p| (bits(*p), l.elevation.to_bits()))).collect();
+    for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated && !l.is_closed()) {
+        for end in [line.points[0], line.points[line.points.len() - 1]] {
+            let at_frame = frame.iter().any(|[a, b]| distance(end, *a, *b) <= 2e-9 * diagonal);
+            let at_input = given.contains(&(bits(end), line.elevation.to_bits()));
+            assert!(at_frame || at_input, "{what}: a line of level {} ends in the open at {end}", line.elevation);
+        }
+    }
+}
+
+fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+    p.distance(a + (b - a) * t)
+}
+
+/// The box around the frame.
+fn extent(surface: &Surface) -> (DVec2, DVec2) {
+    let points = surface.frame.rings().flatten();
+    points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+/// Heights on a grid over the whole frame, which must be those of some band.
+pub fn check_dem(surface: &Surface, cell: f64, what: &str) {
+    let (lo, hi) = extent(surface);
+    let size = ((hi - lo) / cell).ceil();
+    let corner = DVec2::new(lo.x, hi.y);
+    let grid = Grid { corner, cell: DVec2::splat(cell), cols: size.x as usize, rows: size.y as usize };
+    let dem = heights(surface, &grid, &());
+    let bands = surface.regions.regions.iter().map(|r| r.band);
+    let (lowest, highest) = bands.fold((f64::INFINITY, f64::NEG_INFINITY), |m, b| (m.0.min(b.lo), m.1.max(b.hi)));
+    let valid: Vec<f32> = dem.values.into_iter().filter(|v| !v.is_nan()).collect();
+    assert!(!valid.is_empty(), "{what}");
+    assert!(valid.iter().all(|&v| (lowest as f32..=highest as f32).contains(&v)), "{what}: a height is out of range");
+}
+
+/// What is done to the lines of a map before a surface is made of it.
+#[derive(Debug, Clone, Default)]
+pub struct Lines {
+    /// Smooth lines within a tolerance.
+    pub fit: Option<FitParams>,
+    /// Vertices as dense as the lines around ask.
+    pub sample: Option<SampleParams>,
+    /// The widest gap that is closed.
+    pub snap: f64,
+    /// Whether coordinates have digits enough for new lines not to meet by rounding.
+    pub is_exact: bool,
+}
+
+/// The most levels that are cut.
+const LEVELS: f64 = 60.0;
+/// Cells of the height map along its longer side.
+const CELLS: f64 = 40.0;
+
+/// Runs all steps on a map that may be anything, and asks all guarantees of what comes out.
+///
+/// # Errors
+/// Those of the steps: a map that no surface can be made of is no failure.
+pub fn hold(map: ContourMap, lines: &Lines, params: &SurfaceParams, what: &str) -> Result<()> {
+    let near = CleanParams { snap: lines.snap, ..CleanParams::default() };
+    let mut map = clean(map, &near)?.value;
+    validate(&map, &near).unwrap_or_else(|e| panic!("{what}: what clean makes is not clean: {e}"));
+    if let Some(params) = &lines.fit {
+        map = fit(map, params, &near)?.value.map;
+        validate(&map, &near).unwrap_or_else(|e| panic!("{what}: what fit makes is not clean: {e}"));
+    }
+    if let Some(params) = &lines.sample {
+        map = sample(map, params, &near)?.value.map;
+        validate(&map, &near).unwrap_or_else(|e| panic!("{what}: what sample makes is not clean: {e}"));
+    }
+    let surface = build(map, params, &())?.value;
+    let levels = surface.map.contours.iter().map(|c| c.elevation);
+    let (low, high) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), l| (lo.min(l), hi.max(l)));
+    let step = (surface.interval.step / 5.0).max((high - low) / LEVELS);
+    if lines.is_exact {
+        check(&surface.map, &surface, step, what);
+    } else {
+        surface.tin.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+        layer_of(&surface, step);
+    }
+    let (lo, hi) = extent(&surface);
+    let cell = (hi - lo).max_element() / CELLS;
+    if cell > 0.0 && cell.is_finite() {
+        check_dem(&surface, cell, what);
+    }
+    let forms = landforms(&surface.tin, &surface.regions);
+    assert_eq!(forms.len(), surface.regions.regions.len(), "{what}: a landform a sub-domain");
+    for base in [None, Some(low - 1e3)] {
+        if let Ok(mesh) = mesh(&surface, &MeshParams { base }) {
+            mesh.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+        }
+    }
+    Ok(())
+}
