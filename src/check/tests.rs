@@ -239,11 +239,14 @@ mod random {
             // A label several levels off is told, whichever line it is on, and nothing else is.
             let mut lines = sound;
             let k = 2 + which % (lines.len() - 2);
+            let innermost = lines.get(k + 1).is_none_or(|next| next.points[0].distance(lines[k].points[0]) > 60.0);
             lines[k].elevation += 10.0 * f64::from(by) * if which % 2 == 0 { 1.0 } else { -1.0 };
             let feature = lines[k].feature;
             let told = found(lines);
             prop_assert_eq!(told.len(), 1, "{:?}", told);
-            prop_assert_eq!(&told[0].1[..], &[feature]);
+            // With 140, 150, 130 inwards, 160 for the last explains as much as 130 for the one around it.
+            let or_the_one_around = innermost && by == 3 && told[0].1[..] == [feature - 1];
+            prop_assert!(told[0].1[..] == [feature] || or_the_one_around, "{}: {:?}", feature, told);
         }
     }
 }
