@@ -258,7 +258,9 @@ fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
     }
     // The mean over the vertices, not over the levels: what a level with many lines has.
     let usual = on.iter().map(|l| l.1 * l.1).sum::<f64>() / weight;
-    let slots = 1.0 + on.windows(2).map(|w| (w[1].0 - w[0].0).clamp(1.0, 1.0 + MAX_GAP)).sum::<f64>();
+    // Empty levels count as much as the lighter level beside them: those next to one wrong label tell nothing.
+    let empty = |w: &[(f64, f64)]| (w[1].0 - w[0].0 - 1.0).clamp(0.0, MAX_GAP) * (w[0].1.min(w[1].1) / usual).min(1.0);
+    let slots = on.len() as f64 + on.windows(2).map(empty).sum::<f64>();
     let filled = on.iter().map(|l| (l.1 / usual).min(1.0)).sum::<f64>() / slots;
     let explained = weight / total;
     let f = (1.0 + FILLED_WEIGHT) * explained * filled / (FILLED_WEIGHT * explained + filled);
