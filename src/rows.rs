@@ -31,11 +31,6 @@ impl<T: Copy + Default> Rows<T> {
     pub fn of(&self, row: usize) -> &[T] {
         &self.items[self.start[row]..self.start[row + 1]]
     }
-
-    /// The items of all rows.
-    pub fn all(&self) -> &[T] {
-        &self.items
-    }
 }
 
 #[cfg(test)]
@@ -49,6 +44,5 @@ mod tests {
         assert_eq!(rows.of(0), ['b']);
         assert_eq!(rows.of(1), []);
         assert_eq!(rows.of(2), ['a', 'c']);
-        assert_eq!(rows.all(), ['b', 'a', 'c']);
     }
 }

@@ -1,6 +1,7 @@
 //! Heights of axis points: equation (1) of the paper between two levels, a rounded top where there is only one.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -24,11 +25,16 @@ const SIGHT_TRIALS: usize = 16;
 /// borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
-    let map_slope = slope_outside(tin, groups.borders.all(), None).unwrap_or(0.0);
+    // Asked for by few maps only, and dear.
+    let map_slope = LazyLock::new(|| {
+        let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        let all: Vec<(u32, u8)> = inside.flat_map(|t| borders(tin, t)).collect();
+        slope_outside(tin, &all, None).unwrap_or(0.0)
+    });
     let mut heights = vec![f64::NAN; points.len()];
     let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
         .into_par_iter()
-        .map(|r| region_heights(tin, regions, points, &groups, map_slope, r))
+        .map(|r| region_heights(tin, regions, points, &groups, &|| *map_slope, r))
         .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
@@ -49,27 +55,27 @@ struct Groups {
 impl Groups {
     fn new(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Self {
         let count = regions.regions.len();
-        let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        let mut is_asked = vec![false; count];
+        points.iter().for_each(|p| is_asked[p.region as usize] = true);
         let region_of = |t: u32| regions.of_triangle[t as usize] as usize;
-        let mut region_of_spot = BTreeMap::new();
-        for t in inside() {
-            for v in tin.triangles[t as usize] {
-                if tin.kinds[v as usize] == VertexKind::Spot {
-                    region_of_spot.insert(v, region_of(t));
-                }
-            }
-        }
+        let asked = |&t: &u32| tin.is_inside(t) && is_asked[region_of(t)];
+        let triangles: Vec<u32> = (0..tin.len() as u32).into_par_iter().filter(asked).collect();
+        let is_spot = |&v: &u32| tin.kinds[v as usize] == VertexKind::Spot;
+        let spots_of = |&t: &u32| tin.triangles[t as usize].into_iter().filter(is_spot).map(move |v| (v, region_of(t)));
+        let region_of_spot: BTreeMap<u32, usize> = triangles.iter().flat_map(spots_of).collect();
+        let borders_of = |&t: &u32| borders(tin, t).map(move |border| (region_of(t), border));
+        let borders: Vec<(usize, (u32, u8))> = triangles.par_iter().flat_map_iter(borders_of).collect();
         Self {
             points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
-            borders: Rows::new(count, || {
-                inside().flat_map(|t| {
-                    let on_contour = move |&i: &usize| tin.border_level(t, i).is_some();
-                    (0..3).filter(on_contour).map(move |i| (region_of(t), (t, i as u8)))
-                })
-            }),
+            borders: Rows::new(count, || borders.iter().copied()),
             spots: Rows::new(count, || region_of_spot.iter().map(|(&v, &region)| (region, v))),
         }
     }
+}
+
+/// The edges of a triangle that are pieces of contour or of shore, with the triangle.
+fn borders(tin: &Tin, t: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
+    (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| (t, i as u8))
 }
 
 /// The border of one sub-domain at one level, for shortest-distance queries.
@@ -112,7 +118,7 @@ fn region_heights(
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
-    map_slope: f64,
+    map_slope: &(dyn Fn() -> f64 + Sync),
     region: usize,
 ) -> Vec<(u32, f64)> {
     let own = groups.points.of(region);
@@ -164,7 +170,7 @@ struct Ground<'a> {
     region: &'a Region,
     trees: Vec<LevelTree>,
     /// Mean slope of the whole map at its contours.
-    map_slope: f64,
+    map_slope: &'a (dyn Fn() -> f64 + Sync),
 }
 
 impl Ground<'_> {
@@ -230,7 +236,7 @@ impl Ground<'_> {
             })
             .collect();
         let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
-        let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or(self.map_slope);
+        let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or_else(self.map_slope);
         Cap::new(self.regions.beyond(level, side), side, widest, slope, spots)
     }
 }

@@ -143,9 +143,16 @@ impl Tiling {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
         };
-        let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
-        let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
-        let regions = kept.applied(&tin, regions);
+        let (tin, regions) = match kept.of(&tin) {
+            Some(regions) => (tin, regions),
+            // Parts of the frame that hold no contour are in it again.
+            None => {
+                let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
+                let anew = || with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
+                let regions = kept.of(&tin).unwrap_or_else(anew);
+                (tin, regions)
+            }
+        };
         let tin = with_frame_heights(tin, &regions, working);
         Self { map, tin, regions, frame, interval, corrections, gaps, parts }
     }

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use glam::DVec2;
+use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use super::{NONE, Tin, VertexKind};
+use super::{CONSTRAINT, NONE, Tin, VertexKind};
 use crate::error::{Error, Result};
 
 /// Points and edges to triangulate.
@@ -113,36 +114,34 @@ pub fn triangulate(input: TinInput) -> Result<Tin> {
             p.x, p.y
         )));
     }
-    let faces = cdt.num_inner_faces();
-    if faces == 0 {
+    let faces: Vec<_> = cdt.fixed_inner_faces().collect();
+    if faces.is_empty() {
         return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
     }
-    let mut triangles = Vec::with_capacity(faces);
-    let mut neighbours = Vec::with_capacity(faces);
-    let mut constraints = Vec::with_capacity(faces);
-    for face in cdt.inner_faces() {
-        let edges = face.adjacent_edges();
-        triangles.push(edges.map(|e| e.from().fix().index() as u32));
-        neighbours.push(edges.map(|e| match e.rev().face().as_inner() {
-            // The outer face has index 0, so inner faces count from 1.
-            Some(f) => (f.fix().index() - 1) as u32,
-            None => NONE,
-        }));
-        constraints.push(edges.iter().enumerate().fold(0u8, |m, (i, e)| m | (u8::from(e.is_constraint_edge()) << i)));
+    // Along the contours, as the vertices are, so that what is done triangle by triangle finds its data side by side.
+    let corners = |f: u32| cdt.face(faces[f as usize]).vertices().map(|v| v.fix().index() as u32);
+    let first_corner = |f: u32| corners(f).into_iter().fold(NONE, u32::min);
+    let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (first_corner(f), f)).collect();
+    order.par_sort_unstable();
+    let mut number = vec![0; faces.len()];
+    for (t, &(_, f)) in order.iter().enumerate() {
+        number[f as usize] = t as u32;
     }
-    let inside = vec![true; triangles.len()];
-    let mut tin = Tin {
-        origin,
-        positions,
-        heights,
-        kinds,
-        source,
-        triangles,
-        neighbours,
-        constraints,
-        inside,
-        lakes: Vec::new(),
+    let triangle = |&(_, f): &(u32, u32)| {
+        let edges = cdt.face(faces[f as usize]).adjacent_edges();
+        let corners = edges.map(|e| e.from().fix().index() as u32);
+        // The outer face has index 0, so inner faces count from 1.
+        let neighbours = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| number[f.fix().index() - 1]));
+        let flags =
+            edges.iter().enumerate().fold(0, |m, (i, e)| m | (u16::from(e.is_constraint_edge()) * CONSTRAINT) << i);
+        (corners, (neighbours, flags))
     };
+    let (triangles, (neighbours, edges)): (Vec<_>, (Vec<_>, Vec<_>)) = order.par_iter().map(triangle).unzip();
+    drop((order, number, faces, cdt));
+    let inside = vec![true; triangles.len()];
+    let mut tin =
+        Tin { origin, positions, heights, kinds, source, triangles, neighbours, edges, inside, lakes: Vec::new() };
+    tin.edges = (0..tin.len() as u32).into_par_iter().map(|t| tin.with_contours(t)).collect();
     peel_flat_border(&mut tin, tolerance);
     Ok(tin)
 }

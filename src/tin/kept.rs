@@ -3,7 +3,9 @@
 //! A finer triangulation has the same sub-domains, and heights were found for their bands, so those must not be judged
 //! anew: nothing but the borders says that both judgements would agree.
 
+use super::regions::flood;
 use super::{Region, Regions, Tin};
+use crate::contour::Interval;
 
 /// The sub-domains of a triangulation by their borders.
 ///
@@ -13,6 +15,7 @@ pub struct KeptBands {
     /// Ends of directed edges with the sub-domain on the left, ascending.
     borders: Vec<([u32; 2], u32)>,
     regions: Vec<Region>,
+    interval: Interval,
 }
 
 impl KeptBands {
@@ -21,24 +24,26 @@ impl KeptBands {
         let of_triangle = &regions.of_triangle;
         let mut borders: Vec<_> = borders(tin).map(|(t, edge)| (edge, of_triangle[t as usize])).collect();
         borders.sort_unstable();
-        Self { borders, regions: regions.regions }
+        Self { borders, regions: regions.regions, interval: regions.interval }
     }
 
-    /// The same sub-domains of a finer triangulation, `regions`, with levels and bands as they were.
-    pub fn applied(&self, tin: &Tin, mut regions: Regions) -> Regions {
-        let mut done = vec![false; regions.regions.len()];
+    /// The same sub-domains of a finer triangulation, with levels and bands as they were. `None` if it has others.
+    pub fn of(&self, tin: &Tin) -> Option<Regions> {
+        let (of_triangle, mut regions) = flood(tin);
+        let mut is_known = vec![false; regions.len()];
         for (t, edge) in borders(tin) {
-            let id = regions.of_triangle[t as usize] as usize;
-            if done[id] {
+            let id = of_triangle[t as usize] as usize;
+            if is_known[id] {
                 continue;
             }
             if let Ok(k) = self.borders.binary_search_by(|(e, _)| e.cmp(&edge)) {
-                done[id] = true;
-                let Region { band, levels, water, outer, .. } = self.regions[self.borders[k].1 as usize].clone();
-                regions.regions[id] = Region { band, levels, water, outer, triangle: regions.regions[id].triangle };
+                is_known[id] = true;
+                let kept = self.regions[self.borders[k].1 as usize].clone();
+                regions[id] = Region { triangle: regions[id].triangle, ..kept };
             }
         }
-        regions
+        let all = is_known.into_iter().all(|is_known| is_known);
+        all.then_some(Regions { of_triangle, regions, interval: self.interval })
     }
 }
 

@@ -35,6 +35,11 @@ use glam::{DVec2, DVec3};
 /// Marks "no triangle" or "no region" in arrays of indices.
 pub const NONE: u32 = u32::MAX;
 
+/// Flags of a triangle's first edge; those of the others are one and two bits further on.
+const CONSTRAINT: u16 = 1;
+const GATE: u16 = 1 << 3;
+const CONTOUR: u16 = 1 << 6;
+
 /// What a vertex stands for, and so where its height comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum VertexKind {
@@ -69,8 +74,8 @@ pub struct Tin {
     pub triangles: Vec<[u32; 3]>,
     /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
     pub neighbours: Vec<[u32; 3]>,
-    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate.
-    constraints: Vec<u8>,
+    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate; bit i+6: a piece of a contour.
+    edges: Vec<u16>,
     /// Whether the triangle lies inside the frame.
     inside: Vec<bool>,
     /// Number of the lake that the triangle lies in, [`NONE`] on land; empty without lakes.
@@ -107,21 +112,18 @@ impl Tin {
 
     /// Whether edge `i` of triangle `t` is a constraint (contour, link, bridge, gate, frame or break line).
     pub fn is_constraint(&self, t: u32, i: usize) -> bool {
-        self.constraints[t as usize] & (1 << i) != 0
+        self.edges[t as usize] & (CONSTRAINT << i) != 0
     }
 
     /// Whether edge `i` of triangle `t` closes the opening between two ends of contours.
     pub fn is_gate(&self, t: u32, i: usize) -> bool {
-        self.constraints[t as usize] & (8 << i) != 0
+        self.edges[t as usize] & (GATE << i) != 0
     }
 
     /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge.
     pub fn contour_level(&self, t: u32, i: usize) -> Option<f64> {
-        let [u, v] = self.edge(t, i);
-        let on_contour = |v: u32| self.kinds[v as usize] == VertexKind::Contour;
-        let level = self.heights[u as usize];
-        let same = on_contour(u) && on_contour(v) && level == self.heights[v as usize];
-        (same && self.is_constraint(t, i) && !self.is_gate(t, i)).then_some(level)
+        let is_contour = self.edges[t as usize] & (CONTOUR << i) != 0;
+        is_contour.then(|| self.heights[self.triangles[t as usize][i] as usize])
     }
 
     /// The lake that triangle `t` lies in, by its number.
@@ -171,16 +173,32 @@ impl Tin {
                     continue;
                 }
                 if bridges.contains(&edge) {
-                    self.constraints[t as usize] |= 1 << i;
+                    self.edges[t as usize] |= CONSTRAINT << i;
                 } else if gates.contains(&edge) {
-                    self.constraints[t as usize] |= 9 << i;
+                    self.edges[t as usize] |= (CONSTRAINT | GATE) << i;
                 }
+                self.edges[t as usize] = self.with_contours(t);
             }
         }
         self
     }
 
-    /// The same triangulation with other heights, one a vertex.
+    /// The flags of triangle `t` with its pieces of contour marked: constraints, but no gates, between vertices of contours of
+    /// one level.
+    fn with_contours(&self, t: u32) -> u16 {
+        let flags = self.edges[t as usize];
+        let is_contour = |i: usize| {
+            let [u, v] = self.edge(t, i).map(|v| v as usize);
+            let on_contour = |v: usize| self.kinds[v] == VertexKind::Contour;
+            on_contour(u) && on_contour(v) && self.heights[u] == self.heights[v]
+        };
+        (0..3).fold(flags & !(7 * CONTOUR), |flags, i| {
+            let may = flags & ((CONSTRAINT | GATE) << i) == CONSTRAINT << i;
+            if may && is_contour(i) { flags | (CONTOUR << i) } else { flags }
+        })
+    }
+
+    /// The same triangulation with other heights, one a vertex. Those of contours stay.
     pub fn with_heights(self, heights: Vec<f64>) -> Self {
         assert_eq!(heights.len(), self.positions.len(), "one height a vertex");
         Self { heights, ..self }

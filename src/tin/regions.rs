@@ -4,6 +4,8 @@
 //! contours run off the map. Two levels on its border give its band. Where there is only one, the side is known from the
 //! neighbour: crossing a contour changes the side.
 
+use rayon::prelude::*;
+
 use super::{NONE, Tin};
 use crate::contour::Interval;
 use crate::rows::Rows;
@@ -118,7 +120,7 @@ pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
 
 /// Numbers the connected components and collects the levels on their borders, the lowest as one that the ground lies
 /// above, the others as ones that it lies below.
-fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
+pub(super) fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();
@@ -181,7 +183,7 @@ struct Border {
 
 /// The borders of every sub-domain with its neighbours.
 fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
-    let border = |t: u32, i: usize| {
+    let border = &|t: u32, i: usize| {
         let level = tin.contour_level(t, i)?;
         let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
         let own = of_triangle[t as usize];
@@ -189,11 +191,10 @@ fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
         let seen = Border { other, level, length: u.distance(v) };
         (own != other).then_some((own as usize, seen))
     };
-    let border = &border;
-    Rows::new(count, || {
-        let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
-        inside.flat_map(move |t| (0..3).filter_map(move |i| border(t, i)))
-    })
+    let of_triangle = |t: u32| (0..3).filter_map(move |i| border(t, i));
+    let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
+    let all: Vec<(usize, Border)> = inside.flat_map_iter(of_triangle).collect();
+    Rows::new(count, || all.iter().copied())
 }
 
 /// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
