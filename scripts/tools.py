@@ -141,7 +141,7 @@ def tools(folder, inputs, binary):
         tokosen("tokosen linear", "--surface", "linear"),
         Tool(gmt, "gmt", [], [], shell(
             f"gmt blockmean {table} -bi3d -bo3d {region}"
-            # No tension: the least error of its settings on ground from contours.
+            # No tension is its default; written out because most maps are made with some.
             f" | gmt surface -bi3d {region} -T0 -G{shlex.quote(gmt_file)}"), [], gmt_file),
         Tool(saga, "saga_cmd", [], [], [
             "saga_cmd", "-f=q", "grid_spline", "4", "-SHAPES", inputs.points, "-FIELD", "elev", "-TARGET_DEFINITION", "0",
