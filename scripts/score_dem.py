@@ -136,6 +136,27 @@ def score(heights, angle, truth, truth_slope, use, transform, interval, vertices
     return out
 
 
+def compare(path, interval, dems, lines=None):
+    """Cells that count, and the figures of the truth at `path` and of each height map among `dems`, by path."""
+    truth, transform = terrain.read_dem(path)
+    dx, dy = transform.a, -transform.e
+    truth_slope = slope(truth, dx, dy)
+    read = [(path, truth, truth_slope)]
+    for dem in dems:
+        heights, placed = terrain.read_dem(dem)
+        if heights.shape != truth.shape or not np.allclose(placed[:6], transform[:6]):
+            sys.exit(f"{dem}: not on the grid of {path}")
+        read.append((dem, heights, slope(heights, dx, dy)))
+    use = np.all([np.isfinite(s) for _, _, s in read], axis=0)
+    if not use.any():
+        sys.exit("no cell has data in all of the height maps")
+    vertices = lone_vertices(truth, transform, interval)
+    canyons = canyon_lines(lines) if lines else None
+    return int(use.sum()), {
+        dem: score(heights, angle, truth, truth_slope, use, transform, interval, vertices, canyons)
+        for dem, heights, angle in read}
+
+
 def main():
     a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     a.add_argument("truth")
@@ -146,27 +167,12 @@ def main():
     o = a.parse_args()
     if not o.interval > 0:
         a.error("the interval is above 0")
-    truth, transform = terrain.read_dem(o.truth)
-    dx, dy = transform.a, -transform.e
-    truth_slope = slope(truth, dx, dy)
-    dems = [(o.truth, truth, truth_slope)]
-    for path in o.dem:
-        heights, placed = terrain.read_dem(path)
-        if heights.shape != truth.shape or not np.allclose(placed[:6], transform[:6]):
-            sys.exit(f"{path}: not on the grid of {o.truth}")
-        dems.append((path, heights, slope(heights, dx, dy)))
-    use = np.all([np.isfinite(s) for _, _, s in dems], axis=0)
-    if not use.any():
-        sys.exit("no cell has data in all of the height maps")
-    vertices = lone_vertices(truth, transform, o.interval)
-    canyons = canyon_lines(o.lines) if o.lines else None
-    rows = [(path, score(heights, angle, truth, truth_slope, use, transform, o.interval, vertices, canyons))
-            for path, heights, angle in dems]
+    cells, rows = compare(o.truth, o.interval, o.dem, o.lines)
     if o.json:
-        print(json.dumps({"cells": int(use.sum()), "dems": dict(rows)}, indent=1))
+        print(json.dumps({"cells": cells, "dems": rows}, indent=1))
         return
-    print(f"{'':32s}" + "".join(f"{name:>9s}" for name in rows[0][1]) + f"   over {use.sum()} cells")
-    for path, figures in rows:
+    print(f"{'':32s}" + "".join(f"{name:>9s}" for name in rows[o.truth]) + f"   over {cells} cells")
+    for path, figures in rows.items():
         print(f"{path[-32:]:32s}" + "".join(f"{v:9d}" if isinstance(v, int) else f"{v:9.3f}" for v in figures.values()))
 
 

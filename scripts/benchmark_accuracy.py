@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""How close tokosen comes to the ground, beside other tools: contours are cut from known heights, every tool gets them alone.
+
+    benchmark_accuracy.py                                  # the sample and its contours every 20 m
+    benchmark_accuracy.py lidar.tif 10
+    benchmark_accuracy.py lidar.tif 10 --only tokosen --only GMT --keep height_maps
+    benchmark_accuracy.py lidar.tif 10 --contours drawn.gpkg
+
+TRUTH is a height map in metres with square cells, INTERVAL that of the contours, in metres. They are cut at every multiple,
+linear between cell centres; with --contours those of a file are taken instead. Each tool makes a height map on the cells
+of TRUTH; benchmark_speed.py tells which tools there are and what they are called with. A row a tool:
+
+    RMSE         root mean square error, in units of the interval
+    95 % below   95 % of the errors are at most this, in units of the interval
+    slope RMSE   root mean square error of the slope angle (Horn)
+    terraces     share of cells flatter than 0.5 degrees where the truth is steeper than 3 degrees
+    met          share of the contours' vertices where the height map is within 2 % of the interval of the contour's level
+
+All are of cells that have heights in every row; score_dem.py says more of them. Nothing here tells how exact a map's
+contours are: only what is lost between contours and height map.
+"""
+import argparse
+import json
+import math
+import pathlib
+import shutil
+import sys
+import tempfile
+
+import numpy as np
+import rasterio
+import shapely
+
+import score_dem
+import terrain
+import tools
+
+COLUMNS = {"RMSE": ("rmse", "{:.3f}"), "95 % below": ("p95", "{:.3f}"), "slope RMSE": ("slope", "{:.2f}°"),
+           "terraces": ("flat", "{:.1f} %"), "met": ("meets", "{:.0f} %")}
+
+
+def main():
+    a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    a.add_argument("truth", nargs="?", help="height map that counts as the ground (the sample's)")
+    a.add_argument("interval", nargs="?", type=float, help="of the contours, metres")
+    a.add_argument("--contours", help="take these instead of cutting some")
+    a.add_argument("--layer", help="layer of --contours (the first)")
+    a.add_argument("--elev", help="attribute of --contours that holds the elevation (found by its name)")
+    a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
+    a.add_argument("--only", action="append", metavar="NAME", help="run tools whose name has NAME in it; may be repeated")
+    a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each step of a tool (600)")
+    a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
+    a.add_argument("--json", action="store_true", help="print the figures as JSON")
+    o = a.parse_args()
+    if o.truth is None:
+        o.truth, o.interval, o.contours = str(tools.SAMPLE_TRUTH), tools.SAMPLE_INTERVAL, o.contours or str(tools.SAMPLE)
+    if o.interval is None or not 0 < o.interval < math.inf or not 0 < o.limit < math.inf:
+        a.error("name the INTERVAL of the contours; it and --limit are above 0")
+    binary = tools.find(o.tokosen)
+    heights, transform = terrain.read_dem(o.truth)
+    lines, crs = given(o) if o.contours else cut(o.truth, heights, transform, o.interval)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        every = tools.tools(folder, tools.write_inputs(folder, lines, crs, transform, heights.shape), binary)
+        # Threads do not change what comes out.
+        present, missing = tools.chosen([tool for tool in every if tool.name != tools.ONE_THREAD], o.only)
+        made, failed = {}, []
+        for tool in present:
+            tools.say(tool.name)
+            wrong = make(tool, folder, o.limit)
+            if wrong:
+                failed.append(f"{tool.name} " + (f"took over {o.limit:g} s." if "over" in wrong else f"failed: {wrong['failed']}"))
+            else:
+                made[tool.name] = tool.output
+        tools.say("")
+        cells, scores = score_dem.compare(o.truth, o.interval, made.values()) if made else (0, {})
+        if o.keep:
+            pathlib.Path(o.keep).mkdir(parents=True, exist_ok=True)
+            for path in made.values():
+                shutil.copy(path, o.keep)
+    figures = {name: scores[path] for name, path in made.items()}
+    about = {"vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval, "cells": cells,
+             "versions": tools.versions(present), "not installed": missing, "failed": failed}
+    if o.json:
+        print(json.dumps({**about, "figures": figures}, indent=1))
+    else:
+        show(figures, about)
+    sys.exit(not figures or any("failed:" in line for line in failed))
+
+
+def given(o):
+    return tools.read_contours(o.contours, o.layer, o.elev)
+
+
+def cut(path, heights, transform, interval):
+    """3-D contours of the heights, and the coordinate reference system of their file."""
+    if not np.isfinite(heights).any():
+        sys.exit(f"{path}: no cell has data")
+    lines, levels = terrain.contours(heights, transform, interval)
+    if not len(lines):
+        sys.exit(f"{path}: no contours every {interval:g} m in {np.nanmin(heights):g} to {np.nanmax(heights):g} m")
+    with rasterio.open(path) as file:
+        return shapely.force_3d(lines, levels), file.crs.to_wkt() if file.crs else None
+
+
+def make(tool, folder, limit):
+    """Makes the tool's height map: nothing, or what went wrong."""
+    wrong = tools.prepare(tool, folder, limit)
+    if wrong:
+        return wrong
+    told = tools.interpolate(tool, folder, limit)
+    return tools.finish(tool, folder, limit) if "seconds" in told else told
+
+
+def show(figures, about):
+    print(f"{about['vertices']:,} vertices of contours every {about['interval']:g} m, {about['cells']:,} cells; "
+          f"{about['versions']}.\n")
+    print(tools.table(["", *COLUMNS], [[name, *(form.format(f[key]) for key, form in COLUMNS.values())]
+                                       for name, f in figures.items()]))
+    if about["not installed"]:
+        print(f"\nNot installed: {', '.join(about['not installed'])}.")
+    for line in about["failed"]:
+        print(f"\n{line}")
+
+
+if __name__ == "__main__":
+    main()

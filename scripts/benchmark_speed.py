@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Time and memory that tokosen takes for a height map, beside other tools: same contours, same grid, one machine, one run.
+
+    benchmark_speed.py                                     # the sample, on the grid of its truth
+    benchmark_speed.py contours.gpkg --cell 5
+    benchmark_speed.py contours.shp --elev HOEHE --like published_dem.tif --limit 1800
+    benchmark_speed.py contours.gpkg --cell 5 --only tokosen --only GMT --keep height_maps
+
+A row a tool; those that are not installed are named below the table.
+
+    tokosen                    dem, with the defaults: the smooth surface
+    tokosen, one thread        the same on one core
+    tokosen skeleton, linear   with --surface skeleton and --surface linear
+    GMT surface                blockmean, then minimum curvature with no tension
+    SAGA multilevel B-spline   grid_spline 4, defaults
+    GRASS r.surf.contour       flood fill between rasterised contours
+    GRASS v.surf.rst           regularised spline with tension, defaults, all cores; also with npmin=120
+    gdal_grid linear           Delaunay triangulation of the vertices
+
+Of tokosen everything is measured, from the GeoPackage that it reads to the GeoTIFF that it writes. Of the others only the
+interpolation is: GMT's binary table, SAGA's points, GRASS's import and rasterised lines are made beforehand, GRASS is
+running, and its export follows afterwards.
+
+wall is the clock around the program, CPU the time of all its threads and processes, memory the peak resident memory of
+its largest process (10 MB is the least that can be told). Of several runs the least of each counts; the tools take turns.
+A tool that takes longer than --limit is stopped: its ratio is then a lower bound. Take the figures on a machine that does
+nothing else: other work lengthens wall most.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import platform
+import shutil
+import sys
+import tempfile
+
+import rasterio
+import shapely
+
+import terrain
+import tools
+
+SHORT = 0.1  # of the limit: what took longer is not run again
+
+
+def main():
+    a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    a.add_argument("contours", nargs="?", help="vector file of contour lines, in metres (the sample)")
+    grid = a.add_mutually_exclusive_group()
+    grid.add_argument("--cell", type=float, help="cell size; the grid covers the contours")
+    grid.add_argument("--like", metavar="DEM", help="the grid of this raster, which is in the contours' system")
+    a.add_argument("--layer", help="layer of CONTOURS (the first)")
+    a.add_argument("--elev", help="attribute of CONTOURS that holds the elevation (found by its name)")
+    a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
+    a.add_argument("--only", action="append", metavar="NAME", help="run tools whose name has NAME in it; may be repeated")
+    a.add_argument("--runs", type=int, default=3, help="of each tool (3); one of what takes over a tenth of the limit")
+    a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each run and each step before it (600)")
+    a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
+    a.add_argument("--json", action="store_true", help="print the figures as JSON")
+    o = a.parse_args()
+    if o.contours and o.cell is None and not o.like:
+        a.error("name the grid: --cell METRES or --like DEM")
+    if o.cell is not None and not 0 < o.cell < math.inf or not 0 < o.limit < math.inf or o.runs < 1:
+        a.error("--cell and --limit are above 0, --runs is 1 or more")
+    binary = tools.find(o.tokosen)
+    lines, crs = tools.read_contours(o.contours or str(tools.SAMPLE), o.layer, o.elev)
+    if o.cell is None:
+        heights, transform = terrain.read_dem(o.like or str(tools.SAMPLE_TRUTH))
+        shape = heights.shape
+    else:
+        transform, shape = grid_over(lines, o.cell)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        every = tools.tools(folder, tools.write_inputs(folder, lines, crs, transform, shape), binary)
+        present, missing = tools.chosen(every, o.only)
+        figures = measure(present, folder, o.runs, o.limit)
+        if o.keep:
+            keep(present, figures, folder, pathlib.Path(o.keep), o.limit)
+        about = {"vertices": int(shapely.get_num_coordinates(lines).sum()), "rows": shape[0], "columns": shape[1],
+                 "cell": transform.a, "versions": tools.versions(present), "machine": machine(), "not installed": missing}
+    if o.json:
+        print(json.dumps({**about, "figures": figures}, indent=1))
+    else:
+        show(figures, about, o.limit)
+    # A tool that is not there is no failure, nor is one that takes too long; one that broke is.
+    sys.exit(any("failed" in f for f in figures.values()))
+
+
+def grid_over(lines, cell):
+    """The grid with cell borders on multiples of `cell` that covers the lines: transform, rows and columns."""
+    west, south, east, north = shapely.total_bounds(lines)
+    first, last = math.floor(west / cell), math.ceil(east / cell)
+    bottom, top = math.floor(south / cell), math.ceil(north / cell)
+    if last == first or top == bottom:
+        sys.exit("the contours have no extent")
+    if (last - first) * (top - bottom) > 2**31:
+        sys.exit("--cell: the grid would have more cells than other tools count")
+    return rasterio.transform.from_origin(first * cell, top * cell, cell, cell), (top - bottom, last - first)
+
+
+def measure(present, folder, runs, limit):
+    """Seconds and bytes of each tool, the least of its runs, or what went wrong."""
+    figures = {}
+    for tool in present:
+        tools.say(f"preparing {tool.name}")
+        figures[tool.name] = tools.prepare(tool, folder, limit) or {}
+    # In turns, so that a spell of other work on the machine does not hit one tool alone.
+    for turn in range(runs):
+        for tool in present:
+            best = figures[tool.name]
+            if "failed" in best or "over" in best or best.get("seconds", 0) > SHORT * limit:
+                continue
+            tools.say(f"run {turn + 1} of {tool.name}")
+            new = tools.interpolate(tool, folder, limit)
+            figures[tool.name] = {k: min(v, best.get(k, v)) for k, v in new.items()} if "seconds" in new else new
+    tools.say("")
+    return figures
+
+
+def keep(present, figures, folder, target, limit):
+    target.mkdir(parents=True, exist_ok=True)
+    for tool in present:
+        if "seconds" in figures[tool.name]:
+            wrong = tools.finish(tool, folder, limit)
+            if wrong:
+                figures[tool.name] = wrong
+            else:
+                shutil.copy(tool.output, target)
+
+
+def machine():
+    """The processor's name and how many threads it runs."""
+    name = platform.processor() or platform.machine()
+    try:
+        with open("/proc/cpuinfo") as file:
+            name = next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        pass
+    return f"{os.cpu_count()} cores of {name}"
+
+
+def show(figures, about, limit):
+    first = next((f for f in figures.values() if "seconds" in f), None)
+    base = next((name for name, f in figures.items() if f is first), "")
+    rows, failed = [], []
+    for name, f in figures.items():
+        if "seconds" in f:
+            rows.append([name, f"{f['seconds']:.2f} s", f"{f['cpu_seconds']:.2f} s", f"{f['peak_bytes'] / 1e6:.0f} MB",
+                         f"{f['seconds'] / first['seconds']:.2f}", f"{f['peak_bytes'] / first['peak_bytes']:.2f}"])
+        elif "over" in f:
+            least = f"> {limit / first['seconds']:.1f}" if first else ""
+            rows.append([name, f"> {limit:g} s", "", "", least, ""])
+        else:
+            failed.append(f"{name} failed: {f['failed']}")
+    print(f"{about['vertices']:,} vertices, {about['columns']} x {about['rows']} = {about['columns'] * about['rows']:,} cells "
+          f"of {about['cell']:g}; {about['machine']}; {about['versions']}.\n")
+    print(tools.table(["", "wall", "CPU", "memory", f"wall / {base}'s", "memory"], rows))
+    if about["not installed"]:
+        failed.append(f"Not installed: {', '.join(about['not installed'])}.")
+    if failed:
+        print("\n" + "\n".join(failed))
+
+
+if __name__ == "__main__":
+    main()
