@@ -3,6 +3,8 @@
 //! A sight may run along a contour and may touch it, but not cross it. Contours that were cut from a grid have their
 //! vertices on its rows, and so have the centres between two of them: sights that run through vertices exactly are common.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use crate::tin::{NONE, Tin, VertexKind};
@@ -106,6 +108,8 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
             View { triangle: t, edge, right, left }
         })
         .collect();
+    // Views as narrow as a line pass a vertex on both sides. Along a row of vertices they would double at each.
+    let mut lines = HashSet::new();
     while let Some(view) = views.pop() {
         let [a, b] = ends(view.triangle, view.edge);
         let nearest = nearest_to_origin(a, b);
@@ -135,6 +139,19 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         let Some(entry) = tin.edge_towards(n, view.triangle) else { continue };
         for edge in [(entry + 1) % 3, (entry + 2) % 3] {
             let [a, b] = ends(n, edge);
+            // A straight view leaves a triangle forwards only. One as narrow as a line would turn around a vertex for ever.
+            if !not_right_of(a, b) {
+                continue;
+            }
+            // What is as narrow as a line stays as it is, so that it is known again.
+            if not_right_of(view.left, view.right) {
+                let is_touched = not_right_of(a, view.left) && not_right_of(view.right, b);
+                let bits = [view.right, view.left].map(|p| p.to_array().map(f64::to_bits));
+                if is_touched && lines.insert((n, edge, bits)) {
+                    views.push(View { triangle: n, edge, ..view });
+                }
+                continue;
+            }
             let right = if view.right.perp_dot(a) > 0.0 { a } else { view.right };
             let left = if b.perp_dot(view.left) > 0.0 { b } else { view.left };
             if not_right_of(right, left) {
@@ -175,4 +192,27 @@ fn nearest_to_origin(a: DVec2, b: DVec2) -> DVec2 {
     let square = along.length_squared();
     let share = if square > 0.0 { (-a.dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
     a + along * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tin::{TinInput, triangulate};
+
+    #[test]
+    fn a_view_along_a_row_of_vertices_comes_to_an_end() {
+        let mut input = TinInput::new([DVec2::new(0.0, -1.0), DVec2::new(50.0, 1.0)], 0.0);
+        for i in 0..50 {
+            for (x, y) in [(0.0, 0.0), (0.5, 1.0), (0.5, -1.0)] {
+                input.push(DVec2::new(x + f64::from(i), y), 5.0, VertexKind::Spot);
+            }
+        }
+        let wall = [DVec2::new(50.0, -1.0), DVec2::new(50.0, 1.0)];
+        input.push_line(&wall, 10.0, VertexKind::Contour);
+        let tin = triangulate(input).unwrap();
+        let from = DVec2::new(0.5, 0.0);
+        let t = tin.locate(0, from).unwrap();
+        assert_eq!(nearest_in_sight(&tin, t, from, 10.0), Some(49.5));
+        assert_eq!(nearest_in_sight(&tin, t, from, 20.0), None);
+    }
 }

@@ -83,7 +83,9 @@ fn height_in(surface: &Surface, t: u32, p: DVec2) -> f32 {
         None => height(&surface.tin, t, p - surface.tin.origin) as f32,
         Some(working) => surface.regions.region(t).map_or(f32::NAN, |region| {
             let (lo, hi) = (region.band.lo as f32, region.band.hi as f32);
-            working.at(p).clamp(lo, hi)
+            // Where the frame is narrower than the working grid's cells, no node may be near.
+            let smooth = Some(working.at(p)).filter(|height| !height.is_nan());
+            smooth.unwrap_or_else(|| height(&surface.tin, t, p - surface.tin.origin) as f32).clamp(lo, hi)
         }),
     }
 }

@@ -191,7 +191,9 @@ fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
         let [a, b] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
         let c = tin.corners(t)[(i + 2) % 3];
         let altitude = (b - a).perp_dot(c - a).abs() / a.distance(b);
-        if altitude <= tolerance {
+        // A contour along the border has nothing but this triangle on its inner side.
+        let bears_a_line = (0..3).any(|j| tin.is_constraint(t, j) && tin.inner_neighbour(t, j).is_none());
+        if altitude <= tolerance && !bears_a_line {
             tin.inside[t as usize] = false;
             for j in [(i + 1) % 3, (i + 2) % 3] {
                 let n = tin.neighbours[t as usize][j];
@@ -260,5 +262,16 @@ mod tests {
         let outside: Vec<u32> = (0..tin.len() as u32).filter(|&t| !tin.is_inside(t)).collect();
         assert_eq!(outside.len(), 1);
         assert!(tin.triangles[outside[0] as usize].contains(&1));
+    }
+    #[test]
+    fn no_contour_on_the_border_is_peeled_off() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(10.0)], 1e-6);
+        input.push_line(&[DVec2::ZERO, DVec2::new(1e-8, 0.0)], 5.0, VertexKind::Contour);
+        for p in [(0.0, 5.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)] {
+            input.push(p.into(), 1.0, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let holds = |t: &u32| (0..3).any(|i| tin.contour_level(*t, i) == Some(5.0));
+        assert!((0..tin.len() as u32).find(holds).is_some_and(|t| tin.is_inside(t)));
     }
 }

@@ -13,6 +13,7 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use super::FrameRing;
+use crate::contour::clean::{Segment, point_distance};
 use crate::contour::oriented::{BoxTree, OrientedBox};
 use crate::contour::{Contour, ContourMap};
 
@@ -77,7 +78,8 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
             let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
             // A little beyond, so that a contour that runs along the frame is met in spite of rounding.
             let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
-            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !index.sees(map, end.position, beyond) {
+            let is_free = || index.sees(map, end.position, beyond) && !index.touches(map, on_frame, tolerance);
+            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
                 return (false, None);
             }
             (true, Some(Link { end: end.position, frame: on_frame, elevation: end.elevation }))
@@ -152,6 +154,15 @@ impl Sight {
                 .any(|s| s[0] != a && s[1] != a && segments_meet(a, b, s[0], s[1]))
         })
     }
+
+    /// Whether a contour comes as near to a place as `tolerance`. One that ends on the frame is passed by a link that ends
+    /// there too, but for rounding, and nothing would be met.
+    fn touches(&self, map: &ContourMap, place: DVec2, tolerance: f64) -> bool {
+        self.tree.near(OrientedBox::around(&[place]).grown(tolerance)).any(|run| {
+            let mut segments = points_of(map, self.runs[run as usize]).windows(2);
+            segments.any(|s| point_distance(place, &Segment { a: s[0], b: s[1] }) <= tolerance)
+        })
+    }
 }
 
 /// The vertices of the run that begins with a line's segment.
@@ -209,6 +220,21 @@ mod tests {
             let ring = frame_ring(&map, &Frame::Hull);
             let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
             assert!(links.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
+        }
+    }
+
+    #[test]
+    fn no_link_ends_where_a_contour_does() {
+        // The nearest point of the frame is the end of another level, but for a rounding error to one side or the other.
+        for off in [0.0, 3e-14, -3e-14] {
+            let map = map(&[
+                (0.0, &[(20.0, 150.0), (190.0, 50.0), (200.0, 300.0), (20.0, 300.0)]),
+                (10.0, &[(60.0, 150.0 + off), (90.0, 200.0), (190.0, 250.0)]),
+                (20.0, &[(20.0, 0.0), (200.0, 0.0)]),
+            ]);
+            let ring = frame_ring(&map, &Frame::Box);
+            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            assert!(links.iter().all(|l| l.end.x != 60.0), "{off}: {links:?}");
         }
     }
 

@@ -31,6 +31,7 @@ pub use waters::{lakes_outside_bands, with_water};
 use std::collections::HashSet;
 
 use glam::{DVec2, DVec3};
+use robust::{Coord, orient2d};
 
 /// Marks "no triangle" or "no region" in arrays of indices.
 pub const NONE: u32 = u32::MAX;
@@ -299,8 +300,9 @@ impl Tin {
     /// The first disagreement, in words.
     pub fn validate(&self) -> Result<(), String> {
         for t in 0..self.len() as u32 {
-            let [a, b, c] = self.corners(t);
-            if (b - a).perp_dot(c - a) < 0.0 {
+            // Exactly, as they were made: the difference of two products says nothing of slivers.
+            let [a, b, c] = self.corners(t).map(|p| Coord { x: p.x, y: p.y });
+            if orient2d(a, b, c) < 0.0 {
                 return Err(format!("triangle {t} is clockwise"));
             }
             for i in 0..3 {

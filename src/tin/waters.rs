@@ -104,7 +104,8 @@ impl Border {
         if let Some(height) = water {
             band = Band { lo: height, hi: height };
         } else if let Some(&lowest) = self.shores.first() {
-            if levels.iter().all(|(_, side)| *side == Side::Below) {
+            // Where contours are missing, ground can be told to lie below a level that the shore lies above.
+            if levels.iter().all(|(level, side)| *side == Side::Below && lowest <= *level) {
                 band.lo = band.lo.max(lowest).min(band.hi);
             }
             for &shore in &self.shores {
@@ -156,6 +157,19 @@ mod tests {
         assert_eq!(at(45.0), (94.0, 100.0, None));
         assert_eq!(at(20.0), (94.0, 94.0, Some(94.0)));
         assert_eq!(at(5.0), (94.0, 100.0, None));
+    }
+
+    #[test]
+    fn a_shore_above_a_contour_is_not_the_lowest_ground() {
+        let border = || Border { levels: vec![0.0, 30.0], shores: vec![17.5], has_gate: false };
+        let land = |levels: Vec<(f64, Side)>, lo: f64| {
+            let parent = Region { band: Band { lo, hi: 30.0 }, levels, triangle: 0, outer: false, water: None };
+            border().region(&parent, 0, None).band
+        };
+        // Where contours are missing, ground from 0 to 30 can be told to lie below both.
+        assert_eq!(land(vec![(0.0, Side::Below), (30.0, Side::Below)], -10.0).lo, -10.0);
+        assert_eq!(land(vec![(30.0, Side::Below)], 20.0).lo, 20.0);
+        assert_eq!(land(vec![(30.0, Side::Below)], 10.0).lo, 17.5);
     }
 
     #[test]

@@ -19,7 +19,7 @@ use tokosen::error::Result;
 use tokosen::mesh::{MeshParams, mesh};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::surface::{Surface, SurfaceParams, build, heights};
-use tokosen::tin::{VertexKind, landforms};
+use tokosen::tin::{Band, VertexKind, landforms};
 
 use crate::common;
 
@@ -106,14 +106,14 @@ pub fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
 
     // 5
     let frame: Vec<[DVec2; 2]> = surface.frame.edges().collect();
-    let diagonal = surface.frame.diagonal();
-    let given: HashSet<([u64; 2], u64)> =
-        kept.iter().flat_map(|l| l.points.iter().map(|p| (bits(*p), l.elevation.to_bits()))).collect();
+    let tolerance = rounding(surface);
+    let is_on = |end: DVec2, line: &[DVec2]| line.windows(2).any(|w| distance(end, w[0], w[1]) <= tolerance);
     for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated && !l.is_closed()) {
         for end in [line.points[0], line.points[line.points.len() - 1]] {
-            let at_frame = frame.iter().any(|[a, b]| distance(end, *a, *b) <= 2e-9 * diagonal);
-            let at_input = given.contains(&(bits(end), line.elevation.to_bits()));
-            assert!(at_frame || at_input, "{what}: a line of level {} ends in the open at {end}", line.elevation);
+            let at_frame = frame.iter().any(|edge| is_on(end, edge));
+            // At a vertex of it, or at one that a shore added to it, which lies on it but for rounding.
+            let at_input = || kept.iter().any(|l| l.elevation == line.elevation && is_on(end, &l.points));
+            assert!(at_frame || at_input(), "{what}: a line of level {} ends in the open at {end}", line.elevation);
         }
     }
 }
@@ -123,24 +123,54 @@ fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(a + (b - a) * t)
 }
 
+/// How far a place may be off by rounding. Coordinates have so many digits: on a small map far from zero that is more than
+/// a share of its size.
+fn rounding(surface: &Surface) -> f64 {
+    let (lo, hi) = extent(surface);
+    2e-9 * surface.frame.diagonal() + 4.0 * f64::EPSILON * lo.abs().max(hi.abs()).max_element()
+}
+
 /// The box around the frame.
 fn extent(surface: &Surface) -> (DVec2, DVec2) {
     let points = surface.frame.rings().flatten();
     points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
 
-/// Heights on a grid over the whole frame, which must be those of some band.
+/// Heights on a grid over the whole frame, which must be those of some band; and wherever a cell centre lies in a triangle,
+/// one of its sub-domain's. A frame narrower than a cell may hold no centre at all.
 pub fn check_dem(surface: &Surface, cell: f64, what: &str) {
     let (lo, hi) = extent(surface);
     let size = ((hi - lo) / cell).ceil();
     let corner = DVec2::new(lo.x, hi.y);
     let grid = Grid { corner, cell: DVec2::splat(cell), cols: size.x as usize, rows: size.y as usize };
     let dem = heights(surface, &grid, &());
+    let within = |band: Band, height: f32| (band.lo as f32..=band.hi as f32).contains(&height);
     let bands = surface.regions.regions.iter().map(|r| r.band);
     let (lowest, highest) = bands.fold((f64::INFINITY, f64::NEG_INFINITY), |m, b| (m.0.min(b.lo), m.1.max(b.hi)));
-    let valid: Vec<f32> = dem.values.into_iter().filter(|v| !v.is_nan()).collect();
-    assert!(!valid.is_empty(), "{what}");
-    assert!(valid.iter().all(|&v| (lowest as f32..=highest as f32).contains(&v)), "{what}: a height is out of range");
+    let all = Band { lo: lowest, hi: highest };
+    assert!(dem.values.iter().all(|&v| v.is_nan() || within(all, v)), "{what}: a height is out of range");
+
+    let tin = &surface.tin;
+    // What lies on an edge but for rounding may be taken for either side of it.
+    let margin = rounding(surface);
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let band = surface.regions.region(t).expect("inside triangles have a region").band;
+        let corners = tin.corners(t);
+        let is_deep = |p: DVec2| {
+            let ahead = |i: usize| (corners[i], corners[(i + 1) % 3] - corners[i]);
+            (0..3).map(ahead).all(|(from, along)| along.perp_dot(p - from) > margin * along.length())
+        };
+        let [first, last] = [corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])]
+            .map(|p| (p + tin.origin - corner) / cell);
+        for row in (-last.y).max(0.0) as usize..=(-first.y).max(0.0) as usize {
+            for col in first.x.max(0.0) as usize..=last.x.max(0.0) as usize {
+                if col < grid.cols && row < grid.rows && is_deep(grid.center(col, row) - tin.origin) {
+                    let value = dem.values[row * grid.cols + col];
+                    assert!(within(band, value), "{what}: {value} at {} is not in {band:?}", grid.center(col, row));
+                }
+            }
+        }
+    }
 }
 
 /// What is done to the lines of a map before a surface is made of it.

@@ -1,17 +1,18 @@
 //! Cleaning: makes a map's contours sound, and says what was wrong.
 //!
-//! In this order: bad points out, every line in its standard form, self-touching lines split, duplicates out, ends joined,
-//! conflicts cut, spot heights checked. Conflicts are lines that no triangulation could hold: those of different levels
-//! that touch, and lines that cross. They are searched with exact predicates on the coordinates as they are, and cut by
-//! leaving out whole segments, so that every vertex that remains is a vertex of the input. A line that merely touches
-//! itself loses nothing: it is split there. Nothing depends on the order of the input's features, nor on the number of
-//! threads.
+//! In this order: bad points out, levels that differ by rounding made one, every line in its standard form, self-touching
+//! lines split, duplicates out, ends joined, conflicts cut, spot heights checked. Conflicts are lines that no triangulation
+//! could hold: those of different levels that touch, and lines that cross. They are searched with exact predicates on the
+//! coordinates as they are, and cut by leaving out whole segments, so that every vertex that remains is a vertex of the
+//! input. A line that merely touches itself loses nothing: it is split there. Nothing depends on the order of the input's
+//! features, nor on the number of threads.
 
 mod canonical;
 mod contacts;
 mod cut;
 mod faults;
 mod join;
+mod levels;
 mod meet;
 mod nodes;
 mod points;
@@ -70,8 +71,9 @@ impl CleanParams {
 /// In the result every coordinate and elevation is finite and every line has two points at least, visits no vertex twice
 /// (but for the end of a closed line) and does not cross itself; lines of one level touch at single points at most and
 /// do not cross there otherwise than at a common vertex; lines of different level are at least `separation` apart. Lines
-/// are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y), closed ones
-/// start at their smallest vertex. A joined line has the smallest feature number of its pieces.
+/// are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y), closed ones start
+/// at their smallest vertex. A joined line has the smallest feature number of its pieces. Elevations that differ by rounding
+/// only are made the same number.
 ///
 /// What is left out or joined is in the findings, step by step and in a fixed order within each.
 ///
@@ -98,8 +100,8 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
     for contour in &map.contours {
         points::validate(contour)?;
     }
-    if map.spots.iter().any(|s| !(points::is_place(s.truncate()) && s.z.is_finite())) {
-        return Err(Error::Data("a spot height is not finite".to_owned()));
+    if map.spots.iter().any(|s| !(points::is_place(s.truncate()) && points::is_height(s.z))) {
+        return Err(Error::Data("a spot height is no place or no height".to_owned()));
     }
     let segments = Segments::new(&map.contours)?;
     let contacts = contacts::find(&segments, params.separation)?;
@@ -163,7 +165,8 @@ struct Cleaned {
 }
 
 fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> {
-    let Report { value: lines, mut findings } = points::drop_bad(contours);
+    let Report { value: mut lines, mut findings } = points::drop_bad(contours);
+    levels::unite(&mut lines);
     let mut removed = Vec::new();
     let lines = canonical::sort_unique(simple(lines, &mut removed), &mut findings);
 

@@ -1,4 +1,4 @@
-//! Bad points: coordinates that are no places, repeated points, lines that are mere points.
+//! Bad points: coordinates that are no places, elevations that are no heights, repeated points, lines that are mere points.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -15,6 +15,10 @@ const LARGEST_COORDINATE: f64 = 1e50;
 /// longer be exact; nor does a triangulation take them.
 const SMALLEST_COORDINATE: f64 = 1e-40;
 
+/// Elevations beyond this, in metres, are no heights but marks for a missing one, as 1e30 is. Heights are written as
+/// 32-bit numbers, and squares of them must be finite ones.
+const LARGEST_ELEVATION: f64 = 1e9;
+
 /// Zero for a number that is as good as zero, negative zero among them, so that equal numbers have equal bits.
 fn without_dust(x: f64) -> f64 {
     if x.abs() < SMALLEST_COORDINATE { 0.0 } else { x }
@@ -23,6 +27,11 @@ fn without_dust(x: f64) -> f64 {
 /// Whether a point is a place.
 pub(super) fn is_place(p: DVec2) -> bool {
     p.x.abs() <= LARGEST_COORDINATE && p.y.abs() <= LARGEST_COORDINATE
+}
+
+/// Whether a number is a height.
+pub(super) fn is_height(z: f64) -> bool {
+    z.abs() <= LARGEST_ELEVATION
 }
 
 /// A point without dust in its coordinates.
@@ -49,8 +58,8 @@ pub(super) fn drop_bad(contours: Vec<Contour>) -> Report<Vec<Contour>> {
 
 fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
     let (elevation, feature) = (line.elevation, line.feature);
-    if !elevation.is_finite() {
-        let message = format!("the line of feature {feature} has no elevation that is a number; it was left out");
+    if !is_height(elevation) {
+        let message = format!("the line of feature {feature} has no elevation that is a height; it was left out");
         let place = line.points.iter().find(|p| is_place(**p)).copied();
         return (None, vec![Finding::new(FindingKind::MissingElevation, place, message).about(feature, elevation)]);
     }
@@ -104,8 +113,8 @@ fn kept_points(points: &[DVec2], elevation: f64, feature: u64, findings: &mut Ve
 
 /// Checks a single line's points.
 pub(super) fn validate(line: &Contour) -> Result<()> {
-    let fault = if !line.elevation.is_finite() {
-        "has no finite elevation"
+    let fault = if !is_height(line.elevation) {
+        "has no elevation that is a height"
     } else if line.points.len() < 2 {
         "has fewer than two points"
     } else if !line.points.iter().all(|p| is_place(*p)) {

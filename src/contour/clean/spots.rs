@@ -7,7 +7,7 @@ use rstar::primitives::GeomWithData;
 
 use super::canonical::compare_points;
 use super::meet::{Meeting, meeting, point_distance};
-use super::points::{is_place, tidy};
+use super::points::{is_height, is_place, tidy};
 use super::segments::{Bounds, Runs, Segment, Segments};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Report, Result};
@@ -23,7 +23,7 @@ pub(super) fn clean(spots: Vec<DVec3>, contours: &[Contour], separation: f64) ->
     let (mut spots, mut bad): (Vec<DVec3>, Vec<DVec3>) = spots
         .into_iter()
         .map(|s| tidy(s.truncate()).extend(s.z + 0.0))
-        .partition(|s| is_place(s.truncate()) && s.z.is_finite());
+        .partition(|s| is_place(s.truncate()) && is_height(s.z));
     bad.sort_unstable_by(compare_spots);
     findings.extend(bad.into_iter().map(|s| {
         let message = "a spot height is no place or has no height; it was left out";

@@ -149,8 +149,8 @@ fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Ve
         new.retain(|p| *p != segment.a && *p != segment.b);
         points.extend(new);
         points.push(segment.b);
-        points.dedup();
     }
+    points.dedup();
     points
 }
 

@@ -14,6 +14,9 @@ use crate::guarantees::{Lines, hold};
 
 /// Coordinates and elevations up to here have digits enough for lines that are a thousandth of a unit apart.
 const EXACT: f64 = 1e7;
+/// The same in units of the small grid: points that lie on one line there make slivers by rounding, and lines of different
+/// levels through those cross by rounding.
+const EXACT_UNITS: f64 = 1e8;
 
 /// The smooth surface is asked for on maps up to so many units of the small grid. With one line far from the others its
 /// working grid is large, as it must be, and nothing would be found in an hour.
@@ -83,7 +86,7 @@ impl Bytes<'_> {
             let mut points = Vec::new();
             for _ in 0..usize::from(self.next().unwrap_or(0)).min(left) {
                 let Some(p) = self.point(scale, origin) else { break };
-                is_exact &= p.abs().max_element() <= EXACT;
+                is_exact &= p.abs().max_element() <= EXACT.min(EXACT_UNITS * scale);
                 is_small &= p.distance(origin) <= SMOOTH * scale;
                 points.push(p);
             }

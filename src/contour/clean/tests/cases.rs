@@ -34,6 +34,8 @@ fn bad_points_are_dropped() {
         line(4, 20.0, &[(0, 3), (1, 3), (2, 3)]),
         line(5, 20.0, &[]),
         line(6, f64::INFINITY, &[]),
+        // As some programs mark what they do not know.
+        line(7, -1e30, &[(8, 8), (9, 9)]),
     ];
     lines[3].points[1].y = f64::NAN;
     let report = cleaned(lines, 0.0);
@@ -45,6 +47,7 @@ fn bad_points_are_dropped() {
         [
             (MissingElevation, None),
             (MissingElevation, Some((7.0, 7.0))),
+            (MissingElevation, Some((8.0, 8.0))),
             (NonFinitePoint, Some((0.0, 3.0))),
             (RepeatedPoint, Some((1.0, 0.0))),
             (PointLine, None),
