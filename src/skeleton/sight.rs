@@ -143,8 +143,9 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
             if !not_right_of(a, b) {
                 continue;
             }
-            // What is as narrow as a line stays as it is, so that it is known again.
-            if not_right_of(view.left, view.right) {
+            // What is as narrow as a line stays as it is, so that it is known again. From a point on an edge the view through
+            // that edge is half of all around.
+            if not_right_of(view.left, view.right) && view.left.dot(view.right) > 0.0 {
                 let is_touched = not_right_of(a, view.left) && not_right_of(view.right, b);
                 let bits = [view.right, view.left].map(|p| p.to_array().map(f64::to_bits));
                 if is_touched && lines.insert((n, edge, bits)) {
