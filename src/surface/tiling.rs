@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
     Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
-    lakes_outside_bands, link_open_ends, regions, triangulate, with_water,
+    lakes_outside_bands, link_open_ends, regions, sub_domains, triangulate, with_water,
 };
 
 /// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
@@ -143,13 +143,15 @@ impl Tiling {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
         };
-        let (tin, regions) = match kept.of(&tin) {
-            Some(regions) => (tin, regions),
-            // Parts of the frame that hold no contour are in it again.
-            None => {
+        let is_dry = parts.ponds.is_empty() && parts.sea.is_none();
+        let known = is_dry.then(|| kept.applied(&tin, sub_domains(&tin, &interval)));
+        let (tin, regions) = match known {
+            Some((regions, true)) => (tin, regions),
+            // With water, and where parts of the frame that hold no contour are in it again.
+            _ => {
                 let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
-                let anew = || with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
-                let regions = kept.of(&tin).unwrap_or_else(anew);
+                let regions = with_water(regions, &tin, &parts.ponds.heights(), parts.sea);
+                let (regions, _) = kept.applied(&tin, regions);
                 (tin, regions)
             }
         };

@@ -3,9 +3,7 @@
 //! A finer triangulation has the same sub-domains, and heights were found for their bands, so those must not be judged
 //! anew: nothing but the borders says that both judgements would agree.
 
-use super::regions::flood;
 use super::{Region, Regions, Tin};
-use crate::contour::Interval;
 
 /// The sub-domains of a triangulation by their borders.
 ///
@@ -15,7 +13,6 @@ pub struct KeptBands {
     /// Ends of directed edges with the sub-domain on the left, ascending.
     borders: Vec<([u32; 2], u32)>,
     regions: Vec<Region>,
-    interval: Interval,
 }
 
 impl KeptBands {
@@ -24,26 +21,25 @@ impl KeptBands {
         let of_triangle = &regions.of_triangle;
         let mut borders: Vec<_> = borders(tin).map(|(t, edge)| (edge, of_triangle[t as usize])).collect();
         borders.sort_unstable();
-        Self { borders, regions: regions.regions, interval: regions.interval }
+        Self { borders, regions: regions.regions }
     }
 
-    /// The same sub-domains of a finer triangulation, with levels and bands as they were. `None` if it has others.
-    pub fn of(&self, tin: &Tin) -> Option<Regions> {
-        let (of_triangle, mut regions) = flood(tin);
-        let mut is_known = vec![false; regions.len()];
+    /// The same sub-domains of a finer triangulation, `regions`, with levels and bands as they were; and whether all of them
+    /// are known.
+    pub fn applied(&self, tin: &Tin, mut regions: Regions) -> (Regions, bool) {
+        let mut is_known = vec![false; regions.regions.len()];
         for (t, edge) in borders(tin) {
-            let id = of_triangle[t as usize] as usize;
+            let id = regions.of_triangle[t as usize] as usize;
             if is_known[id] {
                 continue;
             }
             if let Ok(k) = self.borders.binary_search_by(|(e, _)| e.cmp(&edge)) {
                 is_known[id] = true;
                 let kept = self.regions[self.borders[k].1 as usize].clone();
-                regions[id] = Region { triangle: regions[id].triangle, ..kept };
+                regions.regions[id] = Region { triangle: regions.regions[id].triangle, ..kept };
             }
         }
-        let all = is_known.into_iter().all(|is_known| is_known);
-        all.then_some(Regions { of_triangle, regions, interval: self.interval })
+        (regions, is_known.into_iter().all(|is_known| is_known))
     }
 }
 

@@ -25,7 +25,7 @@ pub(crate) use links::Sight;
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
-pub use regions::{Band, Region, Regions, Side, regions};
+pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub use waters::{lakes_outside_bands, with_water};
 
 use std::collections::HashSet;

@@ -110,6 +110,12 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
     }
 }
 
+/// Finds the sub-domains and the levels on their borders, not their bands, which are told otherwise.
+pub fn sub_domains(tin: &Tin, interval: &Interval) -> Regions {
+    let (of_triangle, regions) = flood(tin);
+    Regions { of_triangle, regions, interval: *interval }
+}
+
 /// Finds the sub-domains and their bands.
 pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
     let (of_triangle, mut regions) = flood(tin);
@@ -120,7 +126,7 @@ pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
 
 /// Numbers the connected components and collects the levels on their borders, the lowest as one that the ground lies
 /// above, the others as ones that it lies below.
-pub(super) fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
+fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();
