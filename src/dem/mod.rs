@@ -7,7 +7,7 @@ mod rasterise;
 pub mod shade;
 
 pub use ground::{GroundScale, looks_like_degrees};
-pub(crate) use rasterise::height;
+pub(crate) use rasterise::{height, heights_at};
 pub use rasterise::{locate, rasterise};
 
 use glam::DVec2;

@@ -17,11 +17,16 @@ const BAND_ROWS: usize = 32;
 /// Every height lies between the lowest and the highest corner of its triangle. A centre on an edge or a corner belongs
 /// to the triangle of the lowest number.
 pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progress) -> Dem {
-    let height = |(i, t): (usize, u32)| {
+    let values = heights_at(tin, grid, &locate(tin, grid, progress));
+    Dem { grid: *grid, values, crs }
+}
+
+/// Heights of the surface at the cell centres of `grid`, whose triangles are known from [`locate`].
+pub(crate) fn heights_at(tin: &Tin, grid: &Grid, triangles: &[u32]) -> Vec<f32> {
+    let height = |(i, &t): (usize, &u32)| {
         if t == NONE { f32::NAN } else { height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32 }
     };
-    let values = locate(tin, grid, progress).into_par_iter().enumerate().map(height).collect();
-    Dem { grid: *grid, values, crs }
+    triangles.par_iter().enumerate().map(height).collect()
 }
 
 /// The triangle that each cell centre of `grid` lies in, [`NONE`] outside the frame and where there are no heights.

@@ -10,12 +10,12 @@ use super::tiling::{Tiling, tiling_with_water};
 use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::contour::ContourMap;
-use crate::dem::Grid;
+use crate::dem::{Grid, locate};
 use crate::error::{Error, Report, Result};
 use crate::memory;
 use crate::progress::Progress;
 use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
-use crate::tin::{Gaps, Regions, Side, Tin, triangulate};
+use crate::tin::{Gaps, Regions, Side, Tin, Triangulation};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
@@ -46,17 +46,22 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let mut chosen = None;
     if params.kind != SurfaceKind::Linear {
         progress.start("ridge and canyon lines", 0);
+        let triangulation = std::mem::take(&mut tiled.triangulation);
         // A triangulation keeps one thread busy; the choice is made beside it.
         let wants_choice = params.kind == SurfaceKind::Spline;
-        let (choice, finer) =
-            rayon::join(|| wants_choice.then(|| choose(&tiled, params)), || finer(&tiled, params.resolution));
+        let (choice, finer) = rayon::join(
+            || wants_choice.then(|| choose(&tiled, params)),
+            || finer(&tiled, triangulation, params.resolution),
+        );
         chosen = choice;
         (tiled, break_lines, axis) = with_skeleton(tiled, finer?);
         progress.finish();
     }
-    let working = chosen.as_ref().map(|chosen| {
+    let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         let grid = working_grid(&tiled, params.spline.wanted);
-        spline(&draft(&tiled, &break_lines, &grid), &chosen.knobs, progress)
+        let triangles = locate(&tiled.tin, &grid, &());
+        let draft = draft(&tiled, &break_lines, &grid, &triangles);
+        (Some(spline(&draft, &chosen.knobs, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
@@ -68,7 +73,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         && let Some(working) = &working
     {
         progress.start("triangulating the smooth surface", 0);
-        (tiled, break_lines) = with_nodes(tiled, axis, working)?;
+        (tiled, break_lines) = with_nodes(tiled, axis, working, &triangles)?;
         progress.finish();
     }
     let Tiling { map, tin, regions, frame, interval, .. } = tiled;
@@ -76,12 +81,13 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     Ok(Report { value: surface, findings })
 }
 
-/// The ridge and canyon lines, and the triangulation of what was triangulated and of them.
-pub(super) fn finer(tiled: &Tiling, resolution: f64) -> Result<(Skeleton, Tin)> {
+/// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `tiled`.
+pub(super) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
     let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
-    let mut input = tiled.input();
-    push_axis(&mut input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
-    Ok((skeleton, triangulate(input)?))
+    let input = triangulation.input();
+    tiled.push_gaps(input);
+    push_axis(input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
+    Ok((skeleton, triangulation.tin()?))
 }
 
 /// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.

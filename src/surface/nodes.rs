@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use super::WorkingGrid;
 use super::spline::{Lattice, mean_gap};
 use super::tiling::Tiling;
-use crate::dem::locate;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
 use crate::tin::{NONE, TinInput, VertexKind, triangulate};
@@ -28,8 +27,14 @@ const LARGEST: usize = 16;
 
 /// A triangulation of the smooth surface, and the ridge and canyon lines with its heights.
 ///
-/// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface.
-pub(super) fn with_nodes(tiled: Tiling, mut axis: Axis, working: &WorkingGrid) -> Result<(Tiling, Vec<BreakLine>)> {
+/// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
+/// `triangles`.
+pub(super) fn with_nodes(
+    tiled: Tiling,
+    mut axis: Axis,
+    working: &WorkingGrid,
+    triangles: &[u32],
+) -> Result<(Tiling, Vec<BreakLine>)> {
     let lattice = Lattice::of_grid(&working.grid);
     let mut input = tiled.input();
     let heights = smooth_heights(&tiled, input.len(), &mut axis, working);
@@ -39,7 +44,7 @@ pub(super) fn with_nodes(tiled: Tiling, mut axis: Axis, working: &WorkingGrid) -
     let step = lattice.step.max_element();
     let stride = (mean_gap(&tiled) / (NODES_A_GAP * step)).floor().max(1.0) as usize;
     let coarse = Strided { lattice, stride };
-    let regions = clear_nodes(&tiled, working, &coarse);
+    let regions = clear_nodes(&tiled, working, triangles, &coarse);
     let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);
     push_axis(&mut input, &tiled.tin.source, &axis, &flow.heights);
     let origin = input.origin();
@@ -156,16 +161,14 @@ impl Strided {
 }
 
 /// The sub-domain of each node, [`NONE`] where there is no height and near edges that the triangulation must hold.
-fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, nodes: &Strided) -> Vec<u32> {
+fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: &Strided) -> Vec<u32> {
     let tin = &tiled.tin;
-    let triangles = locate(tin, &working.grid, &());
     let region = |k: usize| {
         let node = nodes.node(k);
         let t = triangles[node];
         if t == NONE || working.heights[node].is_nan() { NONE } else { tiled.regions.of_triangle[t as usize] }
     };
     let mut regions: Vec<u32> = (0..nodes.cols() * nodes.rows()).into_par_iter().map(region).collect();
-    drop(triangles);
     let place = |v: u32| nodes.place(tin.positions[v as usize] + tin.origin);
     let mut clear = |a: DVec2, b: DVec2| {
         for_each_near(a, b, [nodes.cols(), nodes.rows()], |k| regions[k] = NONE);

@@ -14,8 +14,8 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
-    lakes_outside_bands, link_open_ends, regions, sub_domains, triangulate, with_water,
+    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, Triangulation, VertexKind,
+    close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
 };
 
 /// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
@@ -37,6 +37,8 @@ pub struct Tiling {
     /// What closes the gaps between open ends.
     pub(super) gaps: Gaps,
     parts: Parts,
+    /// The triangulation itself, to which points can be added, until it is taken.
+    pub(super) triangulation: Triangulation,
 }
 
 /// Triangulates a clean map (see [`clean`](fn@crate::contour::clean)) and finds its sub-domains.
@@ -95,7 +97,7 @@ pub fn tiling_with_water(
         (parts.ponds, frame) = (ponds, with_ends);
         found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
     }
-    let Found { tin, regions: sub_domains, gaps, findings: of_regions } = found;
+    let Found { triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
     findings.extend(of_regions);
     let ground = Ground {
         map: &map,
@@ -111,7 +113,7 @@ pub fn tiling_with_water(
     findings.extend(contradicted_marks(&map, &tin, &sub_domains));
     let tin = with_frame_heights(tin, &sub_domains, None);
     progress.finish();
-    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, corrections, gaps, parts };
+    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, corrections, gaps, parts, triangulation };
     Ok(Report { value: tiling, findings })
 }
 
@@ -119,10 +121,15 @@ impl Tiling {
     /// What was triangulated, for a triangulation with more points: these come first and so keep their numbers.
     pub(super) fn input(&self) -> TinInput {
         let mut input = self.parts.input(&self.map, &self.frame);
+        self.push_gaps(&mut input);
+        input
+    }
+
+    /// Adds what closes the gaps to what was triangulated.
+    pub(super) fn push_gaps(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
-        input
     }
 
     /// The spot heights that agree with the contours around them.
@@ -134,7 +141,7 @@ impl Tiling {
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
-        let Self { map, tin, regions, frame, interval, corrections, gaps, parts } = self;
+        let Self { map, tin, regions, frame, interval, corrections, gaps, parts, .. } = self;
         let kept = KeptBands::new(&tin, regions);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
@@ -156,7 +163,8 @@ impl Tiling {
             }
         };
         let tin = with_frame_heights(tin, &regions, working);
-        Self { map, tin, regions, frame, interval, corrections, gaps, parts }
+        let triangulation = Triangulation::default();
+        Self { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation }
     }
 }
 
@@ -198,6 +206,7 @@ struct Parts {
 
 /// A triangulation with its sub-domains.
 struct Found {
+    triangulation: Triangulation,
     tin: Tin,
     regions: Regions,
     gaps: Gaps,
@@ -242,7 +251,8 @@ impl Parts {
         findings: &mut Vec<Finding>,
     ) -> Result<Found> {
         loop {
-            let tin = self.within_frame(triangulate(self.input(map, frame))?, frame);
+            let mut triangulation = Triangulation::new(self.input(map, frame))?;
+            let tin = self.within_frame(triangulation.tin()?, frame);
             let mut gaps = close_gaps(&tin, ends, interval.step);
             gaps.close_slits(&tin, self.tolerance);
             let tin = self.ponds.mark(tin.with_gaps(&gaps));
@@ -259,7 +269,7 @@ impl Parts {
             let regions = with_water(report.value, &tin, &heights, self.sea);
             let outside = spots_outside_bands(map, &tin, &regions);
             if outside.is_empty() {
-                return Ok(Found { tin, regions, gaps, findings: report.findings });
+                return Ok(Found { triangulation, tin, regions, gaps, findings: report.findings });
             }
             for (spot, finding) in outside {
                 self.spots[spot] = false;

@@ -1,178 +1,197 @@
 //! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. The only file that knows spade.
 
-use std::collections::HashMap;
-
 use glam::DVec2;
 use rayon::prelude::*;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
+use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation as _};
 
-use super::{CONSTRAINT, NONE, Tin, VertexKind};
+use super::{CONSTRAINT, NONE, Tin, TinInput};
 use crate::error::{Error, Result};
 
-/// Points and edges to triangulate.
-///
-/// Where several points share a position the first one gives kind and height, so contours go in before anything else.
-#[derive(Debug, Clone)]
-pub struct TinInput {
-    origin: DVec2,
-    positions: Vec<DVec2>,
-    heights: Vec<f64>,
-    kinds: Vec<VertexKind>,
-    edges: Vec<[u32; 2]>,
-    border_tolerance: f64,
+/// A constrained Delaunay triangulation that can grow. Points and edges that are added to its [`input`](Self::input) are in
+/// the next [`tin`](Self::tin); those that were there before keep their numbers.
+#[derive(Debug, Clone, Default)]
+pub struct Triangulation {
+    cdt: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    input: TinInput,
+    /// The vertex of each point, for the points that are in.
+    vertex_of: Vec<u32>,
+    /// The first point of each vertex.
+    source: Vec<u32>,
+    /// Number of edges that are in.
+    edges: usize,
 }
 
-impl TinInput {
-    /// No points yet. `extent` is the lower left and the upper right corner of all that will come, map units.
+impl Triangulation {
+    /// Triangulates points and edges.
     ///
-    /// Triangles flatter than `border_tolerance` (map units) on the outer border will lie outside the frame.
-    pub fn new(extent: [DVec2; 2], border_tolerance: f64) -> Self {
-        let origin = origin_of(extent);
-        Self {
-            origin,
-            positions: Vec::new(),
-            heights: Vec::new(),
-            kinds: Vec::new(),
-            edges: Vec::new(),
-            border_tolerance,
+    /// # Errors
+    /// When a coordinate is out of range, or when edges cross.
+    pub fn new(input: TinInput) -> Result<Self> {
+        let (source, vertex_of) = merge_equal_positions(&input.positions);
+        let vertices = source.iter().map(|&i| point(input.positions[i as usize])).collect();
+        let edges = input.edges.iter().map(|e| e.map(|p| vertex_of[p as usize] as usize)).filter(|[u, v]| u != v);
+        let mut conflict = None;
+        let cdt = ConstrainedDelaunayTriangulation::try_bulk_load_cdt(vertices, edges.collect(), |e| {
+            conflict.get_or_insert(e);
+        })
+        .map_err(refused)?;
+        let edges = input.edges.len();
+        let built = Self { cdt, input, vertex_of, source, edges };
+        match conflict {
+            Some(edge) => Err(built.crossing(edge.map(|v| v as u32))),
+            None => Ok(built),
         }
     }
 
-    /// The origin that positions are relative to.
-    pub fn origin(&self) -> DVec2 {
-        self.origin
+    /// What it is made of.
+    pub fn input(&mut self) -> &mut TinInput {
+        &mut self.input
     }
 
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.positions.len()
+    /// The triangles.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and when all points lie on one line.
+    pub fn tin(&mut self) -> Result<Tin> {
+        self.grow()?;
+        let Self { cdt, input, source, .. } = self;
+        let faces: Vec<_> = cdt.fixed_inner_faces().collect();
+        if faces.is_empty() {
+            return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
+        }
+        let face = |&face: &FixedFaceHandle<InnerTag>| {
+            let edges = cdt.face(face).adjacent_edges();
+            // The outer face has index 0, so inner faces count from 1.
+            let beyond = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1));
+            let flag = |i: usize| (u16::from(edges[i].is_constraint_edge()) * CONSTRAINT) << i;
+            (edges.map(|e| e.from().fix().index() as u32), beyond, flag(0) | flag(1) | flag(2))
+        };
+        let faces: Vec<([u32; 3], [u32; 3], u16)> = faces.par_iter().map(face).collect();
+        // Along the contours, as the vertices are, so that what is done triangle by triangle finds its data side by side.
+        let least = |f: u32| faces[f as usize].0.into_iter().fold(NONE, u32::min);
+        let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (least(f), f)).collect();
+        order.par_sort_unstable();
+        let mut number = vec![0; faces.len()];
+        for (t, &(_, f)) in order.iter().enumerate() {
+            number[f as usize] = t as u32;
+        }
+        let of = |&(_, f): &(u32, u32)| faces[f as usize];
+        let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
+        let triangles: Vec<[u32; 3]> = order.par_iter().map(|f| of(f).0).collect();
+        let neighbours = order.par_iter().map(|f| of(f).1.map(numbered)).collect();
+        let edges = order.par_iter().map(|f| of(f).2).collect();
+        drop((order, number, faces));
+        let pick = |i: &u32| *i as usize;
+        let mut tin = Tin {
+            origin: input.origin,
+            positions: source.iter().map(|i| input.positions[pick(i)]).collect(),
+            heights: source.iter().map(|i| input.heights[pick(i)]).collect(),
+            kinds: source.iter().map(|i| input.kinds[pick(i)]).collect(),
+            source: source.clone(),
+            inside: vec![true; triangles.len()],
+            triangles,
+            neighbours,
+            edges,
+            lakes: Vec::new(),
+        };
+        tin.edges = (0..tin.len() as u32).into_par_iter().map(|t| tin.with_contours(t)).collect();
+        peel_flat_border(&mut tin, input.border_tolerance);
+        Ok(tin)
     }
 
-    /// Whether there is no point yet.
-    pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
-    }
-
-    /// Adds a point in map coordinates and returns its index.
-    pub fn push(&mut self, position: DVec2, height: f64, kind: VertexKind) -> u32 {
-        self.push_local(position - self.origin, height, kind)
-    }
-
-    /// Adds a point relative to the origin and returns its index.
-    pub fn push_local(&mut self, position: DVec2, height: f64, kind: VertexKind) -> u32 {
-        // Sizes that spade refuses as underflow become zero.
-        let axis = |v: f64| if v.abs() < 1e-40 { 0.0 } else { v };
-        self.positions.push(DVec2::new(axis(position.x), axis(position.y)));
-        self.heights.push(height);
-        self.kinds.push(kind);
-        (self.positions.len() - 1) as u32
-    }
-
-    /// Adds an edge between two points that the triangulation must hold. Edges may touch, not cross.
-    pub fn push_edge(&mut self, a: u32, b: u32) {
-        self.edges.push([a, b]);
-    }
-
-    /// Adds the vertices of a line in map coordinates and the edges between them.
-    pub fn push_line(&mut self, points: &[DVec2], height: f64, kind: VertexKind) {
-        for (i, &p) in points.iter().enumerate() {
-            let v = self.push(p, height, kind);
-            if i > 0 {
-                self.push_edge(v - 1, v);
+    /// Takes in the points and edges that were added.
+    fn grow(&mut self) -> Result<()> {
+        let before = self.source.len();
+        let first = self.vertex_of.len();
+        self.vertex_of.resize(self.input.positions.len(), NONE);
+        for i in side_by_side(&self.input.positions[first..]).into_iter().map(|i| first + i) {
+            let vertex = self.cdt.insert(point(self.input.positions[i])).map_err(refused)?.index();
+            if vertex == self.source.len() {
+                self.source.push(i as u32);
+            } else if vertex >= before && self.source[vertex] > i as u32 {
+                // Of new points at one place, the first.
+                self.source[vertex] = i as u32;
+            }
+            self.vertex_of[i] = vertex as u32;
+        }
+        for e in self.edges..self.input.edges.len() {
+            let [u, v] = self.input.edges[e].map(|p| self.vertex_of[p as usize]);
+            let [from, to] = [u, v].map(|v| FixedVertexHandle::from_index(v as usize));
+            if u != v && !self.cdt.can_add_constraint(from, to) {
+                return Err(self.crossing([u, v]));
+            }
+            if u != v {
+                self.cdt.add_constraint(from, to);
             }
         }
+        self.edges = self.input.edges.len();
+        Ok(())
+    }
+
+    /// The error that the edge between two vertices crosses another.
+    fn crossing(&self, edge: [u32; 2]) -> Error {
+        let [u, v] = edge.map(|v| self.input.positions[self.source[v as usize] as usize]);
+        let p = u.midpoint(v) + self.input.origin;
+        Error::Data(format!(
+            "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the \
+             frame, move the frame's border a little",
+            p.x, p.y
+        ))
     }
 }
 
 /// Triangulates points and edges.
 ///
 /// # Errors
-/// When a coordinate is out of range, when edges cross, or when all points lie on one line.
+/// As [`Triangulation::tin`].
 pub fn triangulate(input: TinInput) -> Result<Tin> {
-    let origin = input.origin;
-    let (source, index) = merge_equal_positions(&input.positions);
-    let pick = |i: &u32| *i as usize;
-    let positions: Vec<DVec2> = source.iter().map(|i| input.positions[pick(i)]).collect();
-    let heights: Vec<f64> = source.iter().map(|i| input.heights[pick(i)]).collect();
-    let kinds: Vec<VertexKind> = source.iter().map(|i| input.kinds[pick(i)]).collect();
-    let edges: Vec<[usize; 2]> =
-        input.edges.iter().map(|e| e.map(|v| index[v as usize] as usize)).filter(|[u, v]| u != v).collect();
-    let tolerance = input.border_tolerance;
-    drop((input, index));
-
-    let vertices: Vec<Point2<f64>> = positions.iter().map(|p| Point2::new(p.x, p.y)).collect();
-    let mut conflict = None;
-    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(vertices, edges, |e| {
-        conflict.get_or_insert(e);
-    })
-    .map_err(|e| Error::Data(format!("a coordinate cannot be triangulated: {e}")))?;
-    if let Some([u, v]) = conflict {
-        let p = positions[u].midpoint(positions[v]) + origin;
-        return Err(Error::Data(format!(
-            "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the \
-             frame, move the frame's border a little",
-            p.x, p.y
-        )));
-    }
-    let faces: Vec<_> = cdt.fixed_inner_faces().collect();
-    if faces.is_empty() {
-        return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
-    }
-    // Along the contours, as the vertices are, so that what is done triangle by triangle finds its data side by side.
-    let corners = |f: u32| cdt.face(faces[f as usize]).vertices().map(|v| v.fix().index() as u32);
-    let first_corner = |f: u32| corners(f).into_iter().fold(NONE, u32::min);
-    let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (first_corner(f), f)).collect();
-    order.par_sort_unstable();
-    let mut number = vec![0; faces.len()];
-    for (t, &(_, f)) in order.iter().enumerate() {
-        number[f as usize] = t as u32;
-    }
-    let triangle = |&(_, f): &(u32, u32)| {
-        let edges = cdt.face(faces[f as usize]).adjacent_edges();
-        let corners = edges.map(|e| e.from().fix().index() as u32);
-        // The outer face has index 0, so inner faces count from 1.
-        let neighbours = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| number[f.fix().index() - 1]));
-        let flags =
-            edges.iter().enumerate().fold(0, |m, (i, e)| m | (u16::from(e.is_constraint_edge()) * CONSTRAINT) << i);
-        (corners, (neighbours, flags))
-    };
-    let (triangles, (neighbours, edges)): (Vec<_>, (Vec<_>, Vec<_>)) = order.par_iter().map(triangle).unzip();
-    drop((order, number, faces, cdt));
-    let inside = vec![true; triangles.len()];
-    let mut tin =
-        Tin { origin, positions, heights, kinds, source, triangles, neighbours, edges, inside, lakes: Vec::new() };
-    tin.edges = (0..tin.len() as u32).into_par_iter().map(|t| tin.with_contours(t)).collect();
-    peel_flat_border(&mut tin, tolerance);
-    Ok(tin)
+    Triangulation::new(input)?.tin()
 }
 
-/// A whole-number origin near the points, or zero where it is not needed.
-///
-/// Subtracting it is exact: all coordinates of an axis lie within a tenth of their own size from each other, so the
-/// difference has no more binary digits than the coordinate.
-fn origin_of([lo, hi]: [DVec2; 2]) -> DVec2 {
-    let axis = |lo: f64, hi: f64| {
-        let far = lo.abs().max(hi.abs());
-        if hi - lo < 0.1 * far { lo.midpoint(hi).round() } else { 0.0 }
-    };
-    DVec2::new(axis(lo.x, hi.x), axis(lo.y, hi.y))
+fn point(position: DVec2) -> Point2<f64> {
+    Point2::new(position.x, position.y)
+}
+
+fn refused(error: InsertionError) -> Error {
+    Error::Data(format!("a coordinate cannot be triangulated: {error}"))
 }
 
 /// Merges points of the same position. Returns the first point of each position and, a point, its merged index.
 fn merge_equal_positions(positions: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
-    let mut seen: HashMap<[u64; 2], u32> = HashMap::with_capacity(positions.len());
+    let place = |i: &u32| positions[*i as usize].to_array().map(f64::to_bits);
+    let mut order: Vec<([u64; 2], u32)> = (0..positions.len() as u32).into_par_iter().map(|i| (place(&i), i)).collect();
+    order.par_sort_unstable();
+    let mut index = vec![0; positions.len()];
+    for same in order.chunk_by(|a, b| a.0 == b.0) {
+        same.iter().for_each(|&(_, i)| index[i as usize] = same[0].1);
+    }
     let mut unique = Vec::with_capacity(positions.len());
-    let index = positions
-        .iter()
-        .enumerate()
-        .map(|(i, p)| {
-            *seen.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| {
-                unique.push(i as u32);
-                (unique.len() - 1) as u32
-            })
-        })
-        .collect();
+    for i in 0..positions.len() {
+        // The first of a position comes before all others.
+        index[i] = if index[i] as usize == i {
+            unique.push(i as u32);
+            (unique.len() - 1) as u32
+        } else {
+            index[index[i] as usize]
+        };
+    }
     (unique, index)
+}
+
+/// The numbers of points, in strips, so that each is near the one before: it is looked for from there.
+fn side_by_side(positions: &[DVec2]) -> Vec<usize> {
+    let low = positions.iter().fold(f64::INFINITY, |low, p| low.min(p.y));
+    let high = positions.iter().fold(f64::NEG_INFINITY, |high, p| high.max(p.y));
+    let strips = (positions.len() as f64).sqrt() / (high - low).max(f64::MIN_POSITIVE);
+    let strip = |i: &usize| ((positions[*i].y - low) * strips) as i64;
+    let mut order: Vec<usize> = (0..positions.len()).collect();
+    order.sort_by(|a, b| {
+        let (a_strip, b_strip) = (strip(a), strip(b));
+        let along = positions[*a].x.total_cmp(&positions[*b].x);
+        a_strip.cmp(&b_strip).then(if a_strip % 2 == 0 { along } else { along.reverse() })
+    });
+    order
 }
 
 /// Takes the slivers along the outer border out of the frame.
@@ -210,6 +229,7 @@ fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tin::VertexKind;
 
     fn square(input: &mut TinInput, half: f64, height: f64) {
         let ring = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);
@@ -238,6 +258,43 @@ mod tests {
         let tin = triangulate(input).unwrap();
         assert_eq!(tin.positions.len(), 4);
         assert!(tin.heights.iter().all(|&h| h == 10.0));
+    }
+
+    #[test]
+    fn a_grown_triangulation_is_that_of_all_points_and_edges() {
+        let points = |n: u32, seed: f64| {
+            let at = move |k: u32| 4.0 * (f64::from(k) * seed).fract() - 2.0;
+            (0..n).map(move |k| DVec2::new(at(k + 1), at(7 * k + 3)))
+        };
+        let mut input = TinInput::new([DVec2::splat(-3.0), DVec2::splat(3.0)], 1e-9);
+        square(&mut input, 3.0, 10.0);
+        points(40, 0.618_034).for_each(|p| _ = input.push(p, 11.0, VertexKind::Spot));
+        let mut grown = Triangulation::new(input.clone()).unwrap();
+        let before = grown.tin().unwrap();
+        for input in [&mut input, grown.input()] {
+            points(30, 0.414_214).for_each(|p| _ = input.push(p, 12.0, VertexKind::Axis));
+            let again = input.push(DVec2::splat(3.0), 99.0, VertexKind::Axis);
+            let inner = input.push(DVec2::splat(2.5), 12.0, VertexKind::Axis);
+            input.push_edge(again, inner);
+            input.push(DVec2::splat(2.5), 77.0, VertexKind::Axis);
+        }
+        let (grown, whole) = (grown.tin().unwrap(), triangulate(input.clone()).unwrap());
+        grown.validate().unwrap();
+        assert_eq!(grown.source[..before.source.len()], before.source);
+        // The same vertices, edges and constraints, by the points that they were made of.
+        let sorted = |tin: &Tin| {
+            let edges = (0..tin.len() as u32).flat_map(|t| (0..3).map(move |i| (t, i)));
+            let edges = edges.map(|(t, i)| (tin.edge(t, i).map(|v| tin.source[v as usize]), tin.is_constraint(t, i)));
+            let mut edges: Vec<_> = edges.collect();
+            edges.sort_unstable();
+            edges
+        };
+        assert_eq!(sorted(&grown), sorted(&whole));
+        assert!(!grown.heights.contains(&77.0) && !grown.heights.contains(&99.0));
+        let mut crossed = Triangulation::new(input).unwrap();
+        let [a, b] = [(-3.5, 0.0), (3.5, 0.1)].map(|p| crossed.input().push(p.into(), 1.0, VertexKind::Axis));
+        crossed.input().push_edge(a, b);
+        assert!(crossed.tin().unwrap_err().to_string().contains("lines cross"));
     }
 
     #[test]

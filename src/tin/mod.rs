@@ -6,6 +6,7 @@
 mod build;
 mod frame;
 mod gates;
+mod input;
 mod kept;
 mod kinds;
 mod landforms;
@@ -15,9 +16,10 @@ mod orient;
 mod regions;
 mod waters;
 
-pub use build::{TinInput, triangulate};
+pub use build::{Triangulation, triangulate};
 pub use frame::{Frame, FrameRing, frame_ring};
 pub use gates::{Gaps, close_gaps};
+pub use input::TinInput;
 pub use kept::KeptBands;
 pub use kinds::{TriangleKind, triangle_kinds};
 pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};

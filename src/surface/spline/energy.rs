@@ -10,26 +10,6 @@ use super::lattice::{Crossing, Lattice};
 
 /// Rows that one task works on.
 const BLOCK: usize = 32;
-/// Sums that are built side by side.
-pub const LANES: usize = 8;
-
-/// Single or double precision.
-pub trait Real:
-    Copy
-    + Send
-    + Sync
-    + From<f32>
-    + Into<f64>
-    + std::ops::Add<Output = Self>
-    + std::ops::Sub<Output = Self>
-    + std::ops::Mul<Output = Self>
-    + std::ops::AddAssign
-    + std::ops::SubAssign
-{
-}
-impl Real for f32 {}
-impl Real for f64 {}
-
 /// Weight of a crossing against a second difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingWeight {
@@ -53,11 +33,15 @@ impl CrossingWeight {
 
 /// What the crossings on one edge ask of its ends u and v: `a u² + 2 b u v + c v² - 2 p u - 2 q v`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct EdgeTerm {
-    node: u32,
-    a: f32,
-    b: f32,
-    c: f32,
+pub struct EdgeTerm {
+    /// u.
+    pub node: u32,
+    /// On u².
+    pub a: f32,
+    /// On twice u v.
+    pub b: f32,
+    /// On v².
+    pub c: f32,
     p: f64,
     q: f64,
 }
@@ -108,9 +92,15 @@ impl EdgeTerms {
         &self.terms[self.row_start[row]..self.row_start[row + 1]]
     }
 
-    /// The first nodes of the edges that contours cross.
-    pub fn nodes(&self) -> impl Iterator<Item = usize> {
-        self.terms.iter().map(|t| t.node as usize)
+    /// Those of the edges that contours cross, in the order of their first nodes.
+    pub fn all(&self) -> &[EdgeTerm] {
+        &self.terms
+    }
+
+    /// ... whose first nodes lie in a range.
+    pub fn starting_in(&self, nodes: std::ops::Range<usize>) -> &[EdgeTerm] {
+        let place = |node: usize| self.terms.partition_point(|t| (t.node as usize) < node);
+        &self.terms[place(nodes.start)..place(nodes.end)]
     }
 }
 
@@ -132,68 +122,66 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Half the energy's gradient, without its constant part. Gives the product of `z` with it.
-    pub fn apply<T: Real>(&self, z: &[T], out: &mut [T]) -> f64 {
-        let cols = self.size[0];
-        let blocks = out.par_chunks_mut(cols * BLOCK).zip(z.par_chunks(cols * BLOCK)).enumerate();
-        let products = blocks.map(|(k, (out, own))| {
-            self.apply_block(z, k * BLOCK, out);
-            dot(own, out)
-        });
-        products.collect::<Vec<f64>>().into_iter().sum()
+    /// Half the energy's gradient at `z`, downhill.
+    ///
+    /// Differences come first, so that nothing is lost where large heights nearly cancel.
+    pub fn downhill(&self, z: &[f64]) -> Vec<f64> {
+        let mut out = self.constant();
+        let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
+        blocks.for_each(|(k, out)| self.downhill_block(z, k * BLOCK, out));
+        out
     }
 
     /// ... for some rows. Differences are formed once a row and kept while a row below needs them; a row of them has a 0 at
     /// either end, for those beyond the lattice, so that all nodes of a row are alike.
-    fn apply_block<T: Real>(&self, z: &[T], first: usize, block: &mut [T]) {
+    fn downhill_block(&self, z: &[f64], first: usize, block: &mut [f64]) {
         let [cols, rows] = self.size;
-        let zero = T::from(0.0);
         let row_of = |j: usize| j * cols..(j + 1) * cols;
-        let blank = || vec![zero; cols + 2];
-        let (mut xx, mut east) = (blank(), blank());
+        let blank = || vec![0.0; cols + 2];
+        let (mut xx, mut east, mut out) = (blank(), blank(), vec![0.0; cols]);
         let mut yy = [blank(), blank(), blank()];
         let mut mixed = [blank(), blank()];
         let mut south = [blank(), blank()];
         // Rows are numbered from one here, so that the row above the first can be asked for.
-        let fill_yy = |j: usize, out: &mut [T]| {
+        let fill_yy = |j: usize, out: &mut [f64]| {
             if j < 2 || j > rows - 1 {
-                return out.fill(zero);
+                return out.fill(0.0);
             }
             let rows = z[row_of(j - 2)].iter().zip(&z[row_of(j - 1)]).zip(&z[row_of(j)]);
             for (out, (((&n, &m), &s), &w)) in out[1..].iter_mut().zip(rows.zip(&self.bending[1][row_of(j - 1)])) {
-                *out = T::from(w) * (n - m - m + s);
+                *out = f64::from(w) * (n - m - m + s);
             }
         };
-        let fill_pairs = |j: usize, mixed: &mut [T], south: &mut [T]| {
+        let fill_pairs = |j: usize, mixed: &mut [f64], south: &mut [f64]| {
             if j < 1 || j > rows - 1 {
-                mixed.fill(zero);
-                return south.fill(zero);
+                mixed.fill(0.0);
+                return south.fill(0.0);
             }
             let (n, s) = (&z[row_of(j - 1)], &z[row_of(j)]);
             let pairs = n.windows(2).zip(s.windows(2)).zip(&self.bending[2][row_of(j - 1)]);
             for (out, ((n, s), &w)) in mixed[1..].iter_mut().zip(pairs) {
-                *out = T::from(w) * (n[0] - n[1] - s[0] + s[1]);
+                *out = f64::from(w) * (n[0] - n[1] - s[0] + s[1]);
             }
             let pairs = n.iter().zip(s).zip(&self.tension[1][row_of(j - 1)]);
             for (out, ((&n, &s), &t)) in south[1..].iter_mut().zip(pairs) {
-                *out = T::from(t) * (n - s);
+                *out = f64::from(t) * (n - s);
             }
         };
         fill_yy(first, &mut yy[0]);
         fill_yy(first + 1, &mut yy[1]);
         fill_pairs(first, &mut mixed[0], &mut south[0]);
-        let pull = T::from(self.pull);
-        for (dj, out) in block.chunks_exact_mut(cols).enumerate() {
+        let pull = f64::from(self.pull);
+        for (dj, block) in block.chunks_exact_mut(cols).enumerate() {
             let j = first + dj;
             fill_yy(j + 2, &mut yy[2]);
             fill_pairs(j + 1, &mut mixed[1], &mut south[1]);
             let m = &z[row_of(j)];
             let (w, t) = (&self.bending[0][row_of(j)], &self.tension[0][row_of(j)]);
             for (out, (m, &w)) in xx[2..].iter_mut().zip(m.windows(3).zip(&w[1..])) {
-                *out = T::from(w) * (m[0] - m[1] - m[1] + m[2]);
+                *out = f64::from(w) * (m[0] - m[1] - m[1] + m[2]);
             }
             for (out, (m, &t)) in east[1..].iter_mut().zip(m.windows(2).zip(t)) {
-                *out = T::from(t) * (m[0] - m[1]);
+                *out = f64::from(t) * (m[0] - m[1]);
             }
             let rows = (&yy[0][1..], &yy[1][1..], &yy[2][1..], &south[0][1..], &south[1][1..]);
             let (y0, y1, y2) = (&rows.0[..cols], &rows.1[..cols], &rows.2[..cols]);
@@ -211,60 +199,45 @@ impl Energy {
             }
             for e in self.contours[0].of_row(j) {
                 let i = e.node as usize - j * cols;
-                out[i] += T::from(e.a) * m[i] + T::from(e.b) * m[i + 1];
-                out[i + 1] += T::from(e.b) * m[i] + T::from(e.c) * m[i + 1];
+                out[i] += f64::from(e.a) * m[i] + f64::from(e.b) * m[i + 1];
+                out[i + 1] += f64::from(e.b) * m[i] + f64::from(e.c) * m[i + 1];
             }
             for e in self.contours[1].of_row(j) {
                 let i = e.node as usize - j * cols;
-                out[i] += T::from(e.a) * m[i] + T::from(e.b) * z[e.node as usize + cols];
+                out[i] += f64::from(e.a) * m[i] + f64::from(e.b) * z[e.node as usize + cols];
             }
             if j > 0 {
                 for e in self.contours[1].of_row(j - 1) {
                     let i = e.node as usize - (j - 1) * cols;
-                    out[i] += T::from(e.b) * z[e.node as usize] + T::from(e.c) * m[i];
+                    out[i] += f64::from(e.b) * z[e.node as usize] + f64::from(e.c) * m[i];
                 }
             }
+            block.iter_mut().zip(&*out).for_each(|(down, out)| *down -= out);
             yy.rotate_left(1);
             mixed.swap(0, 1);
             south.swap(0, 1);
         }
     }
 
-    /// The constant part of half the gradient, and one over the diagonal of the linear part (0 where that is 0).
-    pub fn constant_and_inverse_diagonal(&self) -> (Vec<f64>, Vec<f32>) {
+    /// The part of half the gradient, downhill, that no height changes.
+    fn constant(&self) -> Vec<f64> {
         let cols = self.size[0];
-        // A difference that would leave the lattice has no weight, so that neighbours in the row before or after do no harm.
-        let of = |weights: &[f32], n: usize, back: usize| n.checked_sub(back).map_or(0.0, |m| weights[m]);
-        let after = |weights: &[f32], m: usize| weights.get(m).copied().unwrap_or(0.0);
         let pull = |side: usize, n: usize, step: usize| {
             let weight = self.tension[side][n];
             let fall = if weight > 0.0 { f64::from(self.guide[n]) - f64::from(self.guide[n + step]) } else { 0.0 };
             if fall.is_nan() { 0.0 } else { f64::from(weight) * fall }
         };
-        let of_node = |n: usize| {
-            let (mut constant, mut diagonal) = (0.0, self.pull);
-            for (side, step) in [1, cols].into_iter().enumerate() {
-                constant += pull(side, n, step) - n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
-                let (tension, bending) = (&self.tension[side], &self.bending[side]);
-                diagonal += tension[n] + of(tension, n, step);
-                diagonal += 4.0 * bending[n] + of(bending, n, step) + after(bending, n + step);
-            }
-            let mixed = &self.bending[2];
-            (constant, diagonal + mixed[n] + of(mixed, n, 1) + of(mixed, n, cols) + of(mixed, n, cols + 1))
-        };
-        let (mut constant, mut diagonal): (Vec<f64>, Vec<f32>) =
-            (0..self.guide.len()).into_par_iter().map(of_node).unzip();
+        // A difference that would leave the lattice has no weight, so that neighbours in the row before do no harm.
+        let back = |side: usize, n: usize, step: usize| n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
+        let of_node = |n: usize| pull(0, n, 1) - back(0, n, 1) + pull(1, n, cols) - back(1, n, cols);
+        let mut constant: Vec<f64> = (0..self.guide.len()).into_par_iter().map(of_node).collect();
         for (side, step) in [1, cols].into_iter().enumerate() {
             for e in &self.contours[side].terms {
-                let (u, v) = (e.node as usize, e.node as usize + step);
-                constant[u] += e.p;
-                constant[v] += e.q;
-                diagonal[u] += e.a;
-                diagonal[v] += e.c;
+                constant[e.node as usize] += e.p;
+                constant[e.node as usize + step] += e.q;
             }
         }
-        diagonal.par_iter_mut().for_each(|d| *d = if *d > 0.0 { 1.0 / *d } else { 0.0 });
-        (constant, diagonal)
+        constant
     }
 
     /// The second difference of `z` that a bending weight at `node` belongs to; the weight must not be 0.
@@ -278,22 +251,11 @@ impl Energy {
     }
 }
 
-/// The product of two rows of numbers, in double precision; in lanes, which the processor adds side by side.
-pub fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    let (a, b) = (a.chunks(LANES), b.chunks(LANES));
-    for (a, b) in a.zip(b) {
-        for (lane, (&a, &b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
-            *lane += a.into() * b.into();
-        }
-    }
-    lanes.iter().sum()
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
 
+    use super::super::stencil::Stencil;
     use super::*;
 
     /// Coefficients without pattern on a small lattice; weights are 0 where their difference would leave it.
@@ -361,9 +323,11 @@ mod tests {
         let (cols, rows) = (5, BLOCK + 3);
         let e = energy(cols, rows);
         let z: Vec<f64> = (0..cols * rows).map(|n| ((n * 37) % 23) as f64).collect();
-        let mut gradient = vec![0.0; z.len()];
-        e.apply(&z, &mut gradient);
-        let (constant, inverse) = e.constant_and_inverse_diagonal();
+        let downhill = e.downhill(&z);
+        let stencil = Stencil::new(&e);
+        let pad = stencil.pad();
+        let mut padded = vec![0.0; z.len() + 2 * pad];
+        let mut image = vec![0.0; z.len()];
         for n in 0..z.len() {
             let at = |step: f64| {
                 let mut moved = z.clone();
@@ -373,8 +337,19 @@ mod tests {
             // Exact for a quadratic function, up to rounding.
             let slope = (at(1.0) - at(-1.0)) / 4.0;
             let curve = (at(1.0) - 2.0 * at(0.0) + at(-1.0)) / 2.0;
-            assert!((slope - (gradient[n] - constant[n])).abs() < 1e-6 * slope.abs().max(100.0), "node {n}");
-            assert!((curve * f64::from(inverse[n]) - 1.0).abs() < 1e-4, "node {n}: {curve} {}", inverse[n]);
+            assert!((slope + downhill[n]).abs() < 1e-6 * slope.abs().max(100.0), "node {n}");
+            assert!((curve / f64::from(stencil.diagonal()[n]) - 1.0).abs() < 1e-4, "node {n}: {curve}");
         }
+        for (to, from) in padded[pad..].iter_mut().zip(&z) {
+            *to = *from as f32;
+        }
+        let product = stencil.apply(&padded, &mut image);
+        let constant = e.constant();
+        for n in 0..z.len() {
+            let slope = constant[n] - downhill[n];
+            assert!((f64::from(image[n]) - slope).abs() < 1e-4 * slope.abs().max(100.0), "node {n}");
+        }
+        let expected: f64 = z.iter().zip(&image).map(|(z, i)| z * f64::from(*i)).sum();
+        assert!((product / expected - 1.0).abs() < 1e-6);
     }
 }

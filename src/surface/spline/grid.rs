@@ -1,6 +1,7 @@
 //! Which working grid to use.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::Wanted;
 use crate::dem::Grid;
@@ -18,6 +19,8 @@ const FINER: f64 = 8.0;
 const COARSER: f64 = 2.0;
 /// Most nodes, whatever the memory: the surface must not depend on the machine.
 const MOST_NODES: f64 = 40e6;
+/// Triangles that one task looks at.
+const CHUNK: usize = 1 << 14;
 /// Bytes that each takes while the surface is found.
 pub const BYTES_A_NODE: f64 = 150.0;
 
@@ -28,7 +31,12 @@ pub fn mean_gap(tiled: &Tiling) -> f64 {
         let [a, b, c] = tin.corners(t);
         (b - a).perp_dot(c - a)
     };
-    let area = (0..tin.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>() / 2.0;
+    // Added up in this order whatever the number of threads.
+    let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
+        let first = (k * CHUNK) as u32;
+        (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
+    });
+    let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
     let length: f64 = tiled.map.contours.iter().map(|c| c.length()).sum();
     area / length.max(f64::MIN_POSITIVE)
 }

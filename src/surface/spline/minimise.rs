@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::energy::{Energy, LANES, dot};
+use super::energy::Energy;
+use super::stencil::{CHUNK, LANES, Stencil, dot};
 
 /// Steps between two looks at which nodes are held at their bounds.
 const RESTART: usize = 20;
-/// Nodes that one task works on. Sums are added up in this order whatever the number of threads.
-const CHUNK: usize = 1 << 14;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
@@ -18,65 +17,93 @@ pub struct Effort {
     pub tolerance: f64,
 }
 
-/// Goes from `z` towards the heights of least energy with `lo <= z <= hi`.
-///
-/// Heights are double precision, the steps between two looks at the bounds single: their errors are made good at the next look,
-/// where the gradient is found from the heights again. The preconditioner is the diagonal.
-pub fn minimise(energy: &Energy, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
-    let n = z.len();
-    let (constant, inverse) = energy.constant_and_inverse_diagonal();
-    clamp(z, lo, hi);
-    let mut gradient = vec![0.0; n];
-    let mut residual = vec![0f32; n];
-    let mut direction = vec![0f32; n];
-    let mut image = vec![0f32; n];
-    let mut change = vec![0f32; n];
-    // Zero where a node is held.
-    let mut weight = vec![0f32; n];
-    let mut done = 0;
-    while done < effort.steps {
-        energy.apply(z, &mut gradient);
-        let start = |i: usize| {
-            let r = constant[i] - gradient[i];
-            // A node at its bound that wants to go beyond it stays.
-            let held = (z[i] <= f64::from(lo[i]) && r < 0.0) || (z[i] >= f64::from(hi[i]) && r > 0.0);
-            if held { (0.0, 0.0) } else { (r as f32, inverse[i]) }
-        };
-        let all = residual.par_iter_mut().zip(&mut weight).zip(&mut direction).zip(&mut change).enumerate();
-        all.for_each(|(i, (((r, w), p), change))| {
-            (*r, *w) = start(i);
-            *p = *r * *w;
-            *change = 0.0;
-        });
-        let parts = residual.par_chunks(CHUNK).zip(direction.par_chunks(CHUNK)).map(|(r, p)| dot(r, p));
-        let mut rho: f64 = parts.collect::<Vec<f64>>().into_iter().sum();
-        let mut moved = 0.0;
-        for _ in 0..RESTART.min(effort.steps - done) {
-            if rho <= 0.0 || !rho.is_finite() {
-                break;
-            }
-            let curvature = energy.apply(&direction, &mut image);
-            if curvature <= 0.0 {
-                break;
-            }
-            let (next, largest) =
-                step(&mut change, &mut residual, &image, &direction, &weight, (rho / curvature) as f32);
-            moved += f64::from(largest);
-            let beta = (next / rho) as f32;
-            rho = next;
-            let all = direction.par_chunks_mut(CHUNK).zip(residual.par_chunks(CHUNK)).zip(weight.par_chunks(CHUNK));
-            all.for_each(|((p, r), w)| {
-                for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
-                    *p = r * w + beta * *p;
-                }
-            });
-            done += 1;
-        }
-        z.par_iter_mut().zip(&change).for_each(|(z, change)| *z += f64::from(*change));
+/// Minimises energies on one lattice, one after the other: what it works with is large and kept.
+pub struct Minimiser {
+    stencil: Stencil,
+    residual: Vec<f32>,
+    /// The direction of a step, padded.
+    direction: Vec<f32>,
+    /// The matrix times that.
+    image: Vec<f32>,
+    change: Vec<f32>,
+    /// Of the preconditioner; zero where a node is held.
+    weight: Vec<f32>,
+}
+
+impl Minimiser {
+    /// For energies on the lattice of this one.
+    pub fn new(energy: &Energy) -> Self {
+        let n = energy.size[0] * energy.size[1];
+        let stencil = Stencil::new(energy);
+        let direction = vec![0.0; n + 2 * stencil.pad()];
+        let zeros = || vec![0.0; n];
+        Self { stencil, residual: zeros(), direction, image: zeros(), change: zeros(), weight: zeros() }
+    }
+
+    /// Goes from `z` towards the heights of least energy with `lo <= z <= hi`. The energy is the one that was [set](Self::set)
+    /// last.
+    ///
+    /// Heights and gradient are double precision, the steps between two looks at the bounds single: the gradient changes by
+    /// what they changed the heights, so that their errors do not add up. The preconditioner is the diagonal.
+    pub fn minimise(&mut self, energy: &Energy, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
+        let Self { stencil, residual, direction, image, change, weight } = self;
+        let (n, pad) = (z.len(), stencil.pad());
         clamp(z, lo, hi);
-        if moved < effort.tolerance {
-            break;
+        let mut downhill = energy.downhill(z);
+        let mut done = 0;
+        while done < effort.steps {
+            // A node at its bound that wants to go beyond it stays.
+            let is_held =
+                |i: usize, r: f64| (z[i] <= f64::from(lo[i]) && r < 0.0) || (z[i] >= f64::from(hi[i]) && r > 0.0);
+            let of_node = residual.par_iter_mut().zip(&mut *weight).zip(&mut direction[pad..pad + n]);
+            let of_node = of_node.zip(&mut *change).zip(&downhill).zip(stencil.diagonal()).enumerate();
+            of_node.for_each(|(i, (((((residual, weight), p), change), &r), &diagonal))| {
+                let is_free = diagonal > 0.0 && !is_held(i, r);
+                (*residual, *weight) = if is_free { (r as f32, 1.0 / diagonal) } else { (0.0, 0.0) };
+                *p = *residual * *weight;
+                *change = 0.0;
+            });
+            let parts = residual.par_chunks(CHUNK).zip(direction[pad..pad + n].par_chunks(CHUNK));
+            let mut rho: f64 = parts.map(|(r, p)| dot(r, p)).collect::<Vec<f64>>().into_iter().sum();
+            let mut moved = 0.0;
+            for _ in 0..RESTART.min(effort.steps - done) {
+                if rho <= 0.0 || !rho.is_finite() {
+                    break;
+                }
+                let curvature = stencil.apply(direction, image);
+                if curvature <= 0.0 {
+                    break;
+                }
+                let direction = &mut direction[pad..pad + n];
+                let (next, largest) = step(change, residual, image, direction, weight, (rho / curvature) as f32);
+                moved += f64::from(largest);
+                let beta = (next / rho) as f32;
+                rho = next;
+                let all = direction.par_chunks_mut(CHUNK).zip(residual.par_chunks(CHUNK)).zip(weight.par_chunks(CHUNK));
+                all.for_each(|((p, r), w)| {
+                    for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
+                        *p = r * w + beta * *p;
+                    }
+                });
+                done += 1;
+            }
+            let moves = z.par_iter_mut().zip(&*change).zip(&mut direction[pad..pad + n]).zip(lo.par_iter().zip(hi));
+            moves.for_each(|(((z, change), moved), (&lo, &hi))| {
+                let to = (*z + f64::from(*change)).clamp(f64::from(lo), f64::from(hi));
+                *moved = (to - *z) as f32;
+                *z = to;
+            });
+            if moved < effort.tolerance {
+                break;
+            }
+            stencil.apply(direction, image);
+            downhill.par_iter_mut().zip(&*image).for_each(|(downhill, by)| *downhill -= f64::from(*by));
         }
+    }
+
+    /// Takes another energy on the same lattice.
+    pub fn set(&mut self, energy: &Energy) {
+        self.stencil.set(energy);
     }
 }
 
@@ -96,7 +123,7 @@ fn step(change: &mut [f32], r: &mut [f32], image: &[f32], p: &[f32], w: &[f32], 
                 *change += by;
                 *r = if *w > 0.0 { *r - alpha * q } else { *r };
                 *largest = if by.abs() > *largest { by.abs() } else { *largest };
-                *sum += f64::from(*r) * f64::from(*r * w);
+                *sum += f64::from(*r * (*r * w));
             }
         }
         (sum.iter().sum::<f64>(), largest.into_iter().fold(0f32, f32::max))

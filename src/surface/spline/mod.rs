@@ -10,7 +10,7 @@
 //! How much tension, and whether contours jitter and are to be smoothed, is seen from the data (`choose`, `roughness`).
 //!
 //! `stages` finds it from coarse to fine lattices (`lattice`), each by conjugate gradients between bounds
-//! (`minimise`) for the energy in `energy`, whose weights follow the surface (`reweight`).
+//! (`minimise`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
 //! Last, ways out of pits are cut (`pits`).
 
 mod choose;
@@ -23,6 +23,7 @@ mod residual;
 mod reweight;
 pub(super) mod roughness;
 mod stages;
+mod stencil;
 pub(super) mod trial;
 
 pub(super) use choose::choose;
@@ -36,7 +37,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::tiling::Tiling;
-use crate::dem::{Grid, locate, rasterise};
+use crate::dem::{Grid, heights_at};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
 use crate::tin::{NONE, Side};
@@ -111,9 +112,9 @@ pub struct Knobs {
     pub noise: f64,
 }
 
-/// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines.
-pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &Grid) -> Draft<'a> {
-    let triangles = locate(&tiled.tin, grid, &());
+/// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
+/// those that the nodes lie in.
+pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &Grid, triangles: &[u32]) -> Draft<'a> {
     let band = |&t: &u32| if t == NONE { None } else { tiled.regions.region(t).map(|r| r.band) };
     let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
     let mut hi: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.hi as f32)).collect();
@@ -125,8 +126,7 @@ pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &
     let is_hollow = is_hollow(tiled);
     let hollows: Vec<bool> =
         triangles.par_iter().map(|&t| t != NONE && is_hollow[tiled.regions.of_triangle[t as usize] as usize]).collect();
-    drop(triangles);
-    let guide = rasterise(&tiled.tin, grid, None, &()).values;
+    let guide = heights_at(&tiled.tin, grid, triangles);
     Draft { grid: *grid, tiled, break_lines, gap: grid::mean_gap(tiled), bounds: [lo, hi], guide, hollows }
 }
 

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
-use super::minimise::{Effort, minimise};
+use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, grown};
 
 /// How far beyond the band a surface may go before it is moved, as a share of the contour interval.
@@ -54,6 +54,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
     };
     let mut missing = vec![0.0; count];
     let (lo, hi) = (vec![f32::NEG_INFINITY; count], vec![f32::INFINITY; count]);
-    minimise(&energy, &lo, &hi, &mut missing, Effort { steps: STEPS, tolerance: TOLERANCE * problem.interval });
+    let effort = Effort { steps: STEPS, tolerance: TOLERANCE * problem.interval };
+    Minimiser::new(&energy).minimise(&energy, &lo, &hi, &mut missing, effort);
     heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
 }

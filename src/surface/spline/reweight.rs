@@ -47,27 +47,40 @@ pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<b
     }
 }
 
-/// Raises the factor on the tension around nodes that lie at a bound away from the contours.
-///
-/// There slopes are carried over from steep ground that ends, and the surface would be a shelf at the bound.
-pub fn tighten(factors: &mut [f32], energy: &Energy, [lo, hi]: [&[f32]; 2], z: &[f64], interval: f64) {
+/// The nodes at edges that contours cross, and their neighbours.
+pub fn near_contours(energy: &Energy) -> Vec<bool> {
     let [cols, rows] = energy.size;
-    let mut near_contour = vec![false; z.len()];
+    let mut near = vec![false; cols * rows];
     for (side, step) in [1, cols].into_iter().enumerate() {
-        for n in energy.contours[side].nodes() {
+        for n in energy.contours[side].all().iter().map(|t| t.node as usize) {
             for end in [n, n + step] {
                 for m in [end.wrapping_sub(1), end, end + 1, end.wrapping_sub(cols), end + cols] {
-                    if let Some(near) = near_contour.get_mut(m) {
+                    if let Some(near) = near.get_mut(m) {
                         *near = true;
                     }
                 }
             }
         }
     }
+    near
+}
+
+/// Raises the factor on the tension around nodes that lie at a bound away from the contours.
+///
+/// There slopes are carried over from steep ground that ends, and the surface would be a shelf at the bound.
+pub fn tighten(
+    factors: &mut [f32],
+    near_contours: &[bool],
+    [lo, hi]: [&[f32]; 2],
+    z: &[f64],
+    cols: usize,
+    interval: f64,
+) {
+    let rows = z.len() / cols;
     let slack = AT_BOUND * interval;
     let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
-    let pressed = |n: usize| !near_contour[n] && at_bound(n);
-    let mut share: Vec<f32> = (0..z.len()).map(|n| if pressed(n) { 1.0 } else { 0.0 }).collect();
+    let pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
+    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(pressed).collect();
     if share.iter().all(|&s| s == 0.0) {
         return;
     }

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
-use super::minimise::{Effort, minimise};
+use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
-use super::reweight::{let_crease, tighten};
+use super::reweight::{let_crease, near_contours, tighten};
 use crate::progress::Progress;
 
 /// The coarsest lattice has at most so many rows and columns.
@@ -105,7 +105,7 @@ impl Stage {
                 let inside = col < self.lattice.cols && row < self.lattice.rows;
                 if inside { values[row * self.lattice.cols + col] } else { f32::NAN }
             };
-            (0..lattice.len()).map(at).collect::<Vec<f32>>()
+            (0..lattice.len()).into_par_iter().map(at).collect::<Vec<f32>>()
         };
         // Steps are twice as long, so that first differences count four times as much against second ones.
         let tension = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
@@ -116,7 +116,7 @@ impl Stage {
     /// Improves `z`, and `factors` on the tension.
     fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32]) {
         let open = |values: &[f32], free: f32| -> Vec<f32> {
-            values.iter().map(|v| if v.is_nan() { free } else { *v }).collect()
+            values.par_iter().map(|v| if v.is_nan() { free } else { *v }).collect()
         };
         let lo = open(&self.bounds[0], f32::NEG_INFINITY);
         let hi = open(&self.bounds[1], f32::INFINITY);
@@ -126,30 +126,34 @@ impl Stage {
         let weights = energy.bending.clone();
         let tension = energy.tension.clone();
         apply(&mut energy, &tension, factors);
-        minimise(&energy, &lo, &hi, z, effort);
+        let mut minimiser = Minimiser::new(&energy);
+        minimiser.minimise(&energy, &lo, &hi, z, effort);
+        let near_contours = near_contours(&energy);
         for _ in 0..ROUNDS {
             let_crease(&mut energy, &weights, &creases, z);
-            tighten(factors, &energy, [&lo, &hi], z, problem.interval);
+            tighten(factors, &near_contours, [&lo, &hi], z, self.lattice.cols, problem.interval);
             apply(&mut energy, &tension, factors);
-            minimise(&energy, &lo, &hi, z, later);
+            minimiser.set(&energy);
+            minimiser.minimise(&energy, &lo, &hi, z, later);
         }
         if self.depth == 0 {
-            self.drain(problem, &energy, [&lo, &hi], z, later);
+            let upper = self.drained(problem, [&lo, &hi], z);
+            minimiser.minimise(&energy, &lo, &upper, z, later);
         }
     }
 
-    /// Cuts ways out of pits and lets the surface follow: a cut is a bound, and the ground beside it falls towards it.
-    fn drain(&self, problem: &Problem<'_>, energy: &Energy, [lo, hi]: [&[f32]; 2], z: &mut [f64], effort: Effort) {
+    /// Upper bounds with ways out of pits cut into them: the ground beside a cut falls towards it.
+    fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
         let mut upper = hi.to_vec();
         let before: Vec<f32> =
-            z.iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
+            z.par_iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let mut after = before.clone();
         let limits = Limits { lo, depth: problem.interval as f32 };
         breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
         for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
             upper[n] = upper[n].min(after[n]).max(lo[n]);
         }
-        minimise(energy, lo, &upper, z, effort);
+        upper
     }
 
     /// The energy with its first weights, and which second differences are across ridge and canyon lines.
@@ -243,7 +247,7 @@ fn apply(energy: &mut Energy, tension: &[Vec<f32>; 2], factors: &[f32]) {
 
 /// The nodes inside the frame and those around them.
 pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
-    let mut inside: Vec<bool> = bound.iter().map(|v| !v.is_nan()).collect();
+    let mut inside: Vec<bool> = bound.par_iter().map(|v| !v.is_nan()).collect();
     for _ in 0..MARGIN {
         let before = inside.clone();
         inside.par_chunks_mut(cols).enumerate().for_each(|(j, row)| {

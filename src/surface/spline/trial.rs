@@ -149,14 +149,15 @@ pub fn trial(
         spots: map.spots.clone(),
         ..ContourMap::default()
     };
-    let tiled = tiling(map, frame, &()).ok()?.value;
+    let mut tiled = tiling(map, frame, &()).ok()?.value;
     if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
     let (tiled, break_lines) = match resolution {
         None => (tiled, Vec::new()),
         Some(resolution) => {
-            let finer = finer(&tiled, resolution).ok()?;
+            let triangulation = std::mem::take(&mut tiled.triangulation);
+            let finer = finer(&tiled, triangulation, resolution).ok()?;
             let (tiled, break_lines, _) = with_skeleton(tiled, finer);
             (tiled, break_lines)
         }
@@ -171,7 +172,7 @@ impl Trial {
     fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
         let grid = &self.grid;
         let triangles = locate(&self.tiled.tin, grid, &());
-        let draft = draft(&self.tiled, &self.break_lines, grid);
+        let draft = draft(&self.tiled, &self.break_lines, grid, &triangles);
         let slopes = slopes(&draft.guide, grid);
         let gap = draft.gap;
         let asked = |place: &Place| {

@@ -45,7 +45,7 @@ fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen>
     let Trial { tiled, break_lines, places, grid } = trial;
     let triangles = locate(&tiled.tin, grid, &());
     let sides = sides(tiled, grid, &triangles);
-    let draft = draft(tiled, break_lines, grid);
+    let draft = draft(tiled, break_lines, grid, &triangles);
     let surface = match knobs {
         Some(knobs) if kind == SurfaceKind::Spline => spline(&draft, &knobs, &()),
         _ => WorkingGrid { grid: *grid, heights: draft.guide },
