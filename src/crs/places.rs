@@ -7,9 +7,10 @@
 //! noise of a projection or of a sum, which would otherwise decide between surfaces that are equally good; so a map that
 //! was brought to degrees and comes back to where it was gives the same lines again.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use foldhash::fast::FixedState;
 use geo::{Coord, LineString, MapCoords, MultiPolygon, Polygon};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -36,8 +37,8 @@ pub struct Places {
     way: Option<Transform>,
     /// Whether coordinates on the plane are whole micrometres.
     in_steps: bool,
-    /// Places on the plane with the coordinates they had in the file, by place.
-    originals: Arc<Vec<(Place, DVec2)>>,
+    /// By places on the plane, the coordinates that they had in the file.
+    originals: Arc<HashMap<Place, DVec2, FixedState>>,
     /// The middle of the longitudes of the file, if some of them are beyond 180 degrees.
     around: Option<f64>,
 }
@@ -114,14 +115,13 @@ impl Places {
             // Most coordinates have no more digits than micrometres.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
-        originals.shrink_to_fit();
         map.crs = Some(working.clone());
         let places = Self {
             input: Some(input),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
-            originals: Arc::new(originals),
+            originals: Arc::new(originals.into_iter().collect()),
             around,
         };
         Ok(Report { value: (map, places), findings })
@@ -162,8 +162,7 @@ impl Places {
     }
 
     fn original(&self, p: DVec2) -> Option<DVec2> {
-        let found = self.originals.binary_search_by_key(&key(p), |(k, _)| *k).ok()?;
-        Some(self.originals[found].1)
+        self.originals.get(&key(p)).copied()
     }
 
     /// The way for coordinates of another file in `crs`; coordinates of an unknown system are taken for the map's own.
