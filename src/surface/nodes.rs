@@ -14,7 +14,7 @@ use super::spline::{Lattice, mean_gap};
 use super::tiling::Tiling;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
-use crate::tin::{NONE, TinInput, VertexKind, triangulate};
+use crate::tin::{InnerPoint, NONE, TinInput, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
@@ -30,14 +30,13 @@ const LARGEST: usize = 16;
 /// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
 /// `triangles`.
 pub(super) fn with_nodes(
-    tiled: Tiling,
+    mut tiled: Tiling,
     mut axis: Axis,
     working: &WorkingGrid,
     triangles: &[u32],
 ) -> Result<(Tiling, Vec<BreakLine>)> {
     let lattice = Lattice::of_grid(&working.grid);
-    let mut input = tiled.input();
-    let heights = smooth_heights(&tiled, input.len(), &mut axis, working);
+    let (vertices, heights) = smooth_heights(&tiled, &mut axis, working);
     let flow = flow(&tiled.tin, &tiled.regions, &axis, heights);
     let lines = break_lines(&tiled.tin, &tiled.regions, &axis, &flow);
 
@@ -46,16 +45,19 @@ pub(super) fn with_nodes(
     let coarse = Strided { lattice, stride };
     let regions = clear_nodes(&tiled, working, triangles, &coarse);
     let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);
-    push_axis(&mut input, &tiled.tin.source, &axis, &flow.heights);
-    let origin = input.origin();
-    for k in kept {
-        let node = coarse.node(k);
-        let band = tiled.regions.regions[regions[k] as usize].band;
-        let place = working.grid.center(node % lattice.cols, node / lattice.cols) - origin;
-        input.push_local(place, band.strictly_inside(f64::from(working.heights[node])), VertexKind::Axis);
+    let point = |k: usize| {
+        let (region, node) = (regions[k], coarse.node(k));
+        let band = tiled.regions.regions[region as usize].band;
+        let position = working.grid.center(node % lattice.cols, node / lattice.cols) - tiled.tin.origin;
+        InnerPoint { region, position, height: band.strictly_inside(f64::from(working.heights[node])) }
+    };
+    let points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
+    for (&v, &height) in vertices.iter().zip(&flow.heights) {
+        tiled.tin.heights[v as usize] = height;
     }
     drop((regions, axis, flow));
-    let tin = triangulate(input)?;
+    let tin = tiled.tin.refined(&tiled.regions.of_triangle, &points)?;
+    drop(points);
     Ok((tiled.retriangulated(tin, Some(working)), lines))
 }
 
@@ -73,11 +75,12 @@ pub(super) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heigh
     }
 }
 
-/// Heights of the axis points on the smooth surface, one a point. They are in `tiled` from point `first` on; `axis` gets the sub-domains and triangles of `tiled`.
+/// The vertices of the axis points in `tiled` and their heights on the smooth surface; `axis` gets the sub-domains and
+/// triangles of `tiled`, and those points that are no vertex of their own are left out.
 ///
 /// The grid does not know what lies between its nodes: the nearer a point is to a contour, the more it keeps of the height
 /// that it has in the triangulation.
-fn smooth_heights(tiled: &Tiling, first: usize, axis: &mut Axis, working: &WorkingGrid) -> Vec<f64> {
+fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
     let tin = &tiled.tin;
     let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
     for (v, &source) in tin.source.iter().enumerate() {
@@ -98,13 +101,13 @@ fn smooth_heights(tiled: &Tiling, first: usize, axis: &mut Axis, working: &Worki
         }
     }
     let mut heights = Vec::with_capacity(axis.points.len());
+    let mut vertices = Vec::with_capacity(axis.points.len());
     let mut known = vec![true; axis.points.len()];
     for (k, point) in axis.points.iter_mut().enumerate() {
-        let vertex = vertex_of.get(first + k).copied().filter(|&v| v != NONE);
+        let vertex = vertex_of.get(tiled.given + k).copied().filter(|&v| v != NONE);
         let triangle = vertex.map(|v| triangle_of[v as usize]).filter(|&t| t != NONE);
         let (Some(v), Some(t)) = (vertex, triangle) else {
             known[k] = false;
-            heights.push(f64::NAN);
             continue;
         };
         point.triangle = t;
@@ -113,6 +116,7 @@ fn smooth_heights(tiled: &Tiling, first: usize, axis: &mut Axis, working: &Worki
         let smooth = f64::from(working.at(point.position + tin.origin));
         let share = (contour_distance[v as usize] / working.grid.cell.max_element()).min(1.0);
         let height = if smooth.is_nan() { before } else { before + share * (smooth - before) };
+        vertices.push(v);
         heights.push(tiled.regions.regions[point.region as usize].band.strictly_inside(height));
     }
     // A point that shares its place with another vertex, or lies outside the frame, ends the pieces that lead to it.
@@ -124,13 +128,12 @@ fn smooth_heights(tiled: &Tiling, first: usize, axis: &mut Axis, working: &Worki
     }
     let mut keep = known.iter();
     axis.points.retain(|_| *keep.next().unwrap_or(&false));
-    heights.retain(|h| !h.is_nan());
     for end in axis.pieces.iter_mut().flatten() {
         if let End::Axis(p) = end {
             *p = number[*p as usize];
         }
     }
-    heights
+    (vertices, heights)
 }
 
 /// Every `stride`th node of a lattice in both directions.

@@ -39,6 +39,8 @@ pub struct Tiling {
     parts: Parts,
     /// The triangulation itself, to which points can be added, until it is taken.
     pub(super) triangulation: Triangulation,
+    /// Number of its points; those that are computed come after them.
+    pub(super) given: usize,
 }
 
 /// Triangulates a clean map (see [`clean`](fn@crate::contour::clean)) and finds its sub-domains.
@@ -97,7 +99,7 @@ pub fn tiling_with_water(
         (parts.ponds, frame) = (ponds, with_ends);
         found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
     }
-    let Found { triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
+    let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
     findings.extend(of_regions);
     let ground = Ground {
         map: &map,
@@ -113,18 +115,13 @@ pub fn tiling_with_water(
     findings.extend(contradicted_marks(&map, &tin, &sub_domains));
     let tin = with_frame_heights(tin, &sub_domains, None);
     progress.finish();
-    let tiling = Tiling { map, tin, regions: sub_domains, frame, interval, corrections, gaps, parts, triangulation };
+    let given = triangulation.input().len();
+    let regions = sub_domains;
+    let tiling = Tiling { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given };
     Ok(Report { value: tiling, findings })
 }
 
 impl Tiling {
-    /// What was triangulated, for a triangulation with more points: these come first and so keep their numbers.
-    pub(super) fn input(&self) -> TinInput {
-        let mut input = self.parts.input(&self.map, &self.frame);
-        self.push_gaps(&mut input);
-        input
-    }
-
     /// Adds what closes the gaps to what was triangulated.
     pub(super) fn push_gaps(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
@@ -141,7 +138,7 @@ impl Tiling {
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
-        let Self { map, tin, regions, frame, interval, corrections, gaps, parts, .. } = self;
+        let Self { map, tin, regions, frame, interval, corrections, gaps, parts, given, .. } = self;
         let kept = KeptBands::new(&tin, regions);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
@@ -164,7 +161,7 @@ impl Tiling {
         };
         let tin = with_frame_heights(tin, &regions, working);
         let triangulation = Triangulation::default();
-        Self { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation }
+        Self { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given }
     }
 }
 

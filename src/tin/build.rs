@@ -64,24 +64,11 @@ impl Triangulation {
             let edges = cdt.face(face).adjacent_edges();
             // The outer face has index 0, so inner faces count from 1.
             let beyond = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1));
-            let flag = |i: usize| (u16::from(edges[i].is_constraint_edge()) * CONSTRAINT) << i;
-            (edges.map(|e| e.from().fix().index() as u32), beyond, flag(0) | flag(1) | flag(2))
+            let flag = |i: usize| if edges[i].is_constraint_edge() { CONSTRAINT << i } else { 0 };
+            let corners = edges.map(|e| e.from().fix().index() as u32);
+            Face { corners, beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
         };
-        let faces: Vec<([u32; 3], [u32; 3], u16)> = faces.par_iter().map(face).collect();
-        // Along the contours, as the vertices are, so that what is done triangle by triangle finds its data side by side.
-        let least = |f: u32| faces[f as usize].0.into_iter().fold(NONE, u32::min);
-        let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (least(f), f)).collect();
-        order.par_sort_unstable();
-        let mut number = vec![0; faces.len()];
-        for (t, &(_, f)) in order.iter().enumerate() {
-            number[f as usize] = t as u32;
-        }
-        let of = |&(_, f): &(u32, u32)| faces[f as usize];
-        let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
-        let triangles: Vec<[u32; 3]> = order.par_iter().map(|f| of(f).0).collect();
-        let neighbours = order.par_iter().map(|f| of(f).1.map(numbered)).collect();
-        let edges = order.par_iter().map(|f| of(f).2).collect();
-        drop((order, number, faces));
+        let faces: Vec<Face> = faces.par_iter().map(face).collect();
         let pick = |i: &u32| *i as usize;
         let mut tin = Tin {
             origin: input.origin,
@@ -89,13 +76,9 @@ impl Triangulation {
             heights: source.iter().map(|i| input.heights[pick(i)]).collect(),
             kinds: source.iter().map(|i| input.kinds[pick(i)]).collect(),
             source: source.clone(),
-            inside: vec![true; triangles.len()],
-            triangles,
-            neighbours,
-            edges,
-            lakes: Vec::new(),
+            ..Tin::default()
         };
-        tin.edges = (0..tin.len() as u32).into_par_iter().map(|t| tin.with_contours(t)).collect();
+        tin.set_faces(&faces);
         peel_flat_border(&mut tin, input.border_tolerance);
         Ok(tin)
     }
@@ -138,6 +121,37 @@ impl Triangulation {
              frame, move the frame's border a little",
             p.x, p.y
         ))
+    }
+}
+
+/// A triangle before it has its number.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Face {
+    pub corners: [u32; 3],
+    /// Places of the neighbours in the list of faces.
+    pub beyond: [u32; 3],
+    pub edges: u16,
+    pub inside: bool,
+}
+
+impl Tin {
+    /// Takes these triangles. They are numbered along the contours, as the vertices are, so that what is done triangle by
+    /// triangle finds its data side by side.
+    pub(super) fn set_faces(&mut self, faces: &[Face]) {
+        let least = |f: u32| faces[f as usize].corners.into_iter().fold(NONE, u32::min);
+        let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (least(f), f)).collect();
+        order.par_sort_unstable();
+        let mut number = vec![0; faces.len()];
+        for (t, &(_, f)) in order.iter().enumerate() {
+            number[f as usize] = t as u32;
+        }
+        let of = |&(_, f): &(u32, u32)| faces[f as usize];
+        let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
+        self.triangles = order.par_iter().map(|f| of(f).corners).collect();
+        self.neighbours = order.par_iter().map(|f| of(f).beyond.map(numbered)).collect();
+        self.inside = order.par_iter().map(|f| of(f).inside).collect();
+        self.edges = order.par_iter().map(|f| of(f).edges).collect();
+        self.edges = (0..self.len() as u32).into_par_iter().map(|t| self.with_contours(t)).collect();
     }
 }
 

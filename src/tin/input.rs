@@ -33,6 +33,13 @@ impl TinInput {
         }
     }
 
+    /// Points of a part of a triangulation, relative to its origin: heights and kinds are its affair.
+    pub(super) fn local(positions: impl Iterator<Item = DVec2>) -> Self {
+        let positions: Vec<DVec2> = positions.collect();
+        let (heights, kinds) = (vec![0.0; positions.len()], vec![VertexKind::Axis; positions.len()]);
+        Self { positions, heights, kinds, border_tolerance: -1.0, ..Self::default() }
+    }
+
     /// The origin that positions are relative to.
     pub fn origin(&self) -> DVec2 {
         self.origin

@@ -13,6 +13,7 @@ mod landforms;
 mod links;
 mod locate;
 mod orient;
+mod refine;
 mod regions;
 mod waters;
 
@@ -27,6 +28,7 @@ pub(crate) use links::Sight;
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
+pub use refine::InnerPoint;
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub use waters::{lakes_outside_bands, with_water};
 
@@ -61,7 +63,7 @@ pub enum VertexKind {
 /// A triangulated irregular network.
 ///
 /// Positions are relative to [`Tin::origin`], so that products of coordinates keep their digits.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Tin {
     /// Added to a position it gives map coordinates.
     pub origin: DVec2,

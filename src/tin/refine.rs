@@ -1,0 +1,267 @@
+//! More points in the sub-domains of a triangulation.
+//!
+//! Sub-domains are bounded by edges that stay edges, so that each can be triangulated on its own. Neighbouring ones make up
+//! parts, which are triangulated side by side and then joined.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::build::{Face, triangulate};
+use super::{CONSTRAINT, NONE, Tin, TinInput, VertexKind};
+use crate::error::Result;
+use crate::rows::Rows;
+
+/// Triangles and points that are enough for a part.
+const PART: usize = 1 << 18;
+
+/// A point to be added.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InnerPoint {
+    /// The sub-domain that it lies in, off its edges.
+    pub region: u32,
+    /// Position relative to the origin.
+    pub position: DVec2,
+    /// Height, metres.
+    pub height: f64,
+}
+
+impl Tin {
+    /// The constrained Delaunay triangulation of the same vertices and edges and of `points`, which come last and are of kind
+    /// [`VertexKind::Axis`]. Triangles outside the frame stay as they are.
+    ///
+    /// `of_triangle` is the sub-domain of each triangle, [`NONE`] outside.
+    ///
+    /// # Errors
+    /// As [`triangulate`].
+    pub fn refined(&self, of_triangle: &[u32], points: &[InnerPoint]) -> Result<Self> {
+        self.refined_in_parts(of_triangle, points, PART)
+    }
+
+    fn refined_in_parts(&self, of_triangle: &[u32], points: &[InnerPoint], enough: usize) -> Result<Self> {
+        let part_of_region = parts(self, of_triangle, points, enough);
+        let part = |t: u32| part_of_region.get(of_triangle[t as usize] as usize).copied().unwrap_or(NONE);
+        let count = part_of_region.iter().max().map_or(0, |&last| last as usize + 1);
+        let own = |p: u32| (p != NONE).then_some(p as usize);
+        let triangles = Rows::new(count, || (0..self.len() as u32).filter_map(|t| own(part(t)).map(|part| (part, t))));
+        let inner = Rows::new(count, || {
+            let each = points.iter().enumerate();
+            each.map(|(k, point)| (part_of_region[point.region as usize] as usize, k as u32))
+        });
+        let each = (0..count).into_par_iter().map(|p| {
+            let part = Part { tin: self, is_own: |t| part(t) == p as u32, triangles: triangles.of(p) };
+            part.triangulated(inner.of(p), points)
+        });
+        let mut faces: Vec<Face> = Vec::with_capacity(self.len() + 2 * points.len());
+        let mut open = Vec::new();
+        for part in each.collect::<Result<Vec<Vec<Face>>>>()? {
+            let first = faces.len() as u32;
+            let numbered = |n: u32| if n == NONE { NONE } else { first + n };
+            faces.extend(part.into_iter().map(|face| Face { beyond: face.beyond.map(numbered), ..face }));
+        }
+        for t in (0..self.len() as u32).filter(|&t| part(t) == NONE) {
+            let inside = self.inside[t as usize];
+            let (corners, edges) = (self.triangles[t as usize], self.edges[t as usize]);
+            faces.push(Face { corners, beyond: [NONE; 3], edges, inside });
+        }
+        // What one part knows no neighbour for has one in another, or none.
+        for (f, face) in faces.iter().enumerate() {
+            for i in (0..3).filter(|&i| face.beyond[i] == NONE) {
+                let [u, v] = [face.corners[i], face.corners[(i + 1) % 3]];
+                open.push(([u.min(v), u.max(v)], f as u32, i));
+            }
+        }
+        open.par_sort_unstable();
+        for pair in open.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let [(_, f, i), (_, g, j)] = [pair[0], pair[1]];
+            faces[f as usize].beyond[i] = g;
+            faces[g as usize].beyond[j] = f;
+        }
+        let first = self.source.iter().max().map_or(0, |&last| last + 1);
+        let mut refined = Self {
+            origin: self.origin,
+            positions: self.positions.iter().copied().chain(points.iter().map(|p| p.position)).collect(),
+            heights: self.heights.iter().copied().chain(points.iter().map(|p| p.height)).collect(),
+            kinds: self.kinds.iter().copied().chain(points.iter().map(|_| VertexKind::Axis)).collect(),
+            source: self.source.iter().copied().chain((first..).take(points.len())).collect(),
+            ..Self::default()
+        };
+        refined.set_faces(&faces);
+        Ok(refined)
+    }
+}
+
+/// The part of each sub-domain: neighbours together, until they have `enough` triangles and points.
+fn parts(tin: &Tin, of_triangle: &[u32], points: &[InnerPoint], enough: usize) -> Vec<u32> {
+    let count = of_triangle.iter().filter(|&&r| r != NONE).max().map_or(0, |&last| last as usize + 1);
+    let mut size = vec![0; count];
+    for &r in of_triangle.iter().filter(|&&r| r != NONE).chain(points.iter().map(|p| &p.region)) {
+        size[r as usize] += 1;
+    }
+    let beside =
+        (0..tin.len() as u32).into_par_iter().filter(|&t| of_triangle[t as usize] != NONE).flat_map_iter(|t| {
+            let own = of_triangle[t as usize];
+            let others = tin.neighbours[t as usize].into_iter().filter(|&n| n != NONE).map(|n| of_triangle[n as usize]);
+            others.filter(move |&other| other != own && other != NONE).map(move |other| (own as usize, other))
+        });
+    let mut beside: Vec<(usize, u32)> = beside.collect();
+    beside.par_sort_unstable();
+    beside.dedup();
+    let beside = Rows::new(count, || beside.iter().copied());
+    let mut part = vec![NONE; count];
+    let (mut current, mut filled) = (0, 0);
+    for first in 0..count {
+        let mut queue = std::collections::VecDeque::from([first as u32]);
+        while let Some(r) = queue.pop_front().map(|r| r as usize) {
+            if part[r] != NONE {
+                continue;
+            }
+            if filled >= enough {
+                (current, filled) = (current + 1, 0);
+            }
+            part[r] = current;
+            filled += size[r];
+            queue.extend(beside.of(r).iter().filter(|&&other| part[other as usize] == NONE));
+        }
+    }
+    part
+}
+
+/// Some sub-domains of a triangulation.
+struct Part<'a, F> {
+    tin: &'a Tin,
+    is_own: F,
+    triangles: &'a [u32],
+}
+
+impl<F: Fn(u32) -> bool> Part<'_, F> {
+    /// Its triangles with more points, those of `points` with these numbers.
+    fn triangulated(&self, numbers: &[u32], points: &[InnerPoint]) -> Result<Vec<Face>> {
+        let tin = self.tin;
+        let mut vertices: Vec<u32> = self.triangles.iter().flat_map(|&t| tin.triangles[t as usize]).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+        let kept = vertices.iter().map(|&v| tin.positions[v as usize]);
+        let added = numbers.iter().map(|&k| points[k as usize].position);
+        let mut input = TinInput::local(kept.chain(added));
+        // The outline with the part on its left, and whether it is a constraint.
+        let mut outline: Vec<([u32; 2], bool)> = Vec::new();
+        for &t in self.triangles {
+            for i in 0..3 {
+                let n = tin.neighbours[t as usize][i];
+                let is_constraint = tin.is_constraint(t, i);
+                let is_outline = n == NONE || !(self.is_own)(n);
+                if !(is_outline || is_constraint && t < n) {
+                    continue;
+                }
+                let edge = tin.edge(t, i).map(local);
+                input.push_edge(edge[0], edge[1]);
+                if is_outline {
+                    outline.push((edge, is_constraint));
+                }
+            }
+        }
+        outline.sort_unstable();
+        let found = triangulate(input)?;
+        let corners = |t: usize| found.triangles[t].map(|v| found.source[v as usize]);
+        let edge = |t: usize, i: usize| [corners(t)[i], corners(t)[(i + 1) % 3]];
+        let on_outline = |t: usize, i: usize| {
+            let place = outline.binary_search_by_key(&edge(t, i), |(edge, _)| *edge);
+            if found.is_constraint(t as u32, i) { place.ok().map(|k| outline[k].1) } else { None }
+        };
+        // From the outline inwards: beyond it the convex hull is filled.
+        let mut number = vec![NONE; found.len()];
+        let mut own = Vec::new();
+        for t in (0..found.len()).filter(|&t| (0..3).any(|i| on_outline(t, i).is_some())) {
+            let mut stack = vec![t];
+            while let Some(t) = stack.pop() {
+                if number[t] != NONE {
+                    continue;
+                }
+                number[t] = own.len() as u32;
+                own.push(t);
+                let open = (0..3).filter(|&i| found.neighbours[t][i] != NONE && on_outline(t, i).is_none());
+                stack.extend(open.map(|i| found.neighbours[t][i] as usize));
+            }
+        }
+        let global = |v: u32| match vertices.get(v as usize) {
+            Some(&v) => v,
+            None => tin.positions.len() as u32 + numbers[v as usize - vertices.len()],
+        };
+        let face = |&t: &usize| {
+            let outlines = [0, 1, 2].map(|i| on_outline(t, i));
+            let is_constraint = |i: usize| outlines[i].unwrap_or(found.is_constraint(t as u32, i));
+            let flag = |i: usize| if is_constraint(i) { CONSTRAINT << i } else { 0 };
+            let beyond = [0, 1, 2].map(|i| match (outlines[i], found.neighbours[t][i]) {
+                (None, n) if n != NONE => number[n as usize],
+                _ => NONE,
+            });
+            Face { corners: corners(t).map(global), beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
+        };
+        Ok(own.iter().map(face).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::Interval;
+    use crate::tin::regions;
+
+    /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
+    fn nested(open: usize) -> TinInput {
+        let mut input = TinInput::new([DVec2::splat(-12.0), DVec2::splat(12.0)], 1e-9);
+        let corner = |half: f64| [(-half, -half), (half, -half), (half, half), (-half, half)].map(DVec2::from);
+        for (k, half) in [12.0, 9.5, 6.25, 3.125].into_iter().enumerate() {
+            let mut ring = corner(half).to_vec();
+            if k < open {
+                ring = vec![
+                    DVec2::new(-half, -12.0),
+                    DVec2::new(-half, half),
+                    DVec2::new(half, half),
+                    DVec2::new(half, -12.0),
+                ];
+            } else {
+                ring.push(ring[0]);
+            }
+            input.push_line(&ring, 10.0 * k as f64, VertexKind::Contour);
+        }
+        input
+    }
+
+    #[test]
+    fn parts_joined_are_the_triangulation_of_all() {
+        for (open, enough) in [(0, 1), (0, 12), (0, 1000), (3, 1), (3, 30)] {
+            let mut input = nested(open);
+            let tin = triangulate(input.clone()).unwrap();
+            let of_triangle = regions(&tin, &Interval { step: 10.0, base: 0.0 }).of_triangle;
+            let place = |k: u32, seed: f64| 23.9 * (f64::from(k) * seed).fract() - 11.95;
+            let points: Vec<InnerPoint> = (1..200)
+                .filter_map(|k| {
+                    let position = DVec2::new(place(k, 0.618_034), place(k, 0.754_878)) - tin.origin;
+                    let t = tin.locate(0, position)?;
+                    let region = of_triangle[t as usize];
+                    (region != NONE).then_some(InnerPoint { region, position, height: 5.0 })
+                })
+                .collect();
+            assert!(points.len() > 100, "{open} {}", points.len());
+            let refined = tin.refined_in_parts(&of_triangle, &points, enough).unwrap();
+            refined.validate().unwrap();
+            for p in &points {
+                input.push_local(p.position, p.height, VertexKind::Axis);
+            }
+            let whole = triangulate(input).unwrap();
+            assert_eq!(refined.positions, whole.positions);
+            assert_eq!(refined.kinds, whole.kinds);
+            let sorted = |tin: &Tin| {
+                let edges = (0..tin.len() as u32).flat_map(|t| (0..3).map(move |i| (t, i)));
+                let beyond = |t: u32, i: usize| tin.neighbours[t as usize][i] == NONE;
+                let mut edges: Vec<_> =
+                    edges.map(|(t, i)| (tin.edge(t, i), tin.edges[t as usize] >> i & 0o111, beyond(t, i))).collect();
+                edges.sort_unstable();
+                edges
+            };
+            assert_eq!(sorted(&refined), sorted(&whole), "{open} {enough}");
+        }
+    }
+}
