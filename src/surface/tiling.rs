@@ -14,8 +14,8 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, VertexKind, close_gaps, frame_ring,
-    lakes_outside_bands, link_open_ends, regions, sub_domains, triangulate, with_water,
+    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, VertexKind, close_gaps,
+    frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, triangulate, with_water,
 };
 
 /// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
@@ -122,6 +122,9 @@ impl Tiling {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
+        for [u, v] in Outline::new(&self.tin).loose_edges() {
+            input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
+        }
         input
     }
 
@@ -136,9 +139,10 @@ impl Tiling {
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
         let Self { map, tin, regions, frame, interval, corrections, gaps, parts } = self;
         let kept = KeptBands::new(&tin, regions);
+        let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
-        let tin = parts.within_frame(finer, &frame).with_gaps(&gaps);
+        let tin = outline.applied(finer).with_gaps(&gaps);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
@@ -243,8 +247,7 @@ impl Parts {
     ) -> Result<Found> {
         loop {
             let tin = self.within_frame(triangulate(self.input(map, frame))?, frame);
-            let mut gaps = close_gaps(&tin, ends, interval.step);
-            gaps.close_slits(&tin, self.tolerance);
+            let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.ponds.mark(tin.with_gaps(&gaps));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();

@@ -12,6 +12,7 @@ mod landforms;
 mod links;
 mod locate;
 mod orient;
+mod outline;
 mod regions;
 mod waters;
 
@@ -25,6 +26,7 @@ pub(crate) use links::Sight;
 pub use links::{Link, OpenEnd, link_open_ends};
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
+pub use outline::Outline;
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub use waters::{lakes_outside_bands, with_water};
 
