@@ -9,6 +9,14 @@ use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
 use crate::tin::{NONE, Regions, Side, Tin, TriangleKind, VertexKind};
 
+/// Triangles no wider than this share of the map's size hold no points. Points nearer to each other than that are one to
+/// the frame and to the ends of contours too.
+const NARROW: f64 = 1e-9;
+
+/// Nor do triangles no wider than so many steps between numbers of the size of the map's coordinates: points would lie
+/// beside them by rounding, perhaps beyond a contour.
+const NARROW_STEPS: f64 = 64.0;
+
 /// A point between two places of one contour level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisPoint {
@@ -94,22 +102,27 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     };
     // Water is level, and so is ground between a shore and a contour of one height.
     let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
+    let narrow = narrow(tin);
+    let has_room = |t: u32| width(tin, t) > narrow;
     for t in 0..tin.len() as u32 {
         for i in 0..3 {
             if draft.of_edge[t as usize][i] != NONE || !is_land(t) || !is_chord(tin, t, i) {
+                continue;
+            }
+            let n = tin.neighbours[t as usize][i];
+            if !has_room(t) || !has_room(n) {
                 continue;
             }
             let [u, v] = tin.edge(t, i);
             let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
             let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
             draft.of_edge[t as usize][i] = id;
-            let n = tin.neighbours[t as usize][i];
             if let Some(j) = tin.edge_towards(n, t) {
                 draft.of_edge[n as usize][j] = id;
             }
         }
     }
-    for t in (0..tin.len() as u32).filter(|&t| is_land(t)) {
+    for t in (0..tin.len() as u32).filter(|&t| is_land(t) && has_room(t)) {
         let level = tin.heights[tin.triangles[t as usize][0] as usize];
         if tin.corner_heights(t).iter().all(|&h| h == level) {
             add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
@@ -122,6 +135,21 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     let mut removed = removed.into_iter().chain(std::iter::repeat(false));
     draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
     draft.axis
+}
+
+/// The width, map units, that a triangle must have more of to hold points.
+fn narrow(tin: &Tin) -> f64 {
+    let extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let (lo, hi) = tin.positions.iter().fold(extent, |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    let farthest = (lo + tin.origin).abs().max((hi + tin.origin).abs()).max_element();
+    (NARROW * lo.distance(hi)).max(NARROW_STEPS * f64::EPSILON * farthest)
+}
+
+/// The least altitude of a triangle, map units.
+fn width(tin: &Tin, t: u32) -> f64 {
+    let [a, b, c] = tin.corners(t);
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    (b - a).perp_dot(c - a).abs() / longest.sqrt()
 }
 
 /// The pieces in a triangle with all corners on one level.
@@ -178,5 +206,34 @@ fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &
     if onwards && tin.kinds[apex as usize] == VertexKind::Contour {
         draft.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
         draft.add_piece(t, draft.of_edge[t as usize][i], End::Vertex(apex));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contour::Interval;
+    use crate::skeleton::eliminate;
+    use crate::tin::{TinInput, regions, triangle_kinds, triangulate};
+
+    /// Axis points in a slit of this width, between two higher lines.
+    fn points_in_slit(width: f64) -> usize {
+        let mut input = TinInput::new([DVec2::new(0.0, -5.0), DVec2::new(10.0, 5.0)], 0.0);
+        let slit = [(10.0, 0.0), (3.0, 0.0), (1.0, 0.5 * width), (3.0, width), (10.0, width)].map(DVec2::from);
+        input.push_line(&slit, 10.0, VertexKind::Contour);
+        for y in [-5.0, 5.0] {
+            input.push_line(&[DVec2::new(0.0, y), DVec2::new(10.0, y)], 20.0, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        let kinds = triangle_kinds(&tin);
+        let axis = axis(&tin, &kinds, &regions, &eliminate(&tin, &kinds, &regions, 1.0));
+        axis.points.iter().filter(|p| (0.0..=width).contains(&p.position.y)).count()
+    }
+
+    #[test]
+    fn a_slit_too_narrow_for_points_between_its_sides_holds_none() {
+        assert_eq!(points_in_slit(1e-9), 0);
+        assert!(points_in_slit(1e-6) > 0);
     }
 }

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::trace::as_given;
 use super::{Target, ascends_right, signed_area, slice};
 use crate::contour::{ContourLayer, ContourLine, LineError, Source};
 use crate::error::{Error, Result};
@@ -119,19 +120,6 @@ fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
         levels.partition_point(|&l| l <= hi).saturating_sub(levels.partition_point(|&l| l <= lo))
     };
     (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t)).map(through).sum::<usize>() as f64
-}
-
-/// The input's own number for a level that differs from it only by rounding.
-fn as_given(given: &[f64], level: f64) -> f64 {
-    let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
-    let at = given.partition_point(|&l| l < level);
-    [at.checked_sub(1), Some(at)]
-        .into_iter()
-        .flatten()
-        .filter_map(|i| given.get(i))
-        .copied()
-        .find(near)
-        .unwrap_or(level)
 }
 
 fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {

@@ -3,12 +3,14 @@
 //! A level is traced from triangle to triangle. A vertex is above a level when `height >= level`, below otherwise, so a
 //! vertex that lies exactly on the level needs no special case: the line passes through it. Each triangle is crossed by a
 //! level at most once, so the lines of one level never cross, and heights inside a triangle are linear, so lines of
-//! different levels never meet.
+//! different levels never meet. A height that differs from a level by rounding only is taken for that level: places around
+//! the vertex would differ by rounding too, in any order.
 //!
 //! A level is traced only in sub-domains whose band it lies strictly inside. On the band's ends there are contours of the
 //! input already. Where a contour of the level ends in the open (auxiliary contours, gaps), the traced line goes on from
 //! its end and does not run along it a second time.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
@@ -28,8 +30,9 @@ const BATCH: usize = 1 << 25;
 /// lines in a fixed order. Rings around a single computed vertex between two contours are not lines but beads of the
 /// interpolation along a ridge or a gully; they are counted only.
 pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Traced> {
+    let heights = &*heights_on_levels(tin, levels);
     let ranges: Vec<(u32, u32)> =
-        (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, regions, levels, t)).collect();
+        (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, heights, regions, levels, t)).collect();
     let mut counts = vec![0usize; levels.len()];
     for &(first, end) in &ranges {
         for level in first..end {
@@ -61,7 +64,7 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             visited.resize(tin.len(), NONE);
             let level = levels[k];
             let mut trace =
-                Trace { tin, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
+                Trace { tin, heights, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
             let lines = trace.lines(crossed.of(k - from));
             let beads = trace.beads;
             progress.advance(1);
@@ -82,14 +85,32 @@ pub struct Traced {
     pub beads: usize,
 }
 
+/// The heights of the vertices, those that differ from a level by rounding only being that level.
+fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
+    let is_off = |height: &f64| !height.is_nan() && as_given(levels, *height) != *height;
+    if tin.heights.par_iter().any(is_off) {
+        tin.heights.par_iter().map(|&height| as_given(levels, height)).collect::<Vec<f64>>().into()
+    } else {
+        Cow::from(&tin.heights)
+    }
+}
+
+/// The one of `given` (ascending) that a number differs from by rounding only, else the number itself.
+pub(super) fn as_given(given: &[f64], level: f64) -> f64 {
+    let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
+    let at = given.partition_point(|&l| l < level);
+    let around = [at.checked_sub(1), Some(at)].into_iter().flatten().filter_map(|i| given.get(i));
+    around.copied().find(near).unwrap_or(level)
+}
+
 /// The levels that cross triangle `t`: indices `first..end` of those with lowest < level <= highest corner, and strictly
 /// inside the band of its sub-domain.
-fn levels_of(tin: &Tin, regions: &Regions, levels: &[f64], t: u32) -> (u32, u32) {
+fn levels_of(tin: &Tin, heights: &[f64], regions: &Regions, levels: &[f64], t: u32) -> (u32, u32) {
     let Some(region) = regions.region(t) else { return (0, 0) };
     if !region.band.lo.is_finite() {
         return (0, 0);
     }
-    let [a, b, c] = tin.corner_heights(t);
+    let [a, b, c] = tin.triangles[t as usize].map(|v| heights[v as usize]);
     let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
     let first = levels.partition_point(|&l| l <= lowest || l <= region.band.lo);
     let end = levels.partition_point(|&l| l <= highest && l < region.band.hi);
@@ -109,6 +130,7 @@ struct Step {
 /// Traces one level.
 struct Trace<'a> {
     tin: &'a Tin,
+    heights: &'a [f64],
     regions: &'a Regions,
     ranges: &'a [(u32, u32)],
     k: u32,
@@ -144,7 +166,7 @@ impl Trace<'_> {
     }
 
     fn above(&self, v: u32) -> bool {
-        self.tin.heights[v as usize] >= self.level
+        self.heights[v as usize] >= self.level
     }
 
     /// The edges of `t` by which a line with higher ground on its right comes in and goes out.
@@ -163,9 +185,9 @@ impl Trace<'_> {
     fn crossing(&self, t: u32, i: usize, on_border: bool) -> Step {
         let [u, v] = self.tin.edge(t, i);
         let (u, v) = (u.min(v), u.max(v));
-        let (zu, zv) = (self.tin.heights[u as usize], self.tin.heights[v as usize]);
+        let (zu, zv) = (self.heights[u as usize], self.heights[v as usize]);
         let (pu, pv) = (self.tin.positions[u as usize], self.tin.positions[v as usize]);
-        let exact = [u, v].into_iter().find(|&w| self.tin.heights[w as usize] == self.level);
+        let exact = [u, v].into_iter().find(|&w| self.heights[w as usize] == self.level);
         let local = match exact {
             Some(w) => self.tin.positions[w as usize],
             None => pu + (pv - pu) * ((self.level - zu) / (zv - zu)),
@@ -214,7 +236,7 @@ impl Trace<'_> {
     /// Whether a ring around nothing but vertex `v`, in the sub-domain of triangle `t`, is smaller than what the contours
     /// can tell: the vertex is computed, not surveyed, and no top or hollow beyond the last contour.
     fn is_bead(&self, t: u32, v: u32) -> bool {
-        let height = self.tin.heights[v as usize];
+        let height = self.heights[v as usize];
         let levels = self.regions.region(t).map_or(&[][..], |r| &r.levels);
         let between = |(low, high): (&(f64, Side), &(f64, Side))| low.0 < height && height < high.0;
         self.tin.kinds[v as usize] == VertexKind::Axis && levels.first().zip(levels.last()).is_some_and(between)
@@ -332,6 +354,15 @@ mod tests {
         let lines = lines_of(&[(0.0, 0.0, 8.0), (0.0, 5.0, 5.0)], 5.0);
         let through = lines.iter().flatten().filter(|p| **p == DVec2::new(0.0, 5.0)).count();
         assert_eq!(through, 1, "{lines:?}");
+    }
+
+    #[test]
+    fn a_vertex_on_the_level_but_for_rounding_is_on_it() {
+        let lines = lines_of(&[(0.0, 0.0, 8.0), (0.3, 5.1, 5.0_f64.next_up()), (5.0, 0.1, 5.0_f64.next_down())], 5.0);
+        for place in [DVec2::new(0.3, 5.1), DVec2::new(5.0, 0.1)] {
+            let near = lines.iter().flatten().filter(|p| p.distance(place) < 1e-6);
+            assert_eq!(near.collect::<Vec<_>>(), [&place], "{lines:?}");
+        }
     }
 
     #[test]

@@ -5,12 +5,12 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::nodes::{push_axis, with_nodes};
-use super::spline::{BYTES_A_NODE, choose, draft, spline, working_grid};
+use super::spline::{bytes_on, choose, draft, spline, working_grid};
 use super::tiling::{Tiling, tiling_with_water};
 use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::contour::ContourMap;
-use crate::dem::{Grid, locate};
+use crate::dem::locate;
 use crate::error::{Error, Report, Result};
 use crate::memory;
 use crate::progress::Progress;
@@ -35,10 +35,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     }
     let Report { value: mut tiled, findings } = tiling_with_water(map, &params.frame, &params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
-        let Grid { cols, rows, .. } = working_grid(&tiled, params.spline.wanted);
-        let what = format!("the smooth surface on {cols} x {rows} nodes");
+        let grid = working_grid(&tiled, params.spline.wanted);
+        let length = tiled.map.contours.iter().map(|c| c.length()).sum();
+        let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
-        memory::check(BYTES_A_NODE * cols as f64 * rows as f64, &what, remedy)?;
+        memory::check(bytes_on(&grid, length), &what, remedy)?;
     }
     let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
     let mut break_lines = Vec::new();
@@ -85,7 +86,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
 pub(super) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
     let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
     let input = triangulation.input();
-    tiled.push_gaps(input);
+    tiled.push_borders(input);
     push_axis(input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
     Ok((skeleton, triangulation.tin()?))
 }

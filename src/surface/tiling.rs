@@ -14,7 +14,7 @@ use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
-    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Regions, Tin, TinInput, Triangulation, VertexKind,
+    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
     close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
 };
 
@@ -122,9 +122,12 @@ pub fn tiling_with_water(
 }
 
 impl Tiling {
-    /// Adds what closes the gaps to what was triangulated.
-    pub(super) fn push_gaps(&self, input: &mut TinInput) {
+    /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
+    pub(super) fn push_borders(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
+            input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
+        }
+        for [u, v] in Outline::new(&self.tin).loose_edges() {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
     }
@@ -134,15 +137,16 @@ impl Tiling {
         self.map.spots.iter().zip(&self.parts.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
     }
 
-    /// The same with the triangulation `tin` of an [`input`](Self::input) that more points and edges were added to.
+    /// The same with a finer triangulation, which more points and edges were added to.
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
         let Self { map, tin, regions, frame, interval, corrections, gaps, parts, given, .. } = self;
         let kept = KeptBands::new(&tin, regions);
+        let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
-        let tin = parts.within_frame(finer, &frame).with_gaps(&gaps);
+        let tin = outline.applied(finer).with_gaps(&gaps);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
@@ -250,8 +254,7 @@ impl Parts {
         loop {
             let mut triangulation = Triangulation::new(self.input(map, frame))?;
             let tin = self.within_frame(triangulation.tin()?, frame);
-            let mut gaps = close_gaps(&tin, ends, interval.step);
-            gaps.close_slits(&tin, self.tolerance);
+            let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.ponds.mark(tin.with_gaps(&gaps));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();

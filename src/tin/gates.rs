@@ -7,7 +7,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{NONE, OpenEnd, Tin, VertexKind};
+use super::{OpenEnd, Tin, VertexKind};
 
 /// The largest turn between a line's end and a bridge that goes on from it: 60 degrees.
 const COS_BRIDGE_TURN: f64 = 0.5;
@@ -70,23 +70,6 @@ fn is_bridge(a: &OpenEnd, b: &OpenEnd) -> bool {
 }
 
 impl Gaps {
-    /// Adds gates across slits no wider than `tolerance` (map units) at the frame, between vertices of contours.
-    ///
-    /// What closes a slit is that the flat triangle behind it lies outside the frame. In a finer triangulation another
-    /// triangle may be there, which is not flat, and two sub-domains would run together.
-    pub fn close_slits(&mut self, tin: &Tin, tolerance: f64) {
-        for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-            for i in 0..3 {
-                let beyond = tin.neighbours[t as usize][i];
-                let on_contours = tin.edge(t, i).iter().all(|&v| tin.kinds[v as usize] == VertexKind::Contour);
-                let is_open = beyond != NONE && !tin.is_inside(beyond) && !tin.is_constraint(t, i);
-                if is_open && on_contours && tin.edge_length(t, i) <= tolerance {
-                    self.gates.push(tin.edge(t, i));
-                }
-            }
-        }
-    }
-
     /// Leaves each end its shortest bridge; the longer ones become gates.
     fn keep_single_bridges(&mut self, tin: &Tin) {
         let length = |[u, v]: [u32; 2]| tin.positions[u as usize].distance(tin.positions[v as usize]);

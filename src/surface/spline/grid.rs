@@ -21,8 +21,11 @@ const COARSER: f64 = 2.0;
 const MOST_NODES: f64 = 40e6;
 /// Triangles that one task looks at.
 const CHUNK: usize = 1 << 14;
-/// Bytes that each takes while the surface is found.
-pub const BYTES_A_NODE: f64 = 150.0;
+/// Bytes that each takes while the surface is found, with the crossings of contours on a map where these are no more than the
+/// nodes.
+const BYTES_A_NODE: f64 = 150.0;
+/// Bytes that each further crossing of a contour with an edge between nodes takes.
+const BYTES_A_CROSSING: f64 = 100.0;
 
 /// Mean distance between neighbouring contours: area over length of contour, map units.
 pub fn mean_gap(tiled: &Tiling) -> f64 {
@@ -80,6 +83,16 @@ pub fn working_grid(tiled: &Tiling, wanted: Option<Wanted>) -> Grid {
     }
 }
 
+/// About how many bytes the smooth surface takes on a grid. `length` is that of all contours, map units.
+///
+/// Where contours are much closer than nodes, it is their crossings with the edges between nodes that count.
+pub fn bytes_on(grid: &Grid, length: f64) -> f64 {
+    let nodes = grid.cols as f64 * grid.rows as f64;
+    // A line of any direction crosses so many edges: the mean of |cos| and |sin| is 2/π each.
+    let crossings = 2.0 * std::f64::consts::FRAC_2_PI * length / (grid.cell.x * grid.cell.y).sqrt();
+    BYTES_A_NODE * nodes + BYTES_A_CROSSING * (crossings - nodes).max(0.0)
+}
+
 /// One cell more on each side.
 fn with_border(grid: &Grid) -> Grid {
     let corner = grid.corner + DVec2::new(-grid.cell.x, grid.cell.y);
@@ -115,4 +128,17 @@ fn thinned(grid: &Grid, by: usize) -> Grid {
     let first = grid.center(0, 0);
     let corner = first + DVec2::new(-cell.x / 2.0, cell.y / 2.0);
     Grid { corner, cell, cols: grid.cols.div_ceil(by) + 1, rows: grid.rows.div_ceil(by) + 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contours_closer_than_nodes_count_by_their_crossings() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::splat(10.0), cols: 1_000, rows: 1_000 };
+        let lines = |gap: f64| bytes_on(&grid, 1e8 / gap);
+        assert_eq!(lines(60.0), 1.5e8);
+        assert!(lines(0.01) > 1e11, "a thousand lines between two nodes");
+    }
 }

@@ -28,9 +28,8 @@ pub(super) mod trial;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
-pub(super) use grid::BYTES_A_NODE;
-pub(super) use grid::mean_gap;
 pub use grid::working_grid;
+pub(super) use grid::{bytes_on, mean_gap};
 pub(super) use lattice::Lattice;
 
 use glam::DVec2;
