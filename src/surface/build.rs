@@ -41,13 +41,15 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
         memory::check(bytes_on(&grid, length), &what, remedy)?;
     }
+    // A good part of the memory, so it goes where it is not needed any more.
+    let triangulation = std::mem::take(&mut tiled.triangulation);
+    let triangulation = (params.kind != SurfaceKind::Linear).then_some(triangulation);
     let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     let mut chosen = None;
-    if params.kind != SurfaceKind::Linear {
+    if let Some(triangulation) = triangulation {
         progress.start("ridge and canyon lines", 0);
-        let triangulation = std::mem::take(&mut tiled.triangulation);
         // A triangulation keeps one thread busy; the choice is made beside it.
         let wants_choice = params.kind == SurfaceKind::Spline;
         let (choice, finer) = rayon::join(

@@ -166,8 +166,10 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
         let corners = |t: usize| found.triangles[t].map(|v| found.source[v as usize]);
         let edge = |t: usize, i: usize| [corners(t)[i], corners(t)[(i + 1) % 3]];
         let on_outline = |t: usize, i: usize| {
-            let place = outline.binary_search_by_key(&edge(t, i), |(edge, _)| *edge);
-            if found.is_constraint(t as u32, i) { place.ok().map(|k| outline[k].1) } else { None }
+            if !found.is_constraint(t as u32, i) {
+                return None;
+            }
+            outline.binary_search_by_key(&edge(t, i), |(edge, _)| *edge).ok().map(|k| outline[k].1)
         };
         // From the outline inwards: beyond it the convex hull is filled.
         let mut number = vec![NONE; found.len()];

@@ -11,10 +11,12 @@ use crate::surface::build::{finer, with_skeleton};
 use crate::surface::{SurfaceParams, Tiling, tiling};
 use crate::tin::{Frame, NONE};
 
-/// Most nodes of one grid of the whole map; above that, squares are cut out.
+/// Most nodes of one grid of the whole map, and most vertices; above that, squares are cut out.
 const WHOLE: f64 = 150e3;
-/// Nodes of a square.
+/// Nodes of a square at most,
 const SQUARE: f64 = 40e3;
+/// ... and vertices, in the mean of all squares.
+const VERTICES: f64 = 80e3;
 /// Number of squares.
 const SQUARES: usize = 4;
 /// Limits of the distance between levels at a place against the mean.
@@ -91,20 +93,22 @@ pub fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame
     let points = || tiled.map.contours.iter().flat_map(|c| c.points.iter().copied());
     let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
-    if size.x * size.y / (cell * cell) <= WHOLE {
+    let area = size.x * size.y;
+    let vertices = points().count() as f64;
+    if area / (cell * cell) <= WHOLE && vertices <= WHOLE {
         return vec![(tiled.map.clone(), frame.clone())];
     }
-    let side = SQUARE.sqrt() * cell;
+    let side = (SQUARE.sqrt() * cell).min((VERTICES * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
     let step = size / count;
     // No more of them than vertices, however long and narrow the map.
-    let mut vertices = std::collections::BTreeMap::<[u32; 2], usize>::new();
+    let mut in_square = std::collections::BTreeMap::<[u32; 2], usize>::new();
     for p in points() {
         let place = ((p - lo) / step).floor().min(count - 1.0);
-        *vertices.entry([place.x as u32, place.y as u32]).or_default() += 1;
+        *in_square.entry([place.x as u32, place.y as u32]).or_default() += 1;
     }
     // From those with few contours to those with many, so that level ground and steep ground both have their say.
-    let mut squares: Vec<(usize, [u32; 2])> = vertices.into_iter().map(|(at, count)| (count, at)).collect();
+    let mut squares: Vec<(usize, [u32; 2])> = in_square.into_iter().map(|(at, count)| (count, at)).collect();
     squares.sort_unstable();
     let take = squares.len().min(SQUARES);
     let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
