@@ -32,6 +32,8 @@ pub use grid::working_grid;
 pub(super) use grid::{bytes_on, mean_gap};
 pub(super) use lattice::Lattice;
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -138,25 +140,27 @@ fn on_contours<'a>(tiled: &'a Tiling, lattice: &'a Lattice) -> impl Iterator<Ite
 }
 
 /// Finds the smooth surface on the grid of a draft.
-pub(super) fn spline(draft: &Draft<'_>, knobs: &Knobs, progress: &dyn Progress) -> WorkingGrid {
+pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Progress) -> WorkingGrid {
     let Draft { grid, tiled, break_lines, gap, bounds: [lo, hi], guide, hollows } = draft;
     let lattice = Lattice::of_grid(grid);
     let interval = tiled.interval.step;
     let contours = tiled.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect();
     let flat = |line: &BreakLine| line.points.iter().map(|p| p.truncate()).collect();
     let slack = if knobs.noise > 0.0 { (residual::SLACK * interval) as f32 } else { 0.0 };
-    let moved = |bound: &[f32], by: f32| bound.iter().map(|b| b + by).collect::<Vec<f32>>();
+    let moved = |bound: &'a [f32], by: f32| -> Cow<'a, [f32]> {
+        if by == 0.0 { Cow::Borrowed(bound) } else { bound.iter().map(|b| b + by).collect() }
+    };
     let problem = Problem {
         lattice,
         contours,
         spots: spots(tiled, &lattice, guide),
         creases: break_lines.iter().map(flat).collect::<Vec<Vec<DVec2>>>(),
         bounds: [moved(lo, -slack), moved(hi, slack)],
-        guide: guide.clone(),
+        guide,
         tension: tension(guide, grid, *gap, interval, knobs.tension),
         contour_weight: contour_weight(knobs.noise, grid, *gap),
         interval,
-        hollows: hollows.clone(),
+        hollows,
     };
     let z = solve(&problem, progress);
     let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();

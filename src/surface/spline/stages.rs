@@ -1,5 +1,7 @@
 //! From coarse to fine: each lattice starts from the solution on one with half as many rows and columns.
 
+use std::borrow::Cow;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -37,9 +39,9 @@ pub struct Problem<'a> {
     /// Ridge and canyon lines.
     pub creases: Vec<Vec<DVec2>>,
     /// Lowest and highest heights.
-    pub bounds: [Vec<f32>; 2],
+    pub bounds: [Cow<'a, [f32]>; 2],
     /// Heights whose slopes the tension draws to.
-    pub guide: Vec<f32>,
+    pub guide: &'a [f32],
     /// Tension at each node, per square of the step eastwards.
     pub tension: Vec<f32>,
     /// Weight of a crossing against a second difference on the finest lattice.
@@ -47,17 +49,17 @@ pub struct Problem<'a> {
     /// Contour interval, metres.
     pub interval: f64,
     /// Nodes where water may stay.
-    pub hollows: Vec<bool>,
+    pub hollows: &'a [bool],
 }
 
 /// Values at the nodes of one lattice.
-struct Stage {
+struct Stage<'a> {
     lattice: Lattice,
     /// 0 for the finest.
     depth: i32,
-    bounds: [Vec<f32>; 2],
-    guide: Vec<f32>,
-    tension: Vec<f32>,
+    bounds: [Cow<'a, [f32]>; 2],
+    guide: Cow<'a, [f32]>,
+    tension: Cow<'a, [f32]>,
 }
 
 /// The heights at the nodes of the finest lattice; those outside the frame mean nothing.
@@ -65,9 +67,9 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
     let mut stages = vec![Stage {
         lattice: problem.lattice,
         depth: 0,
-        bounds: problem.bounds.clone(),
-        guide: problem.guide.clone(),
-        tension: problem.tension.clone(),
+        bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
+        guide: Cow::Borrowed(problem.guide),
+        tension: Cow::Borrowed(&problem.tension),
     }];
     while let Some(coarse) = stages.last().and_then(Stage::coarser) {
         stages.push(coarse);
@@ -92,9 +94,9 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
     coarse.map(|(_, z, _)| z).unwrap_or_default()
 }
 
-impl Stage {
+impl Stage<'_> {
     /// Every second row and column, until there are few.
-    fn coarser(&self) -> Option<Self> {
+    fn coarser(&self) -> Option<Stage<'static>> {
         if self.lattice.cols.max(self.lattice.rows) <= COARSEST {
             return None;
         }
@@ -108,9 +110,9 @@ impl Stage {
             (0..lattice.len()).into_par_iter().map(at).collect::<Vec<f32>>()
         };
         // Steps are twice as long, so that first differences count four times as much against second ones.
-        let tension = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
-        let bounds = [take(&self.bounds[0]), take(&self.bounds[1])];
-        Some(Self { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide), tension })
+        let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
+        let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
+        Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
     }
 
     /// Improves `z`, and `factors` on the tension.
@@ -146,7 +148,7 @@ impl Stage {
     fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
         let mut upper = hi.to_vec();
         let before: Vec<f32> =
-            z.par_iter().zip(&self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
+            z.par_iter().zip(&*self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let mut after = before.clone();
         let limits = Limits { lo, depth: problem.interval as f32 };
         breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
@@ -224,7 +226,7 @@ impl Stage {
             size: [cols, rows],
             bending: std::array::from_fn(|k| weights.par_iter().map(|w| w[k]).collect()),
             tension: std::array::from_fn(|k| tensions.par_iter().map(|t| t[k]).collect()),
-            guide: self.guide.clone(),
+            guide: self.guide.to_vec(),
             contours,
             pull: 0.0,
         };
