@@ -32,10 +32,11 @@ pub struct Band {
 }
 
 impl Band {
-    /// The height moved strictly inside the band, at least a thousandth of the band's width from both levels.
+    /// The height moved strictly inside the band, at least a thousandth of the band's width from both levels; an infinite band
+    /// holds all.
     pub fn strictly_inside(&self, height: f64) -> f64 {
         let margin = 1e-3 * (self.hi - self.lo);
-        height.clamp(self.lo + margin, self.hi - margin)
+        if margin.is_finite() { height.clamp(self.lo + margin, self.hi - margin) } else { height }
     }
 
     /// Whether the height lies in the band, the levels included.
@@ -284,6 +285,13 @@ mod tests {
         };
         let t = (0..tin.len() as u32).find(|&t| inside(t)).unwrap();
         regions.region(t).unwrap().band
+    }
+
+    #[test]
+    fn an_infinite_band_holds_all_heights() {
+        let band = Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+        assert_eq!(band.strictly_inside(7.0), 7.0);
+        assert_eq!(Band { lo: 0.0, hi: 10.0 }.strictly_inside(12.0), 9.99);
     }
 
     #[test]
