@@ -81,6 +81,9 @@ pub mod check;
 pub mod contour;
 pub mod crs;
 pub mod dem;
+#[cfg(test)]
+#[path = "../tests/common/draws.rs"]
+mod draws;
 pub mod error;
 pub mod io;
 pub mod memory;

@@ -38,7 +38,7 @@ fn check_terrain(terrain: &Terrain, frame: &Frame) {
 
 /// A few cases a run, others every time; the environment variable PROPTEST_CASES asks for so many.
 fn cases() -> ProptestConfig {
-    let given = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let given = common::draws();
     if std::env::var_os("PROPTEST_CASES").is_some() { given } else { ProptestConfig { cases: 6, ..given } }
 }
 

@@ -263,7 +263,7 @@ fn the_command_line_writes_models_and_refuses_other_names() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6))]
+    #![proptest_config(ProptestConfig { cases: 6, ..common::draws() })]
     #[test]
     fn meshes_of_all_terrain_are_sound(seed in 0u64..10_000) {
         for terrain in common::all_kinds(seed) {

@@ -68,7 +68,7 @@ fn check(before: &ContourMap, result: &Sampled, ratio: f64, what: &str) -> usize
 
 fn cases() -> ProptestConfig {
     let few = if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 3 };
-    ProptestConfig { cases: few, failure_persistence: None, ..ProptestConfig::default() }
+    ProptestConfig { cases: few, ..common::draws() }
 }
 
 /// Small grids: the oracle's time grows with the square of the vertices.

@@ -230,7 +230,7 @@ mod random {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(crate::draws::draws())]
 
         #[test]
         fn one_fault_at_a_time(hills in prop::collection::vec((0u8..9, 0u8..9), 3..7), which in 0usize..1000, by in 3i32..20) {

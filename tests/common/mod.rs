@@ -4,12 +4,14 @@
 #![allow(dead_code, unused_imports, reason = "every integration test uses its own part of this module")]
 
 mod crossings;
+mod draws;
 mod folder;
 mod random;
 mod terrain;
 mod tracer;
 
 pub use crossings::{crossings, same_level_crossings};
+pub use draws::draws;
 pub use folder::Folder;
 pub use random::Random;
 pub use terrain::{

@@ -230,7 +230,7 @@ fn wild() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(crate::draws::draws())]
 
     #[test]
     fn nothing_panics_and_the_order_does_not_matter(

@@ -191,10 +191,6 @@ fn wild() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn settings() -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, ..ProptestConfig::default() }
-}
-
 fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(), TestCaseError> {
     let cleaned = clean_lines(input.to_vec(), params).expect("few conflicts");
     let lines = on_grid(&cleaned.contours);
@@ -260,7 +256,7 @@ fn check_removed_were_bad(input: &[Contour]) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(settings())]
+    #![proptest_config(crate::draws::draws())]
 
     #[test]
     fn dense_grids(input in lines(7, 9)) {
