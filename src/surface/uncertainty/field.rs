@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::model::{ErrorModel, Known, crossings, left};
+use super::model::{ErrorModel, Known, left};
 use super::places::seen;
 use super::sides::sides;
 use crate::contour::LineError;
@@ -51,13 +51,6 @@ pub fn error_field(
     let guide = working.is_none().then(|| rasterise(&tiled.tin, &grid, None, &()).values);
     let heights: &[f32] = working.map_or_else(|| guide.as_deref().unwrap_or_default(), |w| &w.heights);
     let step = (grid.cell.x * grid.cell.y).sqrt();
-    let width = |n: usize| sides.of_node(n).iter().sum::<f64>();
-    // In the order of the nodes, so that the sum is the same for any number of threads.
-    let (sum, count) = (0..grid.len())
-        .map(width)
-        .filter(|w| w.is_finite())
-        .fold((0.0, 0), |(sum, count), w| (sum + crossings(w, step), count + 1));
-    let mean = sum / f64::from(count.max(1));
     let fixes = sides.share_at_vertices > CUT_FROM_NODES;
     let at = |n: usize| {
         let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
@@ -68,7 +61,8 @@ pub fn error_field(
         if height.is_nan() {
             return (f32::NAN, f32::NAN, false);
         }
-        let fixed = if fixes && width(n).is_finite() { left(crossings(width(n), step), mean) } else { 1.0 };
+        let between = distances.into_iter().all(f64::is_finite);
+        let fixed = if fixes && between { left(distances, step) } else { 1.0 };
         let place = Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height) };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);

@@ -45,8 +45,8 @@ const USUAL_ERROR: f64 = 0.08;
 const USUAL_POWER: f64 = 0.7;
 /// Crossings a node at which contours that were cut from the nodes' own heights begin to fix them, and the least
 /// that is left of the error then.
-const FIXING: f64 = 0.4;
-const LEAST_LEFT: f64 = 0.3;
+const FIXING: f64 = 0.35;
+const LEAST_LEFT: f64 = 0.25;
 /// Mean number of crossings of a line with the edges of a square lattice, over its length in steps: four over pi.
 const CROSSINGS: f64 = 1.273_239_545;
 
@@ -124,8 +124,7 @@ impl ErrorModel {
             }
             None => {
                 let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
-                let share = if below.max(above).is_finite() { below / width } else { 0.5 };
-                let profile = 4.0 * share * (1.0 - share);
+                let profile = profile(place.sides);
                 let tied = self.halfway(width, 0.0) * profile.powf(PROFILE * self.growth);
                 fixed * tied.max(self.halfway(profile * width, self.growth))
             }
@@ -151,16 +150,19 @@ impl ErrorModel {
     }
 }
 
-/// Crossings a node of contours that are so far apart with a lattice of this step.
-pub fn crossings(width: f64, step: f64) -> f64 {
-    CROSSINGS * step / width.max(0.3 * step)
+/// How far from its ends a place lies on the way between two contours: 0 on either, 1 half-way, also where there is but one.
+fn profile([below, above]: [f64; 2]) -> f64 {
+    let share = if below.max(above).is_finite() { below / (below + above) } else { 0.5 };
+    4.0 * share * (1.0 - share)
 }
 
 /// What is left of the error of nodes whose own heights the contours were cut from: every crossing of an edge is an
-/// equation, and where there are about as many of these as nodes, little is left open.
-pub fn left(own: f64, mean: f64) -> f64 {
-    let crossings = own.powf(0.8) * mean.powf(0.2);
-    (1.0 / (1.0 + (crossings / FIXING).powi(3)).sqrt()).max(LEAST_LEFT)
+/// equation, and where there are about as many of these as nodes, little is left open. Those of a node's own edges say
+/// most, and a node half-way between two contours has the fewest. `step` is that between nodes.
+pub fn left(sides: [f64; 2], step: f64) -> f64 {
+    let width = sides[0] + sides[1];
+    let crossings = (1.5 - profile(sides)) * CROSSINGS * step / width.max(0.3 * step);
+    (1.0 / (1.0 + (crossings / FIXING).powf(3.5)).sqrt()).max(LEAST_LEFT)
 }
 
 /// The curve where nothing can be hidden.
@@ -265,7 +267,9 @@ mod tests {
 
     #[test]
     fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
-        assert!(left(crossings(100.0, 1.0), 0.02) > 0.99);
-        assert_eq!(left(crossings(1.0, 1.0), 1.2), LEAST_LEFT);
+        assert!(left([50.0, 50.0], 1.0) > 0.99);
+        assert_eq!(left([0.01, 0.99], 1.0), LEAST_LEFT);
+        // Both between the same contours: the edges of the second are not crossed.
+        assert!(left([0.1, 1.9], 1.0) < left([1.0, 1.0], 1.0));
     }
 }
