@@ -14,7 +14,8 @@ use crate::progress::Progress;
 
 /// The coarsest lattice has at most so many rows and columns.
 const COARSEST: usize = 12;
-/// Rounds of weights that follow the surface.
+/// Rounds of weights that follow the surface, on all lattices but the finest: that takes the creases of the heights
+/// that it starts from, which are those of the next one.
 const ROUNDS: usize = 2;
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
@@ -80,13 +81,14 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
     let mean = levels.clone().sum::<f64>() / levels.count().max(1) as f64;
     let mut coarse: Option<(Lattice, Vec<f64>, Vec<f32>)> = None;
     while let Some(stage) = stages.pop() {
+        let rounds = if stage.depth == 0 && coarse.is_some() { 0 } else { ROUNDS };
         let (mut z, mut factors) = match coarse {
             None => (vec![mean; stage.lattice.len()], vec![1.0; stage.lattice.len()]),
             Some((lattice, z, factors)) => {
                 (refined(&z, &lattice, &stage.lattice), spread(&factors, &lattice, &stage.lattice))
             }
         };
-        stage.solve(problem, &mut z, &mut factors);
+        stage.solve(problem, &mut z, &mut factors, rounds);
         progress.advance(stage.lattice.len() as u64);
         coarse = Some((stage.lattice, z, factors));
     }
@@ -115,8 +117,8 @@ impl Stage<'_> {
         Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
     }
 
-    /// Improves `z`, and `factors` on the tension.
-    fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32]) {
+    /// Improves `z`, and `factors` on the tension. Without rounds the weights follow `z` as it is.
+    fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32], rounds: usize) {
         let open = |values: &[f32], free: f32| -> Vec<f32> {
             values.par_iter().map(|v| if v.is_nan() { free } else { *v }).collect()
         };
@@ -128,10 +130,13 @@ impl Stage<'_> {
         let weights = energy.bending.clone();
         let tension = energy.tension.clone();
         apply(&mut energy, &tension, factors);
+        let near_contours = near_contours(&energy);
+        if rounds == 0 {
+            let_crease(&mut energy, &weights, &creases, z);
+        }
         let mut minimiser = Minimiser::new(&energy);
         minimiser.minimise(&energy, &lo, &hi, z, effort);
-        let near_contours = near_contours(&energy);
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             let_crease(&mut energy, &weights, &creases, z);
             tighten(factors, &near_contours, [&lo, &hi], z, self.lattice.cols, problem.interval);
             apply(&mut energy, &tension, factors);
@@ -168,13 +173,14 @@ impl Stage<'_> {
             (east, south)
         };
         let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
-        let (mut east, south) = (east.concat(), south.concat());
-        if self.depth == 0 {
-            east.extend(&problem.spots);
-        }
         let weight = problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT)));
-        let contours = [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)];
-        drop((east, south));
+        let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
+        let terms = |mut found: Vec<Vec<_>>, more: &[_]| {
+            found.push(more.to_vec());
+            EdgeTerms::new(&found.concat(), weight, lattice)
+        };
+        let (east, south) = rayon::join(|| terms(east, spots), || terms(south, &[]));
+        let contours = [east, south];
 
         let mut cut = [vec![false; count], vec![false; count]];
         for line in &problem.creases {
