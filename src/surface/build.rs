@@ -5,13 +5,14 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::nodes::{push_axis, with_nodes};
+use super::sheet::Sheet;
 use super::spline::{bytes_on, choose, draft, spline, working_grid};
-use super::tiling::{Tiling, tiling_with_water};
+use super::tiling::{Prepared, Tiling, prepare};
 use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::contour::ContourMap;
 use crate::dem::locate;
-use crate::error::{Error, Report, Result};
+use crate::error::{Error, Finding, Report, Result};
 use crate::memory;
 use crate::progress::Progress;
 use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
@@ -20,7 +21,7 @@ use crate::tin::{Gaps, Regions, Side, Tin, Triangulation};
 /// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
 ///
 /// # Errors
-/// As [`tiling_with_water`], and when the parameters are out of range.
+/// As [`tiling_with_water`](super::tiling_with_water), and when the parameters are out of range.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
         return Err(Error::Parameter(format!(
@@ -33,35 +34,23 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             return Err(Error::Parameter(format!("the {name} is {value}, it must be 0 or more")));
         }
     }
-    let Report { value: mut tiled, findings } = tiling_with_water(map, &params.frame, &params.water, progress)?;
-    if params.kind == SurfaceKind::Spline {
-        let grid = working_grid(&tiled, params.spline.wanted);
-        let length = tiled.map.contours.iter().map(|c| c.length()).sum();
-        let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
-        let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
-        memory::check(bytes_on(&grid, length), &what, remedy)?;
-    }
-    // A good part of the memory, so it goes where it is not needed any more.
-    let triangulation = std::mem::take(&mut tiled.triangulation);
-    let triangulation = (params.kind != SurfaceKind::Linear).then_some(triangulation);
-    let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
+    let prepared = prepare(map, &params.frame, &params.water)?;
+    // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
+    let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
+    let interval = prepared.interval;
+    let (chosen, ground) = rayon::join(
+        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval), params)),
+        || ground(prepared, params, progress),
+    );
+    let Ground { mut tiled, bridges, finer, findings } = ground?;
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
-    let mut chosen = None;
-    if let Some(triangulation) = triangulation {
-        progress.start("ridge and canyon lines", 0);
-        // A triangulation keeps one thread busy; the choice is made beside it.
-        let wants_choice = params.kind == SurfaceKind::Spline;
-        let (choice, finer) = rayon::join(
-            || wants_choice.then(|| choose(&tiled, params)),
-            || finer(&tiled, triangulation, params.resolution),
-        );
-        chosen = choice;
-        (tiled, break_lines, axis) = with_skeleton(tiled, finer?);
+    if let Some(finer) = finer {
+        (tiled, break_lines, axis) = with_skeleton(tiled, finer);
         progress.finish();
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
-        let grid = working_grid(&tiled, params.spline.wanted);
+        let grid = working_grid(&tiled.sheet(), params.spline.wanted);
         let triangles = locate(&tiled.tin, &grid, &());
         let draft = draft(&tiled, &break_lines, &grid, &triangles);
         (Some(spline(&draft, &chosen.knobs, progress)), triangles)
@@ -82,6 +71,37 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let Tiling { map, tin, regions, frame, interval, .. } = tiled;
     let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen, errors };
     Ok(Report { value: surface, findings })
+}
+
+/// The triangulated map, before the ridge and canyon lines are in it.
+struct Ground {
+    tiled: Tiling,
+    bridges: Vec<(f64, [DVec2; 2])>,
+    /// Those lines and the triangulation with them, but for the linear surface. Their step is not finished.
+    finer: Option<(Skeleton, Tin)>,
+    findings: Vec<Finding>,
+}
+
+/// Triangulates a map, and finds its ridge and canyon lines where they are needed.
+fn ground(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Ground> {
+    let Report { value: mut tiled, findings } = prepared.tiled(&params.water, progress)?;
+    if params.kind == SurfaceKind::Spline {
+        let grid = working_grid(&tiled.sheet(), params.spline.wanted);
+        let length = tiled.map.contours.iter().map(|c| c.length()).sum();
+        let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
+        let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
+        memory::check(bytes_on(&grid, length), &what, remedy)?;
+    }
+    // A good part of the memory, so it goes where it is not needed any more.
+    let triangulation = std::mem::take(&mut tiled.triangulation);
+    let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
+    let finer = if params.kind == SurfaceKind::Linear {
+        None
+    } else {
+        progress.start("ridge and canyon lines", 0);
+        Some(finer(&tiled, triangulation, params.resolution)?)
+    };
+    Ok(Ground { tiled, bridges, finer, findings })
 }
 
 /// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `tiled`.

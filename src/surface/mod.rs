@@ -9,6 +9,7 @@ mod build;
 mod depressions;
 mod nodes;
 mod sample;
+mod sheet;
 pub mod spline;
 mod tiling;
 mod uncertainty;

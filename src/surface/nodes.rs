@@ -10,7 +10,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::WorkingGrid;
-use super::spline::{Lattice, mean_gap};
+use super::spline::Lattice;
 use super::tiling::Tiling;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
@@ -41,7 +41,7 @@ pub(super) fn with_nodes(
     let lines = break_lines(&tiled.tin, &tiled.regions, &axis, &flow);
 
     let step = lattice.step.max_element();
-    let stride = (mean_gap(&tiled) / (NODES_A_GAP * step)).floor().max(1.0) as usize;
+    let stride = (tiled.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
     let coarse = Strided { lattice, stride };
     let regions = clear_nodes(&tiled, working, triangles, &coarse);
     let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);

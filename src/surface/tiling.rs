@@ -4,9 +4,11 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::WorkingGrid;
 use super::depressions::contradicted_marks;
+use super::sheet::Sheet;
 use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
 use crate::check::{Correction, Ground, Judged, judge};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
@@ -17,6 +19,9 @@ use crate::tin::{
     Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
     close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
 };
+
+/// Triangles that one task looks at.
+const CHUNK: usize = 1 << 14;
 
 /// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
 #[derive(Debug, Clone)]
@@ -64,6 +69,27 @@ pub fn tiling_with_water(
     water: &Water,
     progress: &dyn Progress,
 ) -> Result<Report<Tiling>> {
+    prepare(map, wanted, water)?.tiled(water, progress)
+}
+
+/// A map in its frame, ready to be triangulated.
+pub(super) struct Prepared {
+    /// The map, cut to the frame.
+    pub map: ContourMap,
+    /// The frame's outline.
+    pub frame: FrameRing,
+    /// The vertical interval.
+    pub interval: Interval,
+    ends: Vec<OpenEnd>,
+    parts: Parts,
+    findings: Vec<Finding>,
+}
+
+/// Cuts a map to its frame, and sees what has to be triangulated.
+///
+/// # Errors
+/// When the map has fewer than two levels, or as [`tiling_with_water`] for the sea.
+pub(super) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();
     let (map, frame) = match wanted {
@@ -87,41 +113,67 @@ pub fn tiling_with_water(
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
     let spots = vec![true; map.spots.len()];
-    let mut parts = Parts { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
-    let mut frame = frame;
+    let parts = Parts { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
+    Ok(Prepared { map, frame, interval, ends, parts, findings })
+}
 
-    progress.start("triangulating", 0);
-    let mut found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
-    if !water.lakes.is_empty() {
-        let ground = with_frame_heights(found.tin, &found.regions, None);
-        let shores = Shores { map: &map, links: &parts.links, frame: &frame, tin: &ground, regions: &found.regions };
-        let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
-        (parts.ponds, frame) = (ponds, with_ends);
-        found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+impl Prepared {
+    /// Triangulates it and finds the sub-domains.
+    ///
+    /// # Errors
+    /// When a contour line crosses another, or when the points have no extent.
+    pub fn tiled(self, water: &Water, progress: &dyn Progress) -> Result<Report<Tiling>> {
+        let Self { map, mut frame, interval, ends, mut parts, mut findings } = self;
+        progress.start("triangulating", 0);
+        let mut found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+        if !water.lakes.is_empty() {
+            let ground = with_frame_heights(found.tin, &found.regions, None);
+            let shores =
+                Shores { map: &map, links: &parts.links, frame: &frame, tin: &ground, regions: &found.regions };
+            let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+            (parts.ponds, frame) = (ponds, with_ends);
+            found = parts.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+        }
+        let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
+        findings.extend(of_regions);
+        let ground = Ground {
+            map: &map,
+            tin: &tin,
+            regions: &sub_domains,
+            frame: &frame,
+            ends: &ends,
+            links: &parts.links,
+            gaps: &gaps,
+        };
+        let Judged { findings: of_labels, corrections } = judge(&ground);
+        findings.extend(of_labels);
+        findings.extend(contradicted_marks(&map, &tin, &sub_domains));
+        let tin = with_frame_heights(tin, &sub_domains, None);
+        progress.finish();
+        let given = triangulation.input().len();
+        let regions = sub_domains;
+        let tiling = Tiling { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given };
+        Ok(Report { value: tiling, findings })
     }
-    let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
-    findings.extend(of_regions);
-    let ground = Ground {
-        map: &map,
-        tin: &tin,
-        regions: &sub_domains,
-        frame: &frame,
-        ends: &ends,
-        links: &parts.links,
-        gaps: &gaps,
-    };
-    let Judged { findings: of_labels, corrections } = judge(&ground);
-    findings.extend(of_labels);
-    findings.extend(contradicted_marks(&map, &tin, &sub_domains));
-    let tin = with_frame_heights(tin, &sub_domains, None);
-    progress.finish();
-    let given = triangulation.input().len();
-    let regions = sub_domains;
-    let tiling = Tiling { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given };
-    Ok(Report { value: tiling, findings })
 }
 
 impl Tiling {
+    /// What the triangles do not tell, with the area of the triangles inside the frame.
+    pub(super) fn sheet(&self) -> Sheet<'_> {
+        let tin = &self.tin;
+        let doubled = |t: u32| {
+            let [a, b, c] = tin.corners(t);
+            (b - a).perp_dot(c - a)
+        };
+        // Added up in this order whatever the number of threads.
+        let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
+            let first = (k * CHUNK) as u32;
+            (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
+        });
+        let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
+        Sheet::with_area(&self.map, &self.frame, self.interval, area)
+    }
+
     /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
     pub(super) fn push_borders(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {

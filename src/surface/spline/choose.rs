@@ -16,7 +16,8 @@
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
 use super::{Knobs, SplineParams};
-use crate::surface::{SurfaceParams, Tiling};
+use crate::surface::SurfaceParams;
+use crate::surface::sheet::Sheet;
 
 /// Tension that suits most terrain; taken where the contours do not tell.
 const USUAL: f64 = 3.5;
@@ -78,13 +79,13 @@ pub struct Accuracy {
     pub count: usize,
 }
 
-/// Chooses what the parameters leave open. `tiled` is the triangulation without ridge and canyon lines.
+/// Chooses what the parameters leave open.
 ///
 /// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
 /// the surface itself, or less.
-pub fn choose(tiled: &Tiling, params: &SurfaceParams) -> Chosen {
+pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
-    let growth = growth(tiled);
+    let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
     let knobs = |tension: f64| Knobs { tension, noise };
     let without = |tension, reason| Chosen { knobs: knobs(tension), reason, hidden: None, implied: None };
@@ -92,10 +93,10 @@ pub fn choose(tiled: &Tiling, params: &SurfaceParams) -> Chosen {
         return without(tension, Reason::Given);
     }
     let fallback = without(USUAL, Reason::FellBack);
-    if levels(tiled) < FEWEST_LEVELS {
+    if levels(sheet) < FEWEST_LEVELS {
         return fallback;
     }
-    let mut missed = trials(tiled, params, TRIED.map(knobs));
+    let mut missed = trials(sheet, params, TRIED.map(knobs));
     if missed[0].len() < FEWEST_PLACES {
         return fallback;
     }
@@ -105,7 +106,7 @@ pub fn choose(tiled: &Tiling, params: &SurfaceParams) -> Chosen {
     }
     let best = FACTOR.powf(lowest(errors.map(|e| e.max(f64::MIN_POSITIVE).ln())));
     let nearest = (0..TRIED.len()).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
-    let step = tiled.interval.step;
+    let step = sheet.interval.step;
     let hidden = Accuracy {
         rmse: errors[nearest],
         le90: le90(&mut missed[nearest]),
@@ -119,9 +120,9 @@ pub fn choose(tiled: &Tiling, params: &SurfaceParams) -> Chosen {
 }
 
 /// Number of levels that are whole intervals.
-fn levels(tiled: &Tiling) -> usize {
-    let interval = tiled.interval;
-    let on = tiled.map.contours.iter().filter(|c| interval.is_level(c.elevation));
+fn levels(sheet: &Sheet<'_>) -> usize {
+    let interval = sheet.interval;
+    let on = sheet.map.contours.iter().filter(|c| interval.is_level(c.elevation));
     let mut numbers: Vec<i64> = on.map(|c| interval.index_of(c.elevation)).collect();
     numbers.sort_unstable();
     numbers.dedup();

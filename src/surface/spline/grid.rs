@@ -1,11 +1,10 @@
 //! Which working grid to use.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::Wanted;
 use crate::dem::Grid;
-use crate::surface::Tiling;
+use crate::surface::sheet::Sheet;
 
 /// Nodes from one contour to the next where they are as far apart as in the mean.
 pub const NODES_A_GAP: f64 = 6.0;
@@ -19,34 +18,15 @@ const FINER: f64 = 8.0;
 const COARSER: f64 = 2.0;
 /// Most nodes, whatever the memory: the surface must not depend on the machine.
 const MOST_NODES: f64 = 40e6;
-/// Triangles that one task looks at.
-const CHUNK: usize = 1 << 14;
 /// Bytes that each takes while the surface is found, with the crossings of contours on a map where these are no more than the
 /// nodes.
 const BYTES_A_NODE: f64 = 150.0;
 /// Bytes that each further crossing of a contour with an edge between nodes takes.
 const BYTES_A_CROSSING: f64 = 100.0;
 
-/// Mean distance between neighbouring contours: area over length of contour, map units.
-pub fn mean_gap(tiled: &Tiling) -> f64 {
-    let tin = &tiled.tin;
-    let doubled = |t: u32| {
-        let [a, b, c] = tin.corners(t);
-        (b - a).perp_dot(c - a)
-    };
-    // Added up in this order whatever the number of threads.
-    let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
-        let first = (k * CHUNK) as u32;
-        (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
-    });
-    let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
-    let length: f64 = tiled.map.contours.iter().map(|c| c.length()).sum();
-    area / length.max(f64::MIN_POSITIVE)
-}
-
 /// Mean distance between neighbouring vertices of contours, map units.
-fn vertex_spacing(tiled: &Tiling) -> f64 {
-    let contours = &tiled.map.contours;
+fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
+    let contours = &sheet.map.contours;
     let length: f64 = contours.iter().map(|c| c.length()).sum();
     let segments: usize = contours.iter().map(|c| c.points.len().saturating_sub(1)).sum();
     length / segments.max(1) as f64
@@ -56,14 +36,14 @@ fn vertex_spacing(tiled: &Tiling) -> f64 {
 ///
 /// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
 /// each of its cells, or with every so many of them. Without one, cells on multiples of their size.
-pub fn working_grid(tiled: &Tiling, wanted: Option<Wanted>) -> Grid {
-    let (lo, hi) = tiled
+pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
+    let (lo, hi) = sheet
         .frame
         .rings()
         .flatten()
         .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let gap = mean_gap(tiled);
-    let cell = (gap / NODES_A_GAP).max((vertex_spacing(tiled) / NODES_A_SEGMENT).min(gap / FEWEST_A_GAP));
+    let gap = sheet.gap;
+    let cell = (gap / NODES_A_GAP).max((vertex_spacing(sheet) / NODES_A_SEGMENT).min(gap / FEWEST_A_GAP));
     let size = hi - lo;
     let least = (size.x * size.y / MOST_NODES).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());

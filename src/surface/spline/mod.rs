@@ -28,8 +28,7 @@ pub(super) mod trial;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
-pub use grid::working_grid;
-pub(super) use grid::{bytes_on, mean_gap};
+pub(super) use grid::{bytes_on, working_grid};
 pub(super) use lattice::Lattice;
 
 use std::borrow::Cow;
@@ -128,7 +127,7 @@ pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &
     let hollows: Vec<bool> =
         triangles.par_iter().map(|&t| t != NONE && is_hollow[tiled.regions.of_triangle[t as usize] as usize]).collect();
     let guide = heights_at(&tiled.tin, grid, triangles);
-    Draft { grid: *grid, tiled, break_lines, gap: grid::mean_gap(tiled), bounds: [lo, hi], guide, hollows }
+    Draft { grid: *grid, tiled, break_lines, gap: tiled.sheet().gap, bounds: [lo, hi], guide, hollows }
 }
 
 /// The nodes that vertices of contours lie on, with the level: the band on either side of the contour would be too wide.

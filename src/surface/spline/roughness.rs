@@ -8,8 +8,7 @@
 
 use glam::DVec2;
 
-use super::grid::mean_gap;
-use crate::surface::Tiling;
+use crate::surface::sheet::Sheet;
 
 /// Exponent below which contours are rough.
 pub const ROUGH: f64 = 1.5;
@@ -21,9 +20,9 @@ const FEWEST: usize = 200;
 const MOST: f64 = 1e6;
 
 /// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
-pub fn growth(tiled: &Tiling) -> Option<f64> {
-    let lines: Vec<&[DVec2]> = tiled.map.contours.iter().map(|c| c.points.as_slice()).collect();
-    exponent(&lines, mean_gap(tiled))
+pub fn growth(sheet: &Sheet<'_>) -> Option<f64> {
+    let lines: Vec<&[DVec2]> = sheet.map.contours.iter().map(|c| c.points.as_slice()).collect();
+    exponent(&lines, sheet.gap)
 }
 
 fn exponent(lines: &[&[DVec2]], gap: f64) -> Option<f64> {

@@ -4,10 +4,11 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
-use crate::contour::{Contour, ContourMap, clip};
+use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::{Grid, locate};
 use crate::skeleton::BreakLine;
 use crate::surface::build::{finer, with_skeleton};
+use crate::surface::sheet::Sheet;
 use crate::surface::{SurfaceParams, Tiling, tiling};
 use crate::tin::{Frame, NONE};
 
@@ -68,13 +69,13 @@ pub struct Missed {
 /// surface can be drawn over are left out.
 ///
 /// The parts are small, so that each is one task.
-pub fn trials<const N: usize>(tiled: &Tiling, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
-    let cell = cell(tiled, params, 2);
-    let parts = parts(tiled, &params.frame, cell);
+pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+    let cell = cell(sheet, params, 2);
+    let parts = parts(sheet, &params.frame, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
-        Some(trial(map, frame, left, tiled, Some(params.resolution), cell)?.missed(knobs))
+        Some(trial(map, frame, left, sheet.interval, Some(params.resolution), cell)?.missed(knobs))
     });
     let each: Vec<[Vec<Missed>; N]> = missed.collect();
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
@@ -83,20 +84,20 @@ pub fn trials<const N: usize>(tiled: &Tiling, params: &SurfaceParams, knobs: [Kn
 /// Size of the cells of a trial that leaves every so many levels.
 ///
 /// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
-pub fn cell(tiled: &Tiling, params: &SurfaceParams, every: i64) -> f64 {
-    let cell = working_grid(tiled, params.spline.wanted).cell;
-    every as f64 * (cell.x * cell.y).sqrt().max(grid::mean_gap(tiled) / grid::NODES_A_GAP)
+pub fn cell(sheet: &Sheet<'_>, params: &SurfaceParams, every: i64) -> f64 {
+    let cell = working_grid(sheet, params.spline.wanted).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / grid::NODES_A_GAP)
 }
 
 /// The whole map, or squares of a large one.
-pub fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
-    let points = || tiled.map.contours.iter().flat_map(|c| c.points.iter().copied());
+pub fn parts(sheet: &Sheet<'_>, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
+    let points = || sheet.map.contours.iter().flat_map(|c| c.points.iter().copied());
     let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
     let area = size.x * size.y;
     let vertices = points().count() as f64;
     if area / (cell * cell) <= WHOLE && vertices <= WHOLE {
-        return vec![(tiled.map.clone(), frame.clone())];
+        return vec![(sheet.map.clone(), frame.clone())];
     }
     let side = (SQUARE.sqrt() * cell).min((VERTICES * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
@@ -112,34 +113,33 @@ pub fn parts(tiled: &Tiling, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame
     squares.sort_unstable();
     let take = squares.len().min(SQUARES);
     let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
-    chosen.map(|[col, row]| square(tiled, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
+    chosen.map(|[col, row]| square(sheet.map, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
 }
 
 /// The part of the map in a rectangle.
-fn square(tiled: &Tiling, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
+fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     let hi = lo + size;
     let touches = |c: &&Contour| {
         let (a, b) = c.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
         a.cmple(hi).all() && b.cmpge(lo).all()
     };
-    let contours = tiled.map.contours.iter().filter(touches).cloned().collect();
-    let map = ContourMap { contours, spots: tiled.map.spots.clone(), ..ContourMap::default() };
+    let contours = map.contours.iter().filter(touches).cloned().collect();
+    let map = ContourMap { contours, spots: map.spots.clone(), ..ContourMap::default() };
     let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
     let cut = clip(map, &area);
     (cut.map, Frame::Polygon(cut.area))
 }
 
-/// A part of the map `of` with levels hidden; `None` if no surface can be drawn over those that are left.
+/// A part of a map of vertical interval `interval` with levels hidden; `None` if no surface can be drawn over those that are left.
 /// `resolution` is that of the ridge and canyon lines; without one there are none.
 pub fn trial(
     map: &ContourMap,
     frame: &Frame,
     left: Left,
-    of: &Tiling,
+    interval: Interval,
     resolution: Option<f64>,
     cell: f64,
 ) -> Option<Trial> {
-    let interval = of.interval;
     let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
     let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
@@ -166,7 +166,7 @@ pub fn trial(
             (tiled, break_lines)
         }
     };
-    let grid = working_grid(&tiled, Some(Wanted::Cell(cell)));
+    let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
     Some(Trial { tiled, break_lines, places, grid })
 }
 

@@ -8,7 +8,7 @@ use super::places::seen;
 use super::sides::sides;
 use crate::contour::LineError;
 use crate::dem::{Dem, locate, rasterise};
-use crate::surface::spline::{Chosen, mean_gap, roughness, slopes, working_grid};
+use crate::surface::spline::{Chosen, roughness, slopes, working_grid};
 use crate::surface::{Surface, SurfaceParams, Tiling, WorkingGrid};
 use crate::tin::{Region, Side};
 
@@ -39,12 +39,13 @@ pub fn error_field(
     chosen: Option<&Chosen>,
     working: Option<&WorkingGrid>,
 ) -> ErrorField {
-    let gap = mean_gap(tiled);
-    let growth = roughness::growth(tiled);
-    let seen = seen(tiled, params, chosen.map(|c| c.knobs));
+    let sheet = tiled.sheet();
+    let gap = sheet.gap;
+    let growth = roughness::growth(&sheet);
+    let seen = seen(&sheet, params, chosen.map(|c| c.knobs));
     let model = ErrorModel::learn(&seen, growth, tiled.interval.step, gap);
     drop(seen);
-    let grid = working.map_or_else(|| working_grid(tiled, params.spline.wanted), |w| w.grid);
+    let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);
     let triangles = locate(&tiled.tin, &grid, &());
     let sides = sides(tiled, &grid, &triangles);
     drop(triangles);

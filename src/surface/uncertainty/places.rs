@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use super::sides::sides;
 use crate::dem::locate;
+use crate::surface::sheet::Sheet;
 use crate::surface::spline::trial::{Left, Trial, between, cell, node, parts, trial};
 use crate::surface::spline::{Knobs, WorkingGrid, draft, spline};
-use crate::surface::{SurfaceKind, SurfaceParams, Tiling};
+use crate::surface::{SurfaceKind, SurfaceParams};
 use crate::tin::NONE;
 
 /// A place on a hidden contour.
@@ -29,14 +30,14 @@ impl Seen {
 
 /// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
 /// smooth surface.
-pub fn seen(tiled: &Tiling, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
-    let cell = cell(tiled, params, 2);
-    let parts = parts(tiled, &params.frame, cell);
+pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
+    let cell = cell(sheet, params, 2);
+    let parts = parts(sheet, &params.frame, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
         let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
-        Some(of_trial(&trial(map, frame, left, tiled, resolution, cell)?, params.kind, knobs))
+        Some(of_trial(&trial(map, frame, left, sheet.interval, resolution, cell)?, params.kind, knobs))
     });
     found.collect::<Vec<_>>().concat()
 }
