@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
     Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
-    close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
+    agreeing_at_corners, close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
 };
 
 /// Triangles that one task looks at.
@@ -318,7 +318,7 @@ impl Parts {
                 }
                 continue;
             }
-            let regions = with_water(report.value, &tin, &heights, self.sea);
+            let regions = agreeing_at_corners(with_water(report.value, &tin, &heights, self.sea), &tin);
             let outside = spots_outside_bands(map, &tin, &regions);
             if outside.is_empty() {
                 return Ok(Found { triangulation, tin, regions, gaps, findings: report.findings });
@@ -394,7 +394,7 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
 
 /// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
 /// corner has the height of the nearest vertex that it shares a triangle with. Where two parts of the frame touch, the
-/// height lies in the bands of both, if it can. Where `working` has heights, a corner has one of those.
+/// height lies in the bands of both. Where `working` has heights, a corner has one of those.
 fn with_frame_heights(tin: Tin, regions: &Regions, working: Option<&WorkingGrid>) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
     let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();

@@ -16,6 +16,7 @@ mod orient;
 mod outline;
 mod refine;
 mod regions;
+mod touch;
 mod waters;
 
 pub use build::{Triangulation, triangulate};
@@ -32,6 +33,7 @@ pub(crate) use orient::{line_at, line_starts, piece_of};
 pub use outline::Outline;
 pub use refine::InnerPoint;
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
+pub use touch::agreeing_at_corners;
 pub use waters::{lakes_outside_bands, with_water};
 
 use std::collections::HashSet;
