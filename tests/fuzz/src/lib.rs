@@ -1,6 +1,7 @@
 //! What the fuzz targets share: readers take files, so each input goes through one; for the pipeline, bytes make a map.
 
-#[path = "../../common/mod.rs"]
+// Of what the tests share, the guarantees ask for this alone; the rest wants crates that are not needed here.
+#[path = "../../common/crossings.rs"]
 mod common;
 #[path = "../../guarantees/mod.rs"]
 mod guarantees;
