@@ -51,6 +51,17 @@ fn a_geopackage_whose_column_names_are_no_text_is_read() {
     assert!(output.status.success(), "{}", said(&output));
 }
 
+#[test]
+fn a_geopackage_that_is_cut_off_is_told_once() {
+    let dir = folder();
+    assert!(run(dir.path(), "densify in.geojson -i 5 -o a.gpkg -q").status.success());
+    let bytes = fs::read(dir.path().join("a.gpkg")).unwrap();
+    fs::write(dir.path().join("b.gpkg"), &bytes[..bytes.len() / 2]).unwrap();
+    let output = run(dir.path(), "densify b.gpkg -i 5 -o c.gpkg -q");
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(said(&output).matches("malformed").count(), 1, "{}", said(&output));
+}
+
 #[cfg(unix)]
 mod unix {
     use std::thread::sleep;

@@ -130,18 +130,25 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Failure::Work(error)) => {
-            let mut text = error.to_string();
-            let mut cause = std::error::Error::source(&error);
-            while let Some(inner) = cause {
-                // Some libraries say the words of their cause themselves.
-                let told = inner.to_string();
-                if !text.ends_with(&told) {
-                    text.push_str(&format!(": {told}"));
-                }
-                cause = inner.source();
-            }
-            console::error(&text);
+            console::error(&with_causes(&error));
             ExitCode::from(1)
         }
     }
+}
+
+/// What an error says, and what its causes do: some say the words of their own cause themselves, others repeat it with a
+/// number before it.
+fn with_causes(error: &Error) -> String {
+    let mut text = error.to_string();
+    let mut last = text.clone();
+    let mut cause = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        let told = inner.to_string();
+        if !text.ends_with(&told) && !told.ends_with(&last) {
+            text.push_str(&format!(": {told}"));
+        }
+        last = told;
+        cause = inner.source();
+    }
+    text
 }
