@@ -222,6 +222,24 @@ fn a_wrong_label_is_proposed_and_repaired() {
 }
 
 #[test]
+fn a_map_of_one_level_is_told_with_all_else_that_is_wrong() {
+    let folder = Folder::new();
+    let mut lines = vec![ring(100.0, 60.0), ring(100.0, 20.0)];
+    let first = lines[0].1[0];
+    lines[0].1.insert(0, first);
+    folder.put("map.geojson", &lines);
+    assert_eq!(folder.codes("map.geojson"), ["too-few-levels", "repeated-point"]);
+    let (status, out, err) = folder.run("check map.geojson -o findings.gpkg");
+    assert_eq!(status, 0, "{err}");
+    assert!(out.contains("all 2 contour lines have the elevation 100"), "{out}");
+    assert_eq!(folder.run("check map.geojson --strict").0, 1);
+    assert_eq!(folder.run("check map.geojson --repair safe -o fixed.gpkg").0, 0);
+    assert_eq!(rows(&folder.path("fixed.gpkg"), "SELECT elev FROM contours"), [["100"], ["100"]]);
+    let (status, _, err) = folder.run("dem map.geojson --cell 5 -o dem.tif");
+    assert_eq!(status, 1, "{err}");
+}
+
+#[test]
 fn wrong_usage_is_told() {
     let folder = Folder::new();
     folder.put("map.geojson", &hill());

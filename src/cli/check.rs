@@ -8,7 +8,7 @@ use glam::DVec2;
 use serde_json::{Value, json};
 use tokosen::contour::{ContourMap, distinct_levels, find_interval};
 use tokosen::crs::Crs;
-use tokosen::error::{Finding, Proposal, Severity};
+use tokosen::error::{Error, Finding, FindingKind, Proposal, Severity};
 use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
 use tokosen::surface::tiling;
@@ -60,8 +60,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    let tiled = tiling(input.map, &Frame::Hull, console);
-    let tiled = summary::found(tiled, &mut input.findings, console)?;
+    let judged = judged(input.map, &mut input.findings, console)?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
 
@@ -72,10 +71,10 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
         })?;
     }
     if args.json {
-        console.result(&format!("{:#}", as_json(args, &tiled.map, findings, console)));
+        console.result(&format!("{:#}", as_json(args, &judged, findings, console)));
     } else {
         summary::findings_by_severity(findings, console);
-        args.map.describe(&tiled.map, console);
+        args.map.describe(&judged, console);
     }
     let written = staged.as_ref().map(|staged| staged.target().to_owned());
     if let Some(staged) = staged {
@@ -88,6 +87,18 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
         summary::close_severities(findings, console);
     }
     args.map.strictly(findings)
+}
+
+/// Adds what the ground between contours shows of them. A map of one level has no such ground, which is a finding too.
+fn judged(map: ContourMap, findings: &mut Vec<Finding>, console: &Console) -> Result<ContourMap, Failure> {
+    let flat = find_interval(&map.contours).is_none().then(|| map.clone());
+    match (tiling(map, &Frame::Hull, console), flat) {
+        (Err(Error::Data(message)), Some(map)) => {
+            findings.push(Finding::general(FindingKind::TooFewLevels, message));
+            Ok(map)
+        }
+        (tiled, _) => Ok(summary::found(tiled, findings, console)?.map),
+    }
 }
 
 impl CheckArgs {

@@ -182,12 +182,16 @@ impl MapArgs {
         distinct.dedup();
         let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
         console.say(&format!("input      {}", self.contours.display()));
-        console.say(&format!(
-            "contours   {} lines, {} vertices, {} levels from {low} to {high} m, vertical interval {interval}",
-            map.contours.len(),
-            map.vertex_count(),
-            distinct.len(),
-        ));
+        let what = match distinct.len() {
+            0 => "none".to_owned(),
+            1 => format!("{} lines, {} vertices, all at {low} m", map.contours.len(), map.vertex_count()),
+            n => format!(
+                "{} lines, {} vertices, {n} levels from {low} to {high} m, vertical interval {interval}",
+                map.contours.len(),
+                map.vertex_count(),
+            ),
+        };
+        console.say(&format!("contours   {what}"));
         if !map.spots.is_empty() {
             console.say(&format!("spots      {}", map.spots.len()));
         }

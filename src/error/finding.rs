@@ -118,6 +118,8 @@ kinds! {
     WrongLabel = "wrong-label", Error, "elevations that contradict the lines around";
     /// Neighbouring contours skip one or more levels: a contour is missing.
     SkippedLevel = "skipped-level", Error, "neighbouring contours that skip a level";
+    /// The contours are of one level, or there are none: no surface can be made of them.
+    TooFewLevels = "too-few-levels", Error, "too few levels for a surface";
     /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
     DepressionMark = "depression-mark", Warning, "depression marks that the contours contradict";
     /// A spot height lies on a contour or on another spot height of a different elevation; left out.
