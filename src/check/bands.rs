@@ -67,25 +67,38 @@ pub fn levels_between(a: Span, b: Span) -> impl Iterator<Item = i64> {
     (a.lo.max(b.lo)..=a.hi.min(b.hi).saturating_add(1)).filter(move |&y| separates(Label::On(y), a, b))
 }
 
-/// The cheapest explanation: the span of every sub-domain, none where no contour tells anything.
+/// The cheapest explanation of a map, and what the others cost.
+pub struct Explanation<'a> {
+    /// The span of every sub-domain, none where no contour tells anything.
+    pub spans: Vec<Option<Span>>,
+    graph: &'a Graph,
+    tree: Tree,
+    /// The spans that were tried for each sub-domain.
+    states: Vec<Vec<Span>>,
+    /// For each of them, the cost of the best explanation of the sub-domain and all below it.
+    costs: Vec<Vec<f64>>,
+    /// For each state of the parent, the cost of the best explanation of the border to it and all below.
+    below: Vec<Vec<f64>>,
+}
+
+/// Explains a map.
 ///
 /// `for_missing` says by sub-domain how plausible its width makes a missing contour.
-pub fn explain(graph: &Graph, for_missing: &[f64]) -> Vec<Option<Span>> {
+pub fn explain<'a>(graph: &'a Graph, for_missing: &[f64]) -> Explanation<'a> {
     let count = graph.ragged.len();
     let tree = Tree::new(graph, count);
     let own = own_levels(graph, count);
     let states: Vec<Vec<Span>> = (0..count).map(|r| states(r, graph, &own, &tree)).collect();
-    // Cost of the best explanation of all below a sub-domain, for each of its states.
     let mut costs: Vec<Vec<f64>> =
         (0..count).map(|r| states[r].iter().map(|&s| alone(graph, for_missing[r], r, s)).collect()).collect();
+    let mut below: Vec<Vec<f64>> = vec![Vec::new(); count];
     // For each state of the parent, the best state of the child.
     let mut choices: Vec<Vec<u32>> = vec![Vec::new(); count];
     for &r in tree.order.iter().rev() {
         let Some((parent, pair)) = tree.parent[r as usize] else { continue };
-        let below = std::mem::take(&mut costs[r as usize]);
         for (k, &above) in states[parent as usize].iter().enumerate() {
             let mut best = (f64::INFINITY, 0);
-            for (j, (&state, &cost)) in states[r as usize].iter().zip(&below).enumerate() {
+            for (j, (&state, &cost)) in states[r as usize].iter().zip(&costs[r as usize]).enumerate() {
                 if cost < best.0 {
                     let whole = cost + between(&graph.pairs[pair as usize], state, above);
                     if whole < best.0 {
@@ -94,6 +107,7 @@ pub fn explain(graph: &Graph, for_missing: &[f64]) -> Vec<Option<Span>> {
                 }
             }
             costs[parent as usize][k] += best.0;
+            below[r as usize].push(best.0);
             choices[r as usize].push(best.1);
         }
     }
@@ -104,7 +118,63 @@ pub fn explain(graph: &Graph, for_missing: &[f64]) -> Vec<Option<Span>> {
             None => lowest(&costs[r as usize]),
         };
     }
-    (0..count).map(|r| if own[r].is_empty() { None } else { states[r].get(chosen[r] as usize).copied() }).collect()
+    let span = |r: usize| if own[r].is_empty() { None } else { states[r].get(chosen[r] as usize).copied() };
+    Explanation { spans: (0..count).map(span).collect(), graph, tree, states, costs, below }
+}
+
+impl Explanation<'_> {
+    /// How much more than the cheapest explanation the cheapest one costs in which a contour with this label does lie
+    /// between two sub-domains, for several labels and pairs of sub-domains. Infinite where nothing is known of it.
+    pub fn margins(&self, wanted: &[(Label, [u32; 2])]) -> Vec<f64> {
+        let beyond = self.beyond(wanted.iter().filter_map(|&(_, sides)| Some(self.link(sides)?.0)));
+        let margin = |&(label, sides): &(Label, [u32; 2])| {
+            let Some((child, parent, pair)) = self.link(sides) else { return f64::INFINITY };
+            let (mut all, mut right) = (f64::INFINITY, f64::INFINITY);
+            for (&above, &rest) in self.states[parent as usize].iter().zip(&beyond[child as usize]) {
+                for (&state, &cost) in self.states[child as usize].iter().zip(&self.costs[child as usize]) {
+                    let whole = cost + rest + between(&self.graph.pairs[pair as usize], state, above);
+                    all = all.min(whole);
+                    if separates(label, state, above) {
+                        right = right.min(whole);
+                    }
+                }
+            }
+            right - all
+        };
+        wanted.iter().map(margin).collect()
+    }
+
+    /// Child, parent and pair of two sub-domains, if there are both and they are neighbours in the tree.
+    fn link(&self, [a, b]: [u32; 2]) -> Option<(u32, u32, u32)> {
+        [(a, b), (b, a)].into_iter().find_map(|(child, other)| {
+            let (parent, pair) = (*self.tree.parent.get(child as usize)?)?;
+            (parent == other).then_some((child, parent, pair))
+        })
+    }
+
+    /// For these sub-domains: for each state of the parent, the cost of the best explanation of all that is not below them.
+    fn beyond(&self, wanted: impl Iterator<Item = u32>) -> Vec<Vec<f64>> {
+        let mut is_wanted = vec![false; self.states.len()];
+        for r in wanted {
+            let mut at = Some(r);
+            while let Some(r) = at.filter(|&r| !std::mem::replace(&mut is_wanted[r as usize], true)) {
+                at = self.tree.parent[r as usize].map(|(parent, _)| parent);
+            }
+        }
+        let mut beyond: Vec<Vec<f64>> = vec![Vec::new(); self.states.len()];
+        for &r in self.tree.order.iter().filter(|&&r| is_wanted[r as usize]) {
+            let Some((parent, _)) = self.tree.parent[r as usize] else { continue };
+            let rest = |(k, &state): (usize, &Span)| {
+                let own = self.costs[parent as usize][k] - self.below[r as usize][k];
+                let Some((above, pair)) = self.tree.parent[parent as usize] else { return own };
+                let further = self.states[above as usize].iter().zip(&beyond[parent as usize]);
+                let pair = &self.graph.pairs[pair as usize];
+                own + further.map(|(&s, &cost)| cost + between(pair, state, s)).fold(f64::INFINITY, f64::min)
+            };
+            beyond[r as usize] = self.states[parent as usize].iter().enumerate().map(rest).collect();
+        }
+        beyond
+    }
 }
 
 fn lowest(costs: &[f64]) -> u32 {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::bands::{Span, levels_between, separates};
+use super::bands::{Explanation, Span, levels_between, separates};
 use super::graph::{Graph, Stretch};
 use super::grid::{Label, LevelGrid, is_other_unit, likeness};
 use super::{Correction, Ground, Judged};
@@ -14,6 +14,9 @@ use crate::tin::{NONE, VertexKind, line_at, line_starts};
 
 /// How much less plausible it is that an innermost contour has the level of the contours around it.
 const FACING: f64 = 1.0;
+/// How much less plausible every other way to mend a label must be, as a difference of negative logarithms, for it to be
+/// proposed: one that is as good would be a guess.
+const CLEAR: f64 = 0.5;
 /// So many labels that are their proposal in feet, or in metres, are no coincidence.
 const OTHER_UNIT: usize = 3;
 /// Features that a finding about many lines names.
@@ -26,12 +29,17 @@ pub struct Wrong {
     pub line: u32,
     /// The levels it can have instead, the most plausible first; none if the ground tells nothing.
     pub levels: Vec<i64>,
+    /// Whether another line can be the wrong one as well.
+    pub or_another: bool,
+    /// Whether the first level is no better than the second.
+    pub is_open: bool,
 }
 
 /// The contours whose labels contradict the ground on their sides.
-pub fn wrong_labels(map: &ContourMap, graph: &Graph, spans: &[Option<Span>], grid: &LevelGrid) -> Vec<Wrong> {
-    let span = |r: u32| spans.get(r as usize).copied().flatten().filter(|_| !graph.ragged[r as usize]);
+pub fn wrong_labels(map: &ContourMap, graph: &Graph, explained: &Explanation, grid: &LevelGrid) -> Vec<Wrong> {
+    let span = |r: u32| explained.spans.get(r as usize).copied().flatten().filter(|_| !graph.ragged[r as usize]);
     let mut wrong = Vec::new();
+    let mut doubted = Vec::new();
     for of_line in graph.stretches.chunk_by(|a, b| a.line == b.line) {
         let line = of_line[0].line;
         let label = grid.label(map.contours[line as usize].elevation);
@@ -51,7 +59,11 @@ pub fn wrong_labels(map: &ContourMap, graph: &Graph, spans: &[Option<Span>], gri
             [Some(a), Some(b)] => levels_between(a, b).collect(),
             _ => Vec::new(),
         });
-        wrong.push(Wrong { line, levels });
+        doubted.push((label, longest.map_or([NONE; 2], |s| s.sides)));
+        wrong.push(Wrong { line, levels, or_another: false, is_open: false });
+    }
+    for (wrong, margin) in wrong.iter_mut().zip(explained.margins(&doubted)) {
+        wrong.or_another = margin < CLEAR;
     }
     wrong
 }
@@ -93,6 +105,7 @@ pub fn settle_innermost(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans:
             FACING * faced.get(&y).unwrap_or(&0.0) / total - likeness(elevation, grid.elevation(y)) - turn.ln()
         };
         w.levels.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+        w.is_open = matches!(w.levels[..], [first, second, ..] if cost(second) - cost(first) < CLEAR);
     }
 }
 
@@ -174,8 +187,13 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         } else {
             ""
         };
-        let message = format!("the elevation {from} m of feature {feature} {why}; {to} m{or} would fit{missing}");
+        let another = if w.or_another { ", unless a contour beside it is wrong or missing" } else { missing };
+        let message = format!("the elevation {from} m of feature {feature} {why}; {to} m{or} would fit{another}");
         let finding = Finding::new(kind, place, message).about(feature, from);
+        if w.or_another || w.is_open {
+            judged.findings.push(finding);
+            continue;
+        }
         judged.findings.push(finding.proposing(Proposal::Relabel { from, to }));
         judged.corrections.push(Correction::Label { line: w.line, elevation: to });
     }

@@ -50,11 +50,12 @@ pub(crate) fn judge(ground: &Ground) -> Judged {
     let mut judged = Judged::default();
     let grid = LevelGrid::new(map, &regions.interval);
     let graph = Graph::new(map, tin, regions, gaps, &grid);
-    let spans = bands::explain(&graph, &widths::for_missing(tin, regions, &graph));
-    let mut wrong = labels::wrong_labels(map, &graph, &spans, &grid);
-    labels::settle_innermost(ground, &graph, &grid, &spans, &mut wrong);
+    let explained = bands::explain(&graph, &widths::for_missing(tin, regions, &graph));
+    let spans = &explained.spans;
+    let mut wrong = labels::wrong_labels(map, &graph, &explained, &grid);
+    labels::settle_innermost(ground, &graph, &grid, spans, &mut wrong);
     labels::tell_wrong(map, &grid, &wrong, &mut judged);
-    labels::tell_skipped(ground, &graph, &grid, &spans, &mut judged);
+    labels::tell_skipped(ground, &graph, &grid, spans, &mut judged);
     labels::tell_auxiliary(map, &grid, &wrong, &mut judged);
     ends::tell_ends(ground, &graph, &grid, &wrong, &mut judged);
     judged

@@ -120,6 +120,22 @@ fn the_innermost_ring_gets_the_level_that_rises_on() {
 }
 
 #[test]
+fn what_can_be_mended_in_two_ways_is_told_and_not_mended() {
+    // 160 for the last ring, or 140 for the one before it; 150 for the last but one, or 130 for the last.
+    for (innermost, feature) in [([150.0, 130.0], 6), ([140.0, 160.0], 7)] {
+        let (tiling, told) = tiled(hill(&[&levels(5)[..], &innermost].concat()));
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::WrongLabel, &[feature][..]));
+        assert!(told[0].message.contains("unless a contour beside it is wrong or missing"), "{told:?}");
+        assert_eq!((told[0].proposal.clone(), tiling.corrections), (None, Vec::new()));
+    }
+    // Of the two levels that the innermost ring can have, 160 goes on rising, and 150 has its digits.
+    let mut elevations = levels(7);
+    elevations[6] = 510.0;
+    assert_eq!(found(hill(&elevations)), [(FindingKind::WrongLabel, vec![7], None)]);
+}
+
+#[test]
 fn feet_among_metres() {
     let feet = |z: f64| (z / 0.3048 * 10.0).round() / 10.0;
     let mut elevations = levels(16);
@@ -240,13 +256,22 @@ mod random {
             let mut lines = sound;
             let k = 2 + which % (lines.len() - 2);
             let innermost = lines.get(k + 1).is_none_or(|next| next.points[0].distance(lines[k].points[0]) > 60.0);
+            let truth: Vec<f64> = lines.iter().map(|line| line.elevation).collect();
             lines[k].elevation += 10.0 * f64::from(by) * if which % 2 == 0 { 1.0 } else { -1.0 };
             let feature = lines[k].feature;
+            let tiling = tiled(lines.clone()).0;
+            let mended = correct(tiling.map, &tiling.corrections).value.contours;
             let told = found(lines);
             prop_assert_eq!(told.len(), 1, "{:?}", told);
             // With 140, 150, 130 inwards, 160 for the last explains as much as 130 for the one around it.
             let or_the_one_around = innermost && by == 3 && told[0].1[..] == [feature - 1];
             prop_assert!(told[0].1[..] == [feature] || or_the_one_around, "{}: {:?}", feature, told);
+            // If anything is mended it is that line, and where one level fits it alone it has its own again.
+            for line in mended {
+                let level = truth[line.feature as usize - 1];
+                let may_differ = line.feature == feature && (innermost || tiling.corrections.is_empty());
+                prop_assert!(line.elevation == level || may_differ, "{:?}", told);
+            }
         }
     }
 }
