@@ -319,6 +319,7 @@ fn numbers_out_of_range() {
         ("densify hill.geojson -i 5 --levels 12 -o out.gpkg", "cannot be used with"),
         ("densify hill.geojson --levels nan -o out.gpkg", "NaN is no elevation"),
         ("densify hill.geojson -i 5 --base inf -o out.gpkg", "inf is no elevation"),
+        ("densify hill.geojson --levels 12 --base 2 -o out.gpkg", "cannot be used with"),
         (
             "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",
             "needs --cell SIZE, --cell-degrees SIZE or --like RASTER",
@@ -337,6 +338,12 @@ fn numbers_out_of_range() {
         ("densify hill.geojson -i 5 --sample nan -o out.gpkg", "more than 0 and less than 1"),
         ("densify hill.geojson -i 5 --sample 1e-9 -o out.gpkg", "take a larger ratio"),
         ("dem hill.geojson --cell 5 --resolution -1 -o d.tif", "w is -1, it must be 0 or more"),
+        (
+            "dem hill.geojson --cell 5 --surface linear --tension 1 -o d.tif",
+            "--tension has no meaning for --surface linear",
+        ),
+        ("mesh hill.geojson --surface skeleton --noise 0 -o d.ply", "--noise has no meaning for --surface skeleton"),
+        ("densify hill.geojson -i 5 --surface linear --resolution 2 -o out.gpkg", "--resolution has no meaning"),
         ("dem hill.geojson --cell 5 --threads 0 -o d.tif", "0 is not in 1..=1024"),
         ("dem hill.geojson --cell 5 --surface cubic -o d.tif", "invalid value 'cubic'"),
         ("densify", "required"),

@@ -102,6 +102,8 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --steep a.tif", 2, "steep places are written as"),
         ("derive dem.tif --steep a.gpkg --steep-angle 90", 2, "--steep-angle is 90"),
         ("derive dem.tif --steep a.gpkg --steep-height -1", 2, "--steep-height is -1"),
+        ("derive dem.tif --slope a.tif --steep-angle 45", 2, "--steep <FILE>"),
+        ("derive dem.tif --slope a.tif --steep-height 9", 2, "--steep <FILE>"),
         ("derive dem.tif --cell 5 --slope a.tif", 2, "the input is a height map"),
         ("derive dem.tif --crs 6668 --slope a.tif", 2, "--crs is about contours"),
         ("derive dem.doc --slope a.tif", 1, "dem.doc"),

@@ -54,7 +54,7 @@ pub struct DensifyArgs {
         value_name = "Z",
         value_delimiter = ',',
         allow_negative_numbers = true,
-        conflicts_with = "interval",
+        conflicts_with_all = ["interval", "base"],
         help_heading = "Output"
     )]
     levels: Vec<f64>,

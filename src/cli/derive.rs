@@ -58,11 +58,19 @@ pub struct DeriveArgs {
         value_name = "DEGREES",
         default_value_t = 30.0,
         allow_negative_numbers = true,
+        requires = "steep",
         help_heading = "Output"
     )]
     steep_angle: f64,
     /// Least height of a steep place [metres]
-    #[arg(long, value_name = "METRES", default_value_t = 5.0, allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 5.0,
+        allow_negative_numbers = true,
+        requires = "steep",
+        help_heading = "Output"
+    )]
     steep_height: f64,
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,

@@ -92,6 +92,16 @@ impl SurfaceArgs {
         first_given(given)
     }
 
+    /// The first flag that is given and says nothing about this kind of surface.
+    fn idle(&self) -> Option<&'static str> {
+        let is_smooth = self.surface == KindArg::Spline;
+        first_given([
+            (self.resolution != RESOLUTION && self.surface == KindArg::Linear, "--resolution"),
+            (self.tension.is_some() && !is_smooth, "--tension"),
+            (self.noise.is_some() && !is_smooth, "--noise"),
+        ])
+    }
+
     /// The library's parameters; reads the boundary polygon and the lakes if there are any, and adds what was
     /// noticed about them to the input's findings.
     pub fn params(
@@ -100,6 +110,10 @@ impl SurfaceArgs {
         grid: Option<&GridChoice>,
         triangles: Triangles,
     ) -> Result<SurfaceParams, Failure> {
+        if let Some(flag) = self.idle() {
+            let message = format!("{flag} has no meaning for --surface {}", self.surface.name());
+            return Err(Failure::Usage(message));
+        }
         let spline =
             SplineParams { wanted: grid.and_then(GridChoice::wanted), tension: self.tension, noise: self.noise };
         let kind = match self.surface {
