@@ -62,6 +62,27 @@ fn a_geopackage_that_is_cut_off_is_told_once() {
     assert_eq!(said(&output).matches("malformed").count(), 1, "{}", said(&output));
 }
 
+#[test]
+fn more_cells_than_there_can_be_leave_the_earlier_file_and_nothing_else() {
+    let dir = folder();
+    for (line, target) in [
+        ("dem in.geojson -o out.tif", "out.tif"),
+        ("densify in.geojson -i 5 -o new.gpkg --dem out.tif", "out.tif"),
+        ("derive in.geojson --slope out.tif", "out.tif"),
+        ("compare in.geojson in.geojson --report out.html", "out.html"),
+    ] {
+        for cell in ["1e-5", "1e-300"] {
+            fs::write(dir.path().join(target), "earlier").unwrap();
+            let before = names(dir.path());
+            let output = run(dir.path(), &format!("{line} --cell {cell} -q"));
+            assert_eq!(output.status.code(), Some(2), "{line} {cell}: {}", said(&output));
+            assert!(said(&output).contains("cells: choose a larger cell"), "{line} {cell}: {}", said(&output));
+            assert_eq!(fs::read_to_string(dir.path().join(target)).unwrap(), "earlier", "{line}");
+            assert_eq!(names(dir.path()), before, "{line}");
+        }
+    }
+}
+
 #[cfg(unix)]
 mod unix {
     use std::thread::sleep;
@@ -96,11 +117,35 @@ mod unix {
             assert_eq!(fs::read_to_string(dir.path().join(target)).unwrap(), "earlier", "{target}");
             assert_eq!(names(dir.path()), before, "{target}");
         }
-        for target in ["a.glb", "a.obj", "a.ply"] {
+        assert!(run(dir.path(), "dem in.geojson --cell 5 -o dem.tif -q").status.success());
+        let steep = "derive dem.tif --steep-angle 1 --steep-height 0 --steep";
+        for (verb, target) in [
+            ("mesh in.geojson -o", "a.glb"),
+            ("mesh in.geojson -o", "a.obj"),
+            ("mesh in.geojson -o", "a.ply"),
+            ("derive dem.tif --slope", "a.tif"),
+            ("derive dem.tif --aspect", "a.asc"),
+            ("derive dem.tif --hillshade", "a.png"),
+            (steep, "a.gpkg"),
+            (steep, "a.geojson"),
+            (steep, "a.shp"),
+            ("compare in.geojson dem.tif -o", "a.tif"),
+            ("compare in.geojson dem.tif --report", "a.html"),
+            ("regions in.geojson -o", "a.gpkg"),
+            ("regions in.geojson -o", "a.geojson"),
+            ("skeleton in.geojson -o", "a.gpkg"),
+            ("skeleton in.geojson -o", "a.geojson"),
+            ("check in.geojson -o", "a.gpkg"),
+            ("check in.geojson --repair safe -o", "a.geojson"),
+            ("dem in.geojson --cell 400 -o small.asc --preview", "a.png"),
+        ] {
+            fs::write(dir.path().join(target), "earlier").unwrap();
             let before = names(dir.path());
-            let output = limited(dir.path(), 2, &format!("mesh in.geojson -o {target} -q"));
-            assert_eq!(output.status.code(), Some(1), "{target}: {}", said(&output));
-            assert_eq!(names(dir.path()), before, "{target}");
+            let output = limited(dir.path(), 2, &format!("{verb} {target} -q"));
+            assert_eq!(output.status.code(), Some(1), "{verb} {target}: {}", said(&output));
+            assert!(said(&output).contains(target), "{verb} {target}: {}", said(&output));
+            assert_eq!(fs::read_to_string(dir.path().join(target)).unwrap(), "earlier", "{verb} {target}");
+            assert_eq!(names(dir.path()), before, "{verb} {target}");
         }
     }
 

@@ -295,6 +295,9 @@ fn side_of_contours(
         None => Some(args.grid.choice(&input.places)?),
     };
     let params = args.surface.params(&mut input, choice.as_ref(), Triangles::Guide)?;
+    if let Some(choice) = &choice {
+        choice.check_room(&input.map, &params.frame)?;
+    }
     let crs = input.places.input_crs().and_then(Crs::name);
     let surface = build_surface(input.map, &params, &mut input.findings, console)?;
     reading.map.check_strict(&input.findings, console)?;
