@@ -73,10 +73,10 @@ pub fn is_other_unit(label: f64, truth: f64) -> bool {
 }
 
 /// How much more plausible than any other wrong label this one is, as a difference of negative logarithms: two digits
-/// swapped, one digit wrong, another unit.
+/// swapped, one digit wrong, another unit. A label is another level in another unit by chance once in some thirty times.
 pub fn likeness(label: f64, truth: f64) -> f64 {
     if is_other_unit(label, truth) {
-        return 1.5;
+        return 3.0;
     }
     let digits = |z: f64| format!("{:.3}", z.abs()).into_bytes();
     let (a, b) = (digits(label), digits(truth));
@@ -109,7 +109,7 @@ mod tests {
     fn mistakes_have_their_likeness() {
         assert_eq!(likeness(1230.0, 1320.0), 1.0);
         assert_eq!(likeness(1230.0, 1250.0), 0.5);
-        assert_eq!(likeness(4035.4, 1230.0), 1.5);
+        assert_eq!(likeness(4035.4, 1230.0), 3.0);
         assert_eq!(likeness(1230.0, 1570.0), 0.0);
         assert!(is_other_unit(374.904, 1230.0) && !is_other_unit(0.0, 0.1));
     }

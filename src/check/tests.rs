@@ -133,6 +133,11 @@ fn what_can_be_mended_in_two_ways_is_told_and_not_mended() {
     let mut elevations = levels(7);
     elevations[6] = 510.0;
     assert_eq!(found(hill(&elevations)), [(FindingKind::WrongLabel, vec![7], None)]);
+    // One of the two in feet is no chance.
+    for (feet, metres) in [(492.1, 150.0), (524.9, 160.0)] {
+        elevations[6] = feet;
+        assert_eq!(found(hill(&elevations)), [(FindingKind::WrongLabel, vec![7], Some(metres))]);
+    }
 }
 
 #[test]
