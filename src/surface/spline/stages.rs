@@ -14,9 +14,9 @@ use crate::progress::Progress;
 
 /// The coarsest lattice has at most so many rows and columns.
 const COARSEST: usize = 12;
-/// Rounds of weights that follow the surface, on all lattices but the finest: that takes the creases of the heights
-/// that it starts from, which are those of the next one.
-const ROUNDS: usize = 2;
+/// Rounds of weights that follow the surface, on the finest lattice, on the next and on the others. The finest takes the
+/// creases of the heights that it starts from, which are those of the next one.
+const ROUNDS: [usize; 3] = [0, 2, 1];
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
 const STEPS: [usize; 3] = [40, 100, 200];
@@ -81,7 +81,8 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
     let mean = levels.clone().sum::<f64>() / levels.count().max(1) as f64;
     let mut coarse: Option<(Lattice, Vec<f64>, Vec<f32>)> = None;
     while let Some(stage) = stages.pop() {
-        let rounds = if stage.depth == 0 && coarse.is_some() { 0 } else { ROUNDS };
+        // The only one there is has nothing to start from.
+        let rounds = ROUNDS[if coarse.is_none() { 1 } else { stage.kind() }];
         let (mut z, mut factors) = match coarse {
             None => (vec![mean; stage.lattice.len()], vec![1.0; stage.lattice.len()]),
             Some((lattice, z, factors)) => {
@@ -117,6 +118,11 @@ impl Stage<'_> {
         Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
     }
 
+    /// Its place in [`STEPS`] and [`ROUNDS`].
+    fn kind(&self) -> usize {
+        (self.depth as usize).min(2)
+    }
+
     /// Improves `z`, and `factors` on the tension. Without rounds the weights follow `z` as it is.
     fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32], rounds: usize) {
         let open = |values: &[f32], free: f32| -> Vec<f32> {
@@ -125,7 +131,7 @@ impl Stage<'_> {
         let lo = open(&self.bounds[0], f32::NEG_INFINITY);
         let hi = open(&self.bounds[1], f32::INFINITY);
         let (mut energy, creases) = self.energy(problem);
-        let effort = Effort { steps: STEPS[(self.depth as usize).min(2)], tolerance: TOLERANCE * problem.interval };
+        let effort = Effort { steps: STEPS[self.kind()], tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: effort.steps / 2, ..effort };
         let weights = energy.bending.clone();
         let tension = energy.tension.clone();
