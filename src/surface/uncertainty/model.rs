@@ -45,7 +45,7 @@ const USUAL_ERROR: f64 = 0.08;
 const USUAL_POWER: f64 = 0.7;
 /// Crossings a node at which contours that were cut from the nodes' own heights begin to fix them, and the least
 /// that is left of the error then.
-const FIXING: f64 = 0.35;
+const FIXING: f64 = 0.3425;
 const LEAST_LEFT: f64 = 0.25;
 /// Mean number of crossings of a line with the edges of a square lattice, over its length in steps: four over pi.
 const CROSSINGS: f64 = 1.273_239_545;
@@ -162,7 +162,7 @@ fn profile([below, above]: [f64; 2]) -> f64 {
 pub fn left(sides: [f64; 2], step: f64) -> f64 {
     let width = sides[0] + sides[1];
     let crossings = (1.5 - profile(sides)) * CROSSINGS * step / width.max(0.3 * step);
-    (1.0 / (1.0 + (crossings / FIXING).powf(3.5)).sqrt()).max(LEAST_LEFT)
+    (1.0 / (1.0 + (crossings / FIXING).powf(3.25)).sqrt()).max(LEAST_LEFT)
 }
 
 /// The curve where nothing can be hidden.
