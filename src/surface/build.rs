@@ -38,11 +38,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
-    let (chosen, ground) = rayon::join(
+    let (chosen, found) = rayon::join(
         || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval), params)),
-        || ground(prepared, params, progress),
+        || triangulated(prepared, params, progress),
     );
-    let Ground { mut tiled, bridges, finer, findings } = ground?;
+    let Triangulated { mut tiled, bridges, finer, findings } = found?;
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
@@ -74,7 +74,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
 }
 
 /// The triangulated map, before the ridge and canyon lines are in it.
-struct Ground {
+struct Triangulated {
     tiled: Tiling,
     bridges: Vec<(f64, [DVec2; 2])>,
     /// Those lines and the triangulation with them, but for the linear surface. Their step is not finished.
@@ -83,7 +83,7 @@ struct Ground {
 }
 
 /// Triangulates a map, and finds its ridge and canyon lines where they are needed.
-fn ground(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Ground> {
+fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
     let Report { value: mut tiled, findings } = prepared.tiled(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
         let grid = working_grid(&tiled.sheet(), params.spline.wanted);
@@ -101,7 +101,7 @@ fn ground(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -
         progress.start("ridge and canyon lines", 0);
         Some(finer(&tiled, triangulation, params.resolution)?)
     };
-    Ok(Ground { tiled, bridges, finer, findings })
+    Ok(Triangulated { tiled, bridges, finer, findings })
 }
 
 /// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `tiled`.

@@ -130,8 +130,8 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     (cut.map, Frame::Polygon(cut.area))
 }
 
-/// A part of a map of vertical interval `interval` with levels hidden; `None` if no surface can be drawn over those that are left.
-/// `resolution` is that of the ridge and canyon lines; without one there are none.
+/// A part of a map with levels hidden; `None` if no surface can be drawn over those that are left. `interval` is the whole
+/// map's; `resolution` is that of the ridge and canyon lines, without one there are none.
 pub fn trial(
     map: &ContourMap,
     frame: &Frame,
