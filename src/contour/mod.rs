@@ -10,6 +10,7 @@ mod levels;
 mod line;
 pub(crate) mod oriented;
 pub mod sample;
+mod source_raster;
 mod unit;
 
 pub(crate) use border::{Border, rings, with_vertices};
@@ -20,6 +21,7 @@ pub use lake::Lake;
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, LineError, Source};
 pub use sample::{SampleParams, Sampled, sample};
+pub use source_raster::{SourceRaster, source_raster};
 pub use unit::ElevationUnit;
 
 use std::collections::BTreeMap;

@@ -12,12 +12,16 @@ use rayon::prelude::*;
 use super::WorkingGrid;
 use super::spline::Lattice;
 use super::tiling::Tiling;
+use crate::contour::source_raster;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
 use crate::tin::{InnerPoint, NONE, TinInput, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
+/// ... where the nodes are the very cells that the contours were cut from: then their heights are known as well as where the
+/// contours run.
+const CLEARANCE_OF_SOURCE: f64 = 0.1;
 /// So many nodes from one contour to the next are enough where contours are as far apart as in the mean.
 const NODES_A_GAP: f64 = 12.0;
 /// Nodes are left out where straight lines between their neighbours are off by at most this share of the interval.
@@ -43,7 +47,9 @@ pub(super) fn with_nodes(
     let step = lattice.step.max_element();
     let stride = (tiled.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
     let coarse = Strided { lattice, stride };
-    let regions = clear_nodes(&tiled, working, triangles, &coarse);
+    let is_source = source_raster(&tiled.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
+    let clearance = if is_source { CLEARANCE_OF_SOURCE } else { CLEARANCE };
+    let regions = clear_nodes(&tiled, working, triangles, &coarse, clearance);
     let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);
     let point = |k: usize| {
         let (region, node) = (regions[k], coarse.node(k));
@@ -164,7 +170,7 @@ impl Strided {
 }
 
 /// The sub-domain of each node, [`NONE`] where there is no height and near edges that the triangulation must hold.
-fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: &Strided) -> Vec<u32> {
+fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: &Strided, clearance: f64) -> Vec<u32> {
     let tin = &tiled.tin;
     let region = |k: usize| {
         let node = nodes.node(k);
@@ -174,7 +180,7 @@ fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: 
     let mut regions: Vec<u32> = (0..nodes.cols() * nodes.rows()).into_par_iter().map(region).collect();
     let place = |v: u32| nodes.place(tin.positions[v as usize] + tin.origin);
     let mut clear = |a: DVec2, b: DVec2| {
-        for_each_near(a, b, [nodes.cols(), nodes.rows()], |k| regions[k] = NONE);
+        for_each_near(a, b, clearance, [nodes.cols(), nodes.rows()], |k| regions[k] = NONE);
     };
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         for i in 0..3 {
@@ -192,8 +198,8 @@ fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: 
 }
 
 /// Calls `each` for the nodes nearer to a segment than they may be.
-fn for_each_near(a: DVec2, b: DVec2, [cols, rows]: [usize; 2], mut each: impl FnMut(usize)) {
-    let (lo, hi) = (a.min(b) - CLEARANCE, a.max(b) + CLEARANCE);
+fn for_each_near(a: DVec2, b: DVec2, clearance: f64, [cols, rows]: [usize; 2], mut each: impl FnMut(usize)) {
+    let (lo, hi) = (a.min(b) - clearance, a.max(b) + clearance);
     let range = |lo: f64, hi: f64, count: usize| {
         lo.ceil().max(0.0) as usize..(hi.floor() + 1.0).clamp(0.0, count as f64) as usize
     };
@@ -206,13 +212,13 @@ fn for_each_near(a: DVec2, b: DVec2, [cols, rows]: [usize; 2], mut each: impl Fn
             (lo.x, hi.x)
         } else {
             let at = |y: f64| a.x + along.x * ((y - a.y) / along.y).clamp(0.0, 1.0);
-            let (p, q) = (at(y - CLEARANCE), at(y + CLEARANCE));
-            (p.min(q) - CLEARANCE, p.max(q) + CLEARANCE)
+            let (p, q) = (at(y - clearance), at(y + clearance));
+            (p.min(q) - clearance, p.max(q) + clearance)
         };
         for col in range(from, to, cols) {
             let p = DVec2::new(col as f64, y);
             let t = if length > 0.0 { ((p - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 };
-            if p.distance_squared(a + t * along) < CLEARANCE * CLEARANCE {
+            if p.distance_squared(a + t * along) < clearance * clearance {
                 each(row * cols + col);
             }
         }
@@ -332,7 +338,7 @@ mod tests {
         {
             let (a, b) = (DVec2::from(a), DVec2::from(b));
             let mut found = Vec::new();
-            for_each_near(a, b, size, |k| found.push(k));
+            for_each_near(a, b, CLEARANCE, size, |k| found.push(k));
             let distance = |k: usize| {
                 let p = DVec2::new((k % 9) as f64, (k / 9) as f64);
                 let t = (p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE);

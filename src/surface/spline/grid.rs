@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::Wanted;
+use crate::contour::{SourceRaster, source_raster};
 use crate::dem::Grid;
 use crate::surface::sheet::Sheet;
 
@@ -35,7 +36,8 @@ fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
 /// The working grid: fine enough for the contours, and sharing its nodes with the grid that heights are wanted on.
 ///
 /// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
-/// each of its cells, or with every so many of them. Without one, cells on multiples of their size.
+/// each of its cells, or with every so many of them. Without one, it is the raster that the contours were cut from that takes
+/// its place, for that is where they tell heights; without that, cells on multiples of their size.
 pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
     let (lo, hi) = sheet
         .frame
@@ -50,7 +52,10 @@ pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
     let wanted = match wanted {
         Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
         Some(Wanted::Cell(cell)) => Grid::on_multiples(lo, hi, cell),
-        _ => return with_border(&Grid::on_multiples(lo, hi, cell)),
+        _ => match source_raster(&sheet.map.contours) {
+            Some(raster) => cells_of(&raster, lo, hi),
+            None => return with_border(&Grid::on_multiples(lo, hi, cell)),
+        },
     };
     let is = (wanted.cell.x * wanted.cell.y).sqrt();
     let cut = clipped(&wanted, lo, hi);
@@ -71,6 +76,16 @@ pub fn bytes_on(grid: &Grid, length: f64) -> f64 {
     // A line of any direction crosses so many edges: the mean of |cos| and |sin| is 2/π each.
     let crossings = 2.0 * std::f64::consts::FRAC_2_PI * length / (grid.cell.x * grid.cell.y).sqrt();
     BYTES_A_NODE * nodes + BYTES_A_CROSSING * (crossings - nodes).max(0.0)
+}
+
+/// The cells of a raster that cover the box, and one more on each side.
+fn cells_of(raster: &SourceRaster, lo: DVec2, hi: DVec2) -> Grid {
+    let cell = raster.cell;
+    let first = ((lo - raster.centre) / cell).floor() - 1.0;
+    let count = ((hi - raster.centre) / cell).ceil() + 2.0 - first;
+    let top = raster.centre.y + (first.y + count.y - 0.5) * cell.y;
+    let corner = DVec2::new(raster.centre.x + (first.x - 0.5) * cell.x, top);
+    Grid { corner, cell, cols: count.x as usize, rows: count.y as usize }
 }
 
 /// One cell more on each side.
@@ -113,6 +128,20 @@ fn thinned(grid: &Grid, by: usize) -> Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_cells_of_a_raster_reach_beyond_the_box() {
+        let raster = SourceRaster { centre: DVec2::new(100.5, -7.25), cell: DVec2::new(3.0, 2.0) };
+        for (lo, hi) in [((-50.0, -80.0), (20.0, 33.0)), ((500.0, 7.0), (501.0, 7.5)), ((100.5, -7.25), (103.5, -5.25))]
+        {
+            let (lo, hi) = (DVec2::from(lo), DVec2::from(hi));
+            let grid = cells_of(&raster, lo, hi);
+            assert!(raster.has_cells_of(&grid), "{grid:?}");
+            let (first, last) = (grid.center(0, grid.rows - 1), grid.center(grid.cols - 1, 0));
+            let margins = [(lo - first) / raster.cell, (last - hi) / raster.cell];
+            assert!(margins.iter().all(|m| m.min_element() >= 1.0 && m.max_element() < 3.0), "{margins:?}");
+        }
+    }
 
     #[test]
     fn contours_closer_than_nodes_count_by_their_crossings() {
