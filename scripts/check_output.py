@@ -34,7 +34,7 @@ convex hull.
 With --sampled vertices may have been added on the input's segments: they must lie within --tolerance of the straight way
 between the input's vertices on both sides, and without them the input must be kept as ever.
 
-Repeated points of the input count once. An input line that was repaired on purpose is no error of the output: --cut and
+Repeated points of the input count once, and so does a line that runs there and straight back. An input line that was repaired on purpose is no error of the output: --cut and
 --joints say how many lines and segments may differ.
 """
 import argparse
@@ -135,9 +135,20 @@ def read_input(path, elev_name):
     repeat = np.r_[False, (lines.xy[1:] == lines.xy[:-1]).all(axis=1)]
     repeat[lines.start[:-1]] = False
     lines = lines.without(~repeat & np.isfinite(lines.xy).all(axis=1), np.isfinite(lines.elev))
+    lines = lines.without(~way_back(lines), np.ones(len(lines), bool))
     if not len(lines):
         raise Unusable(f"{path}: no line has an elevation; name the attribute with --elev")
     return lines
+
+
+def way_back(lines):
+    """The vertices on the way back of lines that run there and straight back."""
+    back = np.zeros(len(lines.xy), bool)
+    for i in np.flatnonzero(lines.sizes() % 2):
+        points = lines.points(i)
+        if len(points) > 1 and np.array_equal(points, points[::-1]):
+            back[lines.start[i] + len(points) // 2 + 1 : lines.start[i + 1]] = True
+    return back
 
 
 def truth_values(column):
