@@ -7,6 +7,8 @@
 //! - *filled*: how many of the step's levels have lines, and as many as a level usually has. A step too small, fit for
 //!   the auxiliary contours or a wrong label, leaves its levels empty or nearly so.
 //!
+//! Steps that maps are drawn with have a better mark than others.
+//!
 //! Lines count by their vertices, so that a short auxiliary contour or one wrong label does not count for a whole level.
 
 use super::{Contour, Interval};
@@ -25,6 +27,15 @@ const FILLED_WEIGHT: f64 = 0.5;
 const MAX_GAP: f64 = 4.0;
 /// Mark of a step whose levels do not contain zero, against one whose do: nearly all maps count from zero.
 const OFFSET_MARK: f64 = 0.9;
+/// Mark of a step that maps are not drawn with, against one that they are: where few levels leave it open, 30 m is a poorer
+/// guess than 10 m with levels left out.
+const ODD_MARK: f64 = 0.9;
+/// First digits of the steps that maps are drawn with, in metres or feet.
+const USUAL_DIGITS: [f64; 6] = [1.0, 2.0, 2.5, 4.0, 5.0, 8.0];
+/// How far a step may be off those, as a share of it: a survey foot is a foot.
+const SAME_DIGITS: f64 = 1e-5;
+/// A foot, metres.
+const FOOT: f64 = 0.3048;
 /// Levels looked at, the heaviest ones, so that elevations without any step cost little.
 const MAX_LEVELS: usize = 4096;
 /// Differences of levels that are tried as steps, the heaviest ones.
@@ -264,7 +275,16 @@ fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
     let filled = on.iter().map(|l| (l.1 / usual).min(1.0)).sum::<f64>() / slots;
     let explained = weight / total;
     let f = (1.0 + FILLED_WEIGHT) * explained * filled / (FILLED_WEIGHT * explained + filled);
-    f * if interval.base == 0.0 { 1.0 } else { OFFSET_MARK }
+    f * if interval.base == 0.0 { 1.0 } else { OFFSET_MARK } * if is_usual(interval.step) { 1.0 } else { ODD_MARK }
+}
+
+/// Whether maps are drawn with such a step.
+fn is_usual(step: f64) -> bool {
+    [1.0, FOOT].iter().any(|unit| {
+        let steps = step / unit;
+        let digits = steps / 10f64.powf((steps * (1.0 + SAME_DIGITS)).log10().floor());
+        USUAL_DIGITS.iter().any(|usual| (digits - usual).abs() <= SAME_DIGITS * usual)
+    })
 }
 
 #[cfg(test)]
@@ -301,6 +321,15 @@ mod tests {
         assert_eq!(found(&[5.0, 15.0, 25.0, 35.0]), interval(10.0, 5.0));
         assert_eq!(found(&[10.0, 20.0, 40.0, 50.0, 80.0]), interval(10.0, 0.0));
         assert_eq!(found(&[0.0, 20.0, 40.0, 50.0, 70.0]), interval(10.0, 0.0));
+    }
+
+    #[test]
+    fn few_levels_have_a_step_that_maps_are_drawn_with() {
+        assert_eq!(found(&[0.0, 10.0, 30.0, 60.0, 90.0, 110.0]), interval(10.0, 0.0));
+        assert_eq!(found(&[0.0, 30.0, 60.0, 90.0, 100.0, 130.0]), interval(10.0, 0.0));
+        assert_eq!(found(&[0.0, 30.0, 60.0, 90.0, 120.0, 150.0]), interval(30.0, 0.0));
+        assert!([0.25, 10.0, 3.048, 12_000.0 / 3937.0, 12.192, 1e-3, 400.0].into_iter().all(is_usual));
+        assert!(![30.0, 7.5, 0.3, 15.0, 60.0].into_iter().any(is_usual));
     }
 
     #[test]
