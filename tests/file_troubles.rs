@@ -155,7 +155,13 @@ mod unix {
         fs::copy(sample("caryville_20m.gpkg"), dir.path().join("big.gpkg")).unwrap();
         fs::write(dir.path().join("out.gpkg"), "earlier").unwrap();
         let before = names(dir.path());
-        for signal in ["INT", "TERM"] {
+        // A terminal that hangs up stops it where the system tells that this is not ignored; the tests may have been started
+        // so that it is.
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let ignored =
+            status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+        let hang_up = ignored.is_some_and(|mask| mask & 1 == 0).then_some("HUP");
+        for signal in ["INT", "TERM"].into_iter().chain(hang_up) {
             let line = "densify big.gpkg -i 1 -o out.gpkg --dem out.tif --cell 2 -q";
             let mut child = tokosen().current_dir(dir.path()).args(line.split_whitespace()).spawn().unwrap();
             let start = Instant::now();
@@ -169,6 +175,25 @@ mod unix {
             assert_eq!(names(dir.path()), before, "{signal}");
             assert_eq!(fs::read_to_string(dir.path().join("out.gpkg")).unwrap(), "earlier", "{signal}");
         }
+    }
+
+    #[test]
+    fn a_program_that_shall_outlive_its_terminal_does() {
+        let dir = folder();
+        fs::copy(sample("caryville_20m.gpkg"), dir.path().join("big.gpkg")).unwrap();
+        let before = names(dir.path());
+        let line = format!(
+            "trap '' HUP; exec {} densify big.gpkg -i 5 -o out.gpkg -q",
+            tokosen().get_program().to_string_lossy()
+        );
+        let mut child = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).spawn().unwrap();
+        let start = Instant::now();
+        while names(dir.path()) == before && start.elapsed() < Duration::from_secs(60) {
+            sleep(Duration::from_millis(2));
+        }
+        Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+        assert!(names(dir.path()).contains(&"out.gpkg".to_owned()));
     }
 
     #[test]
