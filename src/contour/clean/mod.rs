@@ -1,11 +1,11 @@
 //! Cleaning: makes a map's contours sound, and says what was wrong.
 //!
 //! In this order: bad points out, levels that differ by rounding made one, every line in its standard form, self-touching
-//! lines split, duplicates out, ends joined, conflicts cut, spot heights checked. Conflicts are lines that no triangulation
-//! could hold: those of different levels that touch, and lines that cross. They are searched with exact predicates on the
-//! coordinates as they are, and cut by leaving out whole segments, so that every vertex that remains is a vertex of the
-//! input. A line that merely touches itself loses nothing: it is split there. Nothing depends on the order of the input's
-//! features, nor on the number of threads.
+//! lines split, duplicates out, ends joined, vertices that stray across lines left out, conflicts cut, spot heights checked.
+//! Conflicts are lines that no triangulation could hold: those of different levels that touch, and lines that cross. They
+//! are searched with exact predicates on the coordinates as they are, and cut by leaving out whole segments, so that every
+//! vertex that remains is a vertex of the input. A line that merely touches itself loses nothing: it is split there. Nothing
+//! depends on the order of the input's features, nor on the number of threads.
 
 mod canonical;
 mod contacts;
@@ -20,6 +20,7 @@ mod removed;
 mod segments;
 mod split;
 mod spots;
+mod strays;
 #[cfg(test)]
 mod tests;
 
@@ -38,6 +39,9 @@ use crate::error::{Error, Finding, Report, Result};
 /// How often connections that are in the way are taken back one by one, before all are. Twice is nearly always enough:
 /// to take one back can bring back a segment that is in the way of another.
 const JOIN_ROUNDS: usize = 4;
+
+/// How often vertices that stray are looked for: the straight pieces instead of them may meet each other.
+const STRAY_ROUNDS: usize = 4;
 
 /// What counts as near, in map units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,12 +190,20 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> 
     }
 
     // No line meets itself any more but by crossing, so there are only conflicts left.
-    let conflicts: Vec<_> = contacts.iter().collect();
+    let mut conflicts: Vec<_> = contacts.iter().collect();
     let mut faults = Vec::new();
+    for _ in 0..STRAY_ROUNDS {
+        let Some(straight) = strays::leave_out(&Segments::new(&lines)?, &conflicts, params.separation) else { break };
+        lines = straight.lines;
+        removed.extend(straight.removed);
+        faults.extend(straight.findings);
+        canonical::sort(&mut lines);
+        conflicts = contacts::find(&Segments::new(&lines)?, params.separation)?.iter().collect();
+    }
     if !conflicts.is_empty() {
         let segments = Segments::new(&lines)?;
         let cuts = cut::choose(&segments, &conflicts);
-        faults = faults::findings(&segments, conflicts, &cuts, params.separation);
+        faults.extend(faults::findings(&segments, conflicts, &cuts, params.separation));
         removed.par_extend(cuts.par_iter().map(|&(s, _)| {
             let Segment { a, b } = segments.get(s);
             Removed::new(segments.line_of(s), vec![a, b], Why::Meets)

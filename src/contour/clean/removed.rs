@@ -25,6 +25,8 @@ pub(super) enum Why {
     Doubled,
     /// It meets another segment: see the findings about the place.
     Meets,
+    /// Its inner vertices stray, and it becomes straight: see the findings about the place.
+    Strays,
 }
 
 /// A piece of a line that is left out.
@@ -66,7 +68,7 @@ impl Removed {
         let (elevation, feature) = (self.elevation, self.feature);
         let length: f64 = self.way.windows(2).map(|w| w[0].distance(w[1])).sum();
         let message = match self.why {
-            Why::Meets => return None,
+            Why::Meets | Why::Strays => return None,
             Why::Spike => format!(
                 "the contour {elevation} m (feature {feature}) runs to a point and straight back; the spike, {length:.3} map \
                  units long, was left out"

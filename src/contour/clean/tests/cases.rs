@@ -292,11 +292,14 @@ fn crossing_levels_lose_one_segment() {
 #[test]
 fn every_crossing_of_two_lines_is_told() {
     let straight = line(1, 10.0, &[(-5, 0), (100, 0)]);
-    let wave = line(2, 20.0, &[(0, 9), (10, -9), (20, 9), (30, -9)]);
+    // So many vertices on each side that none strays.
+    let side = |from: i32, y: i32| (from..from + 5).map(move |x| (x, y));
+    let wave: Vec<(i32, i32)> = [(0, 9)].into_iter().chain(side(10, -9)).chain(side(24, 9)).chain([(38, -9)]).collect();
+    let wave = line(2, 20.0, &wave);
     let report = cleaned(vec![straight, wave.clone()], 0.0);
     assert_eq!(report.value.contours, [wave]);
     let places: Vec<_> = report.findings.iter().map(|f| (f.kind, f.place)).collect();
-    assert_eq!(places, [5.0, 15.0, 25.0].map(|x| (FindingKind::LevelsCross, Some(DVec2::new(x, 0.0)))));
+    assert_eq!(places, [5.0, 19.0, 33.0].map(|x| (FindingKind::LevelsCross, Some(DVec2::new(x, 0.0)))));
 }
 
 #[test]
@@ -311,7 +314,7 @@ fn of_two_long_segments_that_cross_the_shorter_goes() {
 }
 
 #[test]
-fn a_shared_vertex_of_two_levels_frees_one_line() {
+fn a_shared_vertex_of_two_levels_goes_from_one_line() {
     let report = cleaned(
         vec![
             line(1, 10.0, &[(-20, -9), (-3, -2), (0, 0), (3, -2), (20, -9)]),
@@ -321,15 +324,11 @@ fn a_shared_vertex_of_two_levels_frees_one_line() {
     );
     assert_eq!(
         report.value.contours,
-        [
-            line(1, 10.0, &[(-20, -9), (-3, -2)]),
-            line(1, 10.0, &[(3, -2), (20, -9)]),
-            line(2, 20.0, &[(-5, 5), (0, 0), (5, 5)])
-        ]
+        [line(1, 10.0, &[(-20, -9), (-3, -2), (3, -2), (20, -9)]), line(2, 20.0, &[(-5, 5), (0, 0), (5, 5)])]
     );
     assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
     let message = &report.findings[0].message;
-    assert!(message.contains("touches the contour 20 m") && message.contains("2 segments of it, 7.211"), "{message}");
+    assert!(message.contains("touches the contour 20 m") && message.contains("a vertex of it, 2.000"), "{message}");
     let through =
         cleaned(vec![line(1, 10.0, &[(-5, 0), (0, 0), (5, 1)]), line(2, 20.0, &[(-5, 5), (0, 0), (5, -5)])], 0.0);
     assert_eq!(kinds(&through), [FindingKind::LevelsCross]);
@@ -348,10 +347,45 @@ fn a_line_that_touches_another_level_twice_has_two_faults() {
 #[test]
 fn a_cut_ring_is_one_open_line() {
     let ring = line(1, 10.0, &[(0, 0), (0, 4), (4, 4), (6, 2), (4, 0), (0, 0)]);
-    let report = cleaned(vec![ring, line(2, 20.0, &[(5, -9), (5, 2), (5, 9)])], 0.0);
+    let report = cleaned(vec![ring, line(2, 20.0, &[(2, -9), (2, 2)])], 0.0);
     let of_ring: Vec<_> = report.value.contours.iter().filter(|c| c.feature == 1).collect();
-    assert_eq!(of_ring, [&line(1, 10.0, &[(4, 0), (0, 0), (0, 4), (4, 4)])]);
-    assert_eq!(kinds(&report), [FindingKind::LevelsCross; 2]);
+    assert_eq!(of_ring, [&line(1, 10.0, &[(0, 0), (0, 4), (4, 4), (6, 2), (4, 0)])]);
+    assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
+}
+
+#[test]
+fn a_vertex_that_strays_over_another_line_goes_instead_of_a_piece_of_that() {
+    let row = |y: i32| (0..9).map(|x| (2 * x, y)).collect::<Vec<_>>();
+    let sound = line(2, 20.0, &row(4));
+    let with = |moved: &[(usize, (i32, i32))]| {
+        let mut points = row(0);
+        moved.iter().for_each(|&(k, p)| points[k] = p);
+        line(1, 10.0, &points)
+    };
+    let without = |gone: &[usize]| {
+        let rest = row(0).into_iter().enumerate().filter(|(k, _)| !gone.contains(k));
+        line(1, 10.0, &rest.map(|(_, p)| p).collect::<Vec<_>>())
+    };
+    let report = cleaned(vec![with(&[(4, (9, 7))]), sound.clone()], 0.0);
+    assert_eq!(report.value.contours, [without(&[4]), sound.clone()]);
+    assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
+    let message = &report.findings[0].message;
+    let parts =
+        ["10 m (feature 1) crosses the contour 20 m (feature 2)", "a vertex of it, 7.000 map units off its course"];
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    // Two in a row, and one that makes the line cross itself.
+    let report = cleaned(vec![with(&[(3, (5, 9)), (4, (9, 7))]), sound.clone()], 0.0);
+    assert_eq!(report.value.contours, [without(&[3, 4]), sound.clone()]);
+    assert!(report.findings[0].message.contains("2 vertices of it, up to 9.000"), "{}", report.findings[0]);
+    let report = cleaned(vec![with(&[(4, (1, 1)), (1, (2, 3))])], 0.0);
+    assert_eq!(kinds(&report), [FindingKind::SelfCross]);
+    // One within another, which is in its way and meets nothing itself before that one goes.
+    let mut outer = sound;
+    outer.points[4] = DVec2::new(8.0, -4.0);
+    let mut inner = line(3, 30.0, &row(8));
+    inner.points[4] = DVec2::new(8.0, 2.0);
+    let report = cleaned(vec![without(&[]), outer, inner], 0.0);
+    assert_eq!(report.value.contours.iter().map(|c| c.points.len()).collect::<Vec<_>>(), [9, 8, 8]);
 }
 
 #[test]

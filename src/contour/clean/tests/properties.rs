@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use proptest::prelude::*;
 
 use super::*;
-use crate::contour::clean::{clean_lines, contacts, removed::Why, segments::Segments};
+use crate::contour::clean::removed::{Removed, Why};
+use crate::contour::clean::{clean_lines, contacts, segments::Segments};
 
 type Point = (i64, i64);
 /// Elevation, and the two ends in order.
@@ -211,9 +212,11 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
         .collect();
     let (before, after, removed) =
         (pieces(input, &vertices), pieces(&cleaned.contours, &vertices), pieces(&left_out, &vertices));
+    let straight = pieces(&straights(&cleaned.removed), &vertices);
     for p in after.keys() {
         let length = to_map(p.1).distance(to_map(p.2));
-        prop_assert!(before.contains_key(p) || length <= params.snap, "{p:?} is new");
+        let is_known = before.contains_key(p) || straight.contains_key(p) || length <= params.snap;
+        prop_assert!(is_known, "{p:?} is new");
     }
     for (p, count) in &after {
         prop_assert_eq!(*count, 1, "{:?} comes twice", p);
@@ -222,7 +225,10 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
         prop_assert!(after.contains_key(p) || removed.contains_key(p), "{p:?} is lost without a word");
     }
     for p in removed.keys() {
-        prop_assert!(before.contains_key(p), "{p:?} is reported, and the input does not have it");
+        // A connection may be a part of a way that strays.
+        let length = to_map(p.1).distance(to_map(p.2));
+        let is_known = before.contains_key(p) || straight.contains_key(p) || length <= params.snap;
+        prop_assert!(is_known, "{p:?} is reported, and the input does not have it");
     }
 
     let again = clean_lines(rewritten(input, before.len() as u64 * 7919 + 12_345), params).expect("few conflicts");
@@ -230,14 +236,26 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
     prop_assert_eq!(&again.findings, &cleaned.findings);
     prop_assert_eq!(&again.removed, &cleaned.removed);
     prop_assert_eq!(&again.faults, &cleaned.faults);
-    prop_assert_eq!(cleaned.faults.is_empty(), !cleaned.removed.iter().any(|r| r.why == Why::Meets));
+    let is_fault = |r: &Removed| matches!(r.why, Why::Meets | Why::Strays);
+    prop_assert_eq!(cleaned.faults.is_empty(), !cleaned.removed.iter().any(is_fault));
     Ok(())
+}
+
+/// The straight pieces instead of ways that were left out.
+fn straights(removed: &[Removed]) -> Vec<Contour> {
+    let strays = removed.iter().filter(|r| r.why == Why::Strays);
+    let straight = |r: &Removed| {
+        let points = vec![r.way[0], r.way[r.way.len() - 1]];
+        Contour { elevation: r.elevation, points, feature: r.feature }
+    };
+    strays.map(straight).collect()
 }
 
 /// What goes was in a conflict; the rest of the line stays.
 fn check_removed_were_bad(input: &[Contour]) -> Result<(), TestCaseError> {
     let params = CleanParams { snap: 0.0, separation: 0.0 };
     let cleaned = clean_lines(input.to_vec(), &params).expect("few conflicts");
+    let straights = on_grid(&straights(&cleaned.removed));
     let mut lines = on_grid(input);
     lines.iter_mut().for_each(|l| l.1.dedup());
     lines.retain(|l| l.1.len() > 1);
@@ -246,11 +264,17 @@ fn check_removed_were_bad(input: &[Contour]) -> Result<(), TestCaseError> {
         .flat_map(|(s, t)| [s, t])
         .map(|(i, k)| piece(lines[i].0, lines[i].1[k], lines[i].1[k + 1]))
         .collect();
-    let left_out = cleaned.removed.iter().flat_map(|r| r.way.windows(2).map(|w| (r.elevation, [w[0], w[1]])));
-    for (elevation, ends) in left_out {
-        let p = piece(elevation, to_grid(ends[0]), to_grid(ends[1]));
-        let is_part = |b: &&Piece| b.0 == p.0 && is_on(p.1, b.1, b.2) && is_on(p.2, b.1, b.2);
-        prop_assert!(bad.iter().any(|b| is_part(&b)), "{p:?} was removed without need");
+    for r in &cleaned.removed {
+        let was_bad = |ends: &[DVec2]| {
+            let p = piece(r.elevation, to_grid(ends[0]), to_grid(ends[1]));
+            // What goes may have been in the way of a straight piece.
+            let meets_straight = || straights.iter().any(|s| common(p.1, p.2, s.1[0], s.1[1]).0 > 0);
+            bad.iter().any(|b| b.0 == p.0 && is_on(p.1, b.1, b.2) && is_on(p.2, b.1, b.2)) || meets_straight()
+        };
+        let mut pieces = r.way.windows(2);
+        // Of a way that strays, one piece is enough.
+        let had_need = if r.why == Why::Strays { pieces.any(was_bad) } else { pieces.all(was_bad) };
+        prop_assert!(had_need, "{:?} was removed without need", r.way);
     }
     Ok(())
 }
