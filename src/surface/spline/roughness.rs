@@ -4,10 +4,13 @@
 //! offset hardly grows with the length. The exponent in between is that of the line's roughness, whatever its scale and
 //! the terrain's. A spline is the best guess for lines whose exponent is 3/2 (integrated random walks); rougher ones are
 //! better smoothed than followed. Looked at over a quarter and half of the mean distance between contours, which is
-//! what the surface between them can tell.
+//! what the surface between them can tell. Single vertices that stand out of a line are slips, whose long ways there and
+//! back would make a smooth line rough; they are passed by.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
+use crate::contour::without_outlying;
 use crate::surface::sheet::Sheet;
 
 /// Exponent below which contours are rough.
@@ -21,8 +24,8 @@ const MOST: f64 = 1e6;
 
 /// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
 pub fn growth(sheet: &Sheet<'_>) -> Option<f64> {
-    let lines: Vec<&[DVec2]> = sheet.map.contours.iter().map(|c| c.points.as_slice()).collect();
-    exponent(&lines, sheet.gap)
+    let lines: Vec<Vec<DVec2>> = sheet.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
+    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap)
 }
 
 fn exponent(lines: &[&[DVec2]], gap: f64) -> Option<f64> {
