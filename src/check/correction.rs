@@ -22,6 +22,13 @@ pub enum Correction {
         /// The ends, map units.
         ends: [DVec2; 2],
     },
+    /// Leave out a vertex, so that the line goes straight past it.
+    LeaveOut {
+        /// The line's number in the map.
+        line: u32,
+        /// The vertex's number on the line; of a closed line's first and last vertex the first.
+        vertex: u32,
+    },
 }
 
 /// What a check of a clean map found, and the changes that would mend it.
@@ -40,6 +47,7 @@ pub struct Judged {
 pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<ContourMap> {
     let mut findings = Vec::new();
     let mut pieces = Vec::new();
+    let mut left_out = Vec::new();
     for correction in corrections {
         match *correction {
             Correction::Label { line, elevation } => {
@@ -64,6 +72,27 @@ pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<Contou
                 let feature = one.feature.min(other.feature);
                 pieces.push(Contour { elevation, points: vec![a, b], feature });
             }
+            Correction::LeaveOut { line, vertex } => {
+                let Some(contour) = map.contours.get(line as usize) else { continue };
+                let Some(&place) = contour.points.get(vertex as usize) else { continue };
+                let (elevation, feature) = (contour.elevation, contour.feature);
+                let message =
+                    format!("a vertex of the contour {elevation} m (feature {feature}) off its course was left out");
+                findings.push(Finding::at(FindingKind::Straightened, place, message).about(feature, elevation));
+                left_out.push((line, vertex));
+            }
+        }
+    }
+    // From behind, so that the numbers of the others stay.
+    left_out.sort_unstable();
+    left_out.dedup();
+    for (line, vertex) in left_out.into_iter().rev() {
+        let points = &mut map.contours[line as usize].points;
+        let is_end = vertex == 0 && points.len() > 2 && points.first() == points.last();
+        points.remove(vertex as usize);
+        if is_end {
+            points.pop();
+            points.extend(points.first().copied());
         }
     }
     map.contours.append(&mut pieces);
@@ -74,6 +103,17 @@ pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<Contou
 mod tests {
     use super::*;
     use crate::contour::{CleanParams, clean};
+
+    #[test]
+    fn vertices_are_left_out_of_lines_and_rings() {
+        let ring = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (2.0, 9.0), (0.0, 4.0), (0.0, 0.0)].map(DVec2::from);
+        let line = Contour { elevation: 10.0, points: ring.to_vec(), feature: 1 };
+        let map = ContourMap { contours: vec![line], ..ContourMap::default() };
+        let leave_out = |vertex: u32| Correction::LeaveOut { line: 0, vertex };
+        let Report { value, findings } = correct(map, &[leave_out(3), leave_out(0), leave_out(3)]);
+        assert!(findings.iter().all(|f| f.kind == FindingKind::Straightened));
+        assert_eq!(value.contours[0].points, [ring[1], ring[2], ring[4], ring[1]]);
+    }
 
     #[test]
     fn a_label_and_a_gap_are_mended() {

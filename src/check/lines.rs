@@ -1,8 +1,8 @@
 //! Faults that the lines by themselves show, before anything is cleaned or triangulated.
 //!
 //! Elevations that jump where two pieces of a line meet, lines and vertices far from all others, coordinates that are
-//! degrees, elevations that stand for no data, lines of hardly any length. Every one is told; only jumps have a correction,
-//! as the line's other pieces say what it should be. Nothing here depends on the order of the input's features.
+//! degrees, elevations that stand for no data, lines of hardly any length, vertices that stand out of a smooth line. Every one
+//! is told; only jumps and such vertices have a correction, as the rest of the line says what it should be. Nothing here depends on the order of the input's features.
 
 mod ends;
 mod far;
@@ -10,6 +10,7 @@ mod jumps;
 mod levels;
 mod shape;
 mod short;
+mod strays;
 
 use std::cmp::Ordering;
 use std::collections::HashSet;
@@ -34,6 +35,11 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
     let ends = ends::find(map, params.snap);
     let mut judged = jumps::find(map, &ends);
     judged.findings.extend(far::find(map, &shape));
+    let strays = strays::find(map);
+    // A slip that went very far is told as that.
+    let far = places(&judged.findings, |kind| kind == FindingKind::FarAway);
+    judged.findings.extend(strays.findings.into_iter().filter(|f| !far.contains(&bits(f))));
+    judged.corrections.extend(strays.corrections);
     judged.findings.extend(levels::find(map));
     let told =
         judged.findings.iter().filter(|f| matches!(f.kind, FindingKind::FarAway | FindingKind::LooksLikeDegrees));
@@ -44,8 +50,11 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
 }
 
 /// What was found in the lines, then what cleaning told, each fault once: two levels that meet because an elevation jumps
-/// there are told with the jump. Places within `reach`, in map units, are one.
+/// there are told with the jump, and a vertex that was left out because its line strays across another is told so. Places
+/// within `reach`, in map units, are one.
 pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec<Finding> {
+    let left_out = places(&cleaning, |kind| matches!(kind, FindingKind::LevelsCross | FindingKind::SelfCross));
+    told.retain(|f| f.kind != FindingKind::StrayVertex || !left_out.contains(&bits(f)));
     let jumps: Vec<usize> = (0..told.len()).filter(|&i| told[i].kind == FindingKind::LevelJump).collect();
     // By x, so that only those near a place are looked at.
     let mut jumps: Vec<(f64, usize)> = jumps.into_iter().filter_map(|i| Some((told[i].place?.x, i))).collect();
@@ -67,6 +76,16 @@ pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec
     }
     told.append(&mut rest);
     told
+}
+
+/// The places of findings of some kinds.
+fn places(findings: &[Finding], of: impl Fn(FindingKind) -> bool) -> HashSet<Option<[u64; 2]>> {
+    findings.iter().filter(|f| of(f.kind)).map(bits).collect()
+}
+
+/// A finding's place, to the last bit.
+fn bits(finding: &Finding) -> Option<[u64; 2]> {
+    finding.place.map(|p| p.to_array().map(f64::to_bits))
 }
 
 /// By kind, place and text.

@@ -170,6 +170,7 @@ fn as_json(args: &CheckArgs, map: &ContourMap, findings: &[Finding], console: &C
     let place = |p: DVec2| place(p).map_or(Value::Null, |p| json!([p.x, p.y]));
     let proposal = |proposal: &Proposal| match proposal {
         Proposal::Relabel { from, to } => json!({ "do": "relabel", "from": from, "to": to }),
+        Proposal::LeaveOut => json!({ "do": "leave-out" }),
         Proposal::Join { ends: [a, b] } => json!({ "do": "join", "ends": [place(*a), place(*b)] }),
     };
     let finding = |finding: &Finding| {

@@ -42,7 +42,7 @@ pub struct MapArgs {
     pub snap: f64,
     /// How far to repair the contours: not at all, which stops where lines must be cut or joined; only what cannot change
     /// their meaning (repeated points, duplicates, ends within --snap, the smallest piece where lines cross); or also
-    /// elevations and gaps, as 'tokosen check' proposes
+    /// elevations, gaps and stray vertices, as 'tokosen check' proposes
     #[arg(long, value_enum, value_name = "HOW")]
     pub repair: Option<Repair>,
     /// Stop with exit status 1 when anything is wrong with the input (notes are not), instead of going on without the

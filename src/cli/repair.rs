@@ -17,7 +17,7 @@ pub enum Repair {
     None,
     /// Only what cannot change the meaning
     Safe,
-    /// Also elevations and gaps, as proposed
+    /// Also elevations, gaps and stray vertices, as proposed
     All,
 }
 
@@ -35,6 +35,7 @@ const REPAIRS: &[FindingKind] = &[
     FindingKind::SpotOnLine,
     FindingKind::Relabelled,
     FindingKind::JoinedGap,
+    FindingKind::Straightened,
 ];
 
 /// How often a map is looked at again after its corrections: one can show the next.
@@ -61,7 +62,8 @@ pub fn refuse(args: &MapArgs, findings: &[Finding], console: &Console) -> Result
     Err(Failure::Work(Error::Data(message)))
 }
 
-/// The map after cleaning. Where an elevation jumps along a line it is mended first, if all repairs are asked for.
+/// The map after cleaning. Where an elevation jumps along a line, or a vertex stands out of it, that is mended first, if all
+/// repairs are asked for.
 pub fn cleaned(
     mut map: ContourMap,
     args: &MapArgs,

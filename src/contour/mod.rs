@@ -21,7 +21,7 @@ pub use fit::{FitParams, Fitted, fit};
 pub use lake::Lake;
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, LineError, Source};
-pub(crate) use outlying::without_outlying;
+pub(crate) use outlying::{outlying_vertices, without_outlying};
 pub use sample::{SampleParams, Sampled, sample};
 pub use source_raster::{SourceRaster, source_raster};
 pub use unit::ElevationUnit;

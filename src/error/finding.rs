@@ -94,6 +94,8 @@ kinds! {
     DuplicateLine = "duplicate-line", Warning, "duplicate lines";
     /// A line runs to a point and back the same way; the spike was left out.
     Spike = "spike", Warning, "spikes";
+    /// A vertex that stands out of a line which is smooth otherwise.
+    StrayVertex = "stray-vertex", Warning, "vertices off the course of their line";
     /// Lines run along each other for a part of their way; a piece of one was cut out.
     OverlappingLines = "overlapping-lines", Error, "lines that run along each other";
     /// A line crosses or touches itself, or crosses another line of its elevation; a piece was cut out.
@@ -130,6 +132,8 @@ kinds! {
     Relabelled = "relabelled", Note, "elevations corrected";
     /// Two ends were joined across a gap wider than the snap distance.
     JoinedGap = "joined-gap", Note, "gaps joined";
+    /// A vertex off the course of its line was left out.
+    Straightened = "straightened", Note, "vertices left out";
     /// The frame polygon reaches beyond what the contours tell of; it was cut.
     FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
     /// A lake is crossed or touched by contours of another level, or by other water; it was cut back from them.
@@ -168,12 +172,15 @@ pub enum Proposal {
         /// The ends, in the input's coordinates.
         ends: [DVec2; 2],
     },
+    /// Leave out the vertex at the finding's place.
+    LeaveOut,
 }
 
 impl fmt::Display for Proposal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Relabel { from, to } => write!(f, "elevation {to} instead of {from}"),
+            Self::LeaveOut => f.write_str("leave out the vertex"),
             Self::Join { ends: [a, b] } => write!(f, "join {:.3} {:.3} and {:.3} {:.3}", a.x, a.y, b.x, b.y),
         }
     }

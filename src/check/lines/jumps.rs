@@ -44,7 +44,7 @@ pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
         judged.findings.extend(pairs.map(|pair| finding(lines, pair, right)));
     }
     judged.corrections.sort_by_key(|c| match c {
-        Correction::Label { line, .. } => *line,
+        Correction::Label { line, .. } | Correction::LeaveOut { line, .. } => *line,
         Correction::Join { lines, .. } => lines[0],
     });
     judged

@@ -248,3 +248,30 @@ proptest! {
         let _ = correct(one, &judged.corrections);
     }
 }
+
+#[test]
+fn a_vertex_off_its_line_is_told_and_left_out() {
+    let sound = ring(1, 10.0, (0.0, 0.0), 50.0);
+    for vertex in [0, 7, 39] {
+        let mut moved = sound.clone();
+        moved.points[vertex] *= 0.5;
+        moved.points[40] = moved.points[0];
+        let place = moved.points[vertex];
+        let map = map(vec![moved]);
+        let judged = examine(&map, &PARAMS);
+        assert_eq!(kinds(&judged.findings), [FindingKind::StrayVertex]);
+        assert_eq!((judged.findings[0].place, &judged.findings[0].proposal), (Some(place), &Some(Proposal::LeaveOut)));
+        let mended = correct(map, &judged.corrections).value;
+        assert_eq!(mended.contours[0].points.len(), 40);
+        assert!(examine(&mended, &PARAMS).findings.is_empty());
+    }
+}
+
+#[test]
+fn a_vertex_that_cleaning_left_out_is_told_once() {
+    let place = DVec2::new(3.0, 4.0);
+    let told = vec![Finding::at(FindingKind::StrayVertex, place, "stands out")];
+    let crossing = Finding::at(FindingKind::LevelsCross, place, "crosses");
+    assert_eq!(merged(told.clone(), vec![crossing.clone()], 0.0), [crossing]);
+    assert_eq!(merged(told.clone(), Vec::new(), 0.0), told);
+}

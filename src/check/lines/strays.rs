@@ -1,0 +1,23 @@
+//! Vertices that stand out of a line which is smooth otherwise: slips of the hand or of a digit.
+
+use rayon::prelude::*;
+
+use crate::check::{Correction, Judged};
+use crate::contour::{Contour, ContourMap, outlying_vertices};
+use crate::error::{Finding, FindingKind, Proposal};
+
+pub(super) fn find(map: &ContourMap) -> Judged {
+    let of_line = |(line, contour): (usize, &Contour)| {
+        let name = format!("the contour {} m (feature {})", contour.elevation, contour.feature);
+        let of_vertex = |vertex: usize| {
+            let place = contour.points[vertex];
+            let message = format!("{name} runs to a vertex off its course and nearly straight back");
+            let finding = Finding::at(FindingKind::StrayVertex, place, message);
+            let finding = finding.about(contour.feature, contour.elevation).proposing(Proposal::LeaveOut);
+            (finding, Correction::LeaveOut { line: line as u32, vertex: vertex as u32 })
+        };
+        outlying_vertices(&contour.points).into_iter().map(of_vertex).collect::<Vec<_>>()
+    };
+    let (findings, corrections) = map.contours.par_iter().enumerate().flat_map_iter(of_line).unzip();
+    Judged { findings, corrections }
+}
