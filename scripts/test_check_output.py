@@ -114,6 +114,15 @@ class CheckOutput(unittest.TestCase):
         ring["points"] = np.vstack([ring["points"][7:-1], ring["points"][:8]])
         self.assertEqual(self.run_check(lines), [], self.said)
 
+    def test_line_there_and_back(self):
+        source = self.path / "there_and_back.gpkg"
+        way = self.pick(self.lines, "input")["points"][:4] + [3.0, 4.0]
+        inputs = [r for r in self.lines if r["source"] == "input"]
+        both = [record(300, np.vstack([way, way[-2::-1]]), "input")]
+        write(source, [{**r, "source": "interpolated"} for r in inputs + both])
+        self.assertIn("input kept", self.run_check(self.lines, source=source))
+        self.assertNotIn("input kept", self.run_check(self.lines + [record(300, way, "input")], source=source), self.said)
+
     def sampled(self, beside=0.0):
         lines = self.copy()
         for r in (r for r in lines if r["source"] == "input"):
