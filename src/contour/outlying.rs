@@ -1,7 +1,8 @@
-//! Vertices that stand out of a line which is smooth otherwise: the line runs to them and nearly straight back.
+//! Vertices that stand out of a line which is even and smooth otherwise: the line runs to them and nearly straight back.
 //!
-//! A vertex that was moved by a slip makes two long segments with a sharp turn between. Lines that bend sharply of
-//! themselves do so with segments as short as their others, so both are asked for.
+//! A vertex that was moved by a slip makes two long segments with a sharp turn between, and without it the line goes on as if
+//! nothing had been. In a narrow valley a line turns as sharply, but comes and goes along the valley. Lines traced on
+//! triangles have some long segments among many short ones; uneven lines are not judged.
 
 use glam::DVec2;
 
@@ -9,26 +10,41 @@ use glam::DVec2;
 const SHARP: f64 = 3.0;
 /// Both segments at it are so many times as long as three quarters of the line's are.
 const LONG: f64 = 2.0;
+/// Three quarters of an even line's segments are no longer than so many times a quarter of them.
+const EVEN: f64 = 3.0;
+/// Past it the line turns by less than 45 degrees at the vertices before and after.
+const COS_ON: f64 = 0.7;
 /// Fewest segments that tell how long a line's are.
 const FEWEST: usize = 12;
 
-/// Numbers of a line's vertices that stand out, ascending. Ends of an open line do not.
+/// Numbers of a line's vertices that stand out, ascending. Those next to the ends of an open line are not judged.
 pub(crate) fn outlying_vertices(points: &[DVec2]) -> Vec<usize> {
     let lengths = points.windows(2).map(|w| w[0].distance(w[1]));
     let mut lengths: Vec<f64> = lengths.filter(|d| *d > 0.0).collect();
     if lengths.len() < FEWEST {
         return Vec::new();
     }
-    let last = points.len() - 1;
-    let quarter = 3 * lengths.len() / 4;
-    let long = LONG * *lengths.select_nth_unstable_by(quarter, f64::total_cmp).1;
-    let stands_out = |[a, b, c]: [DVec2; 3]| {
+    let quarter = lengths.len() / 4;
+    let shorter = *lengths.select_nth_unstable_by(quarter, f64::total_cmp).1;
+    let longer = *lengths.select_nth_unstable_by(3 * quarter, f64::total_cmp).1;
+    if longer > EVEN * shorter {
+        return Vec::new();
+    }
+    let goes_on = |a: DVec2, b: DVec2, c: DVec2| (b - a).dot(c - b) > COS_ON * a.distance(b) * b.distance(c);
+    let stands_out = |[before, a, b, c, after]: [DVec2; 5]| {
         let (to, back) = (a.distance(b), b.distance(c));
-        to > long && back > long && to + back > SHARP * a.distance(c)
+        to.min(back) > LONG * longer
+            && to + back > SHARP * a.distance(c)
+            && goes_on(before, a, c)
+            && goes_on(a, c, after)
     };
-    let at_start = points[0] == points[last] && stands_out([points[last - 1], points[0], points[1]]);
-    let inside = (1..last).filter(|&k| stands_out([points[k - 1], points[k], points[k + 1]]));
-    at_start.then_some(0).into_iter().chain(inside).collect()
+    let last = points.len() - 1;
+    if points[0] == points[last] {
+        let around = |k: usize| [last - 2, last - 1, 0, 1, 2].map(|step| points[(k + step) % last]);
+        (0..last).filter(|&k| stands_out(around(k))).collect()
+    } else {
+        (2..last - 1).filter(|&k| stands_out([0, 1, 2, 3, 4].map(|step| points[k + step - 2]))).collect()
+    }
 }
 
 /// The line without vertices that stand out.
@@ -77,5 +93,21 @@ mod tests {
         assert!(outlying_vertices(&points).is_empty());
         assert_eq!(without_outlying(&points), points);
         assert!(outlying_vertices(&points[..5]).is_empty());
+    }
+
+    #[test]
+    fn a_narrow_valley_does_not_stand_out_and_a_line_of_uneven_steps_is_not_judged() {
+        let with_slip = |step: fn(u32) -> f64| {
+            let mut points: Vec<DVec2> = (0..40).map(|k| DVec2::new(step(k), 0.0)).collect();
+            points[20].y = 9.0;
+            points
+        };
+        assert_eq!(outlying_vertices(&with_slip(f64::from)), [20]);
+        assert_eq!(outlying_vertices(&with_slip(|k| f64::from(k) + 0.4 * f64::from(k % 2))), [20]);
+        assert!(outlying_vertices(&with_slip(|k| f64::from(k) + 0.8 * f64::from(k % 2))).is_empty(), "uneven");
+        let mut valley = with_slip(f64::from);
+        let sides = [(19.2, 1.0), (19.4, 2.0), (19.5, 3.0), (20.0, 9.0), (20.5, 3.0), (20.6, 2.0), (20.8, 1.0)];
+        valley.splice(20..21, sides.map(DVec2::from));
+        assert!(outlying_vertices(&valley).is_empty(), "a valley");
     }
 }
