@@ -34,8 +34,8 @@ convex hull.
 With --sampled vertices may have been added on the input's segments: they must lie within --tolerance of the straight way
 between the input's vertices on both sides, and without them the input must be kept as ever.
 
-Repeated points of the input count once, and so does a line that runs there and straight back. An input line that was repaired on purpose is no error of the output: --cut and
---joints say how many lines and segments may differ.
+Repeated points of the input count once, and so does a line that runs there and straight back. An input line that was
+repaired on purpose is no error of the output: --cut and --joints say how many lines and segments may differ.
 """
 import argparse
 import sys

@@ -2,7 +2,8 @@
 //!
 //! Elevations that jump where two pieces of a line meet, lines and vertices far from all others, coordinates that are
 //! degrees, elevations that stand for no data, lines of hardly any length, vertices that stand out of a smooth line. Every one
-//! is told; only jumps and such vertices have a correction, as the rest of the line says what it should be. Nothing here depends on the order of the input's features.
+//! is told; only jumps and such vertices have a correction, as the rest of the line says what it should be. Nothing here
+//! depends on the order of the input's features.
 
 mod ends;
 mod far;
