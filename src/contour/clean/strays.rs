@@ -27,8 +27,8 @@ const PASSES: usize = 3;
 /// After that, for strays that are in the way of each other, those come whose straight way meets other segments, no more of
 /// them, and is so many times shorter: at a single vertex the line turns back to within 60 degrees.
 const SHARP: f64 = 2.0;
-/// A line has so many vertices for each that strays.
-const FEWEST_LEFT: usize = 4;
+/// A line has so many vertices at least for each that strays in one row.
+const FEWEST_LEFT: usize = 5;
 /// So many pairs of segments in conflict are always looked at. More of them, if they are a larger share of all segments than
 /// the other constant, are not: those lines do not cross by slips.
 const FEW: usize = 100_000;
