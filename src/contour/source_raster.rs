@@ -23,6 +23,9 @@ const ON_EACH: f64 = 0.1;
 /// Share of the vertices that may lie on both: coordinates that are all rounded to a step are no raster.
 const ON_BOTH: f64 = 0.5;
 
+/// Rows or columns of any raster that people make are at most so many times further apart than the others.
+const LONGEST: f64 = 10.0;
+
 /// Rows and columns of cell centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SourceRaster {
@@ -44,6 +47,9 @@ pub fn source_raster(contours: &[Contour]) -> Option<SourceRaster> {
         }
     }
     let [(x, width), (y, height)] = [lines(sample.iter().map(|p| p.x))?, lines(sample.iter().map(|p| p.y))?];
+    if width.max(height) > LONGEST * width.min(height) {
+        return None;
+    }
     let raster = SourceRaster { centre: DVec2::new(x, y), cell: DVec2::new(width, height) };
     let count = |c: &Contour| {
         c.points.iter().fold([0_u64; 4], |[all, on_x, on_y, both], &p| {
@@ -142,6 +148,8 @@ mod tests {
             contour(c.elevation, points.map(|(i, &p)| p + 0.3 * DVec2::splat((i % 7) as f64)).collect())
         };
         assert_eq!(source_raster(&cut().into_iter().map(moved).collect::<Vec<_>>()), None);
+        let narrow = |c: Contour| contour(c.elevation, c.points.iter().map(|&p| p * DVec2::new(1e-6, 1.0)).collect());
+        assert_eq!(source_raster(&cut().into_iter().map(narrow).collect::<Vec<_>>()), None, "no raster has such cells");
         assert_eq!(source_raster(&[]), None);
     }
 }

@@ -1,5 +1,6 @@
 //! The frame: the outermost border, which closes the contours that run off the map.
 
+use geo::convex_hull::graham_hull;
 use geo::{Area, BooleanOps, BoundingRect, ConvexHull, Coord, MapCoords, MultiPoint, MultiPolygon, Polygon, Rect};
 use glam::DVec2;
 use rstar::RTree;
@@ -74,7 +75,11 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         let contours = map.contours.iter().flat_map(|c| c.points.iter().copied());
         contours.chain(map.spots.iter().map(|s| s.truncate())).map(|p| geo::Point::new(p.x, p.y))
     };
-    let hull = || points().collect::<MultiPoint<f64>>().convex_hull();
+    let hull = || {
+        // Among points that lie on one line but for rounding it may turn back; the slower one does not.
+        let quick = points().collect::<MultiPoint<f64>>().convex_hull();
+        Polygon::new(graham_hull(&mut quick.into_inner().0.into_inner(), false), Vec::new())
+    };
     let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
     let area = match frame {
         Frame::Hull => hull().into(),
@@ -175,6 +180,23 @@ mod tests {
         assert!(corners.contains(&DVec2::splat(100.0)));
         let on_hull = corners.iter().filter(|p| p.x == 100.0 || p.y == 100.0).count();
         assert_eq!(on_hull, 3, "crossings lie exactly on the edge of the map: {corners:?}");
+    }
+
+    #[test]
+    fn the_hull_of_points_on_a_line_but_for_rounding_never_turns_back() {
+        let (a, b) = (DVec2::new(-1e7, 0.1), DVec2::new(6.791_015_624_999_999, -14_755.998_480_224_609));
+        let on_line = [9, 5, 80, 128, 256, 10, 12, 16, 96].map(|k| a.lerp(b, f64::from(k) / 1024.0));
+        let points = std::iter::once(a).chain(on_line).chain([b, DVec2::new(-9_890_000.0, 310_000.1), a]).collect();
+        let contour = Contour { elevation: 0.0, points, feature: 0 };
+        let map = ContourMap { contours: vec![contour], ..ContourMap::default() };
+        let ring = frame_ring(&map, &Frame::Hull).rings().next().unwrap();
+        let coord = |k: usize| {
+            let p = ring[k % ring.len()];
+            robust::Coord { x: p.x, y: p.y }
+        };
+        for k in 0..ring.len() {
+            assert!(robust::orient2d(coord(k), coord(k + 1), coord(k + 2)) > 0.0, "vertex {} of {ring:?}", k + 1);
+        }
     }
 
     #[test]
