@@ -10,7 +10,7 @@
 //! How much tension, and whether contours jitter and are to be smoothed, is seen from the data (`choose`, `roughness`).
 //!
 //! `stages` finds it from coarse to fine lattices (`lattice`), each by conjugate gradients between bounds
-//! (`minimise`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
+//! (`minimise`, `tile`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
 //! Last, ways out of pits are cut (`pits`).
 
 mod choose;
@@ -24,6 +24,7 @@ mod reweight;
 pub(super) mod roughness;
 mod stages;
 mod stencil;
+mod tile;
 pub(super) mod trial;
 
 pub(super) use choose::choose;

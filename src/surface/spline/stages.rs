@@ -19,7 +19,9 @@ const COARSEST: usize = 12;
 const ROUNDS: [usize; 3] = [0, 2, 1];
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
-const STEPS: [usize; 3] = [40, 100, 200];
+const STEPS: [usize; 3] = [40, 60, 200];
+/// ... and once more, in each round or after ways out of pits were cut.
+const FURTHER_STEPS: [usize; 3] = [20, 40, 100];
 /// A stage is done when heights change by less than this share of the contour interval.
 const TOLERANCE: f64 = 1e-3;
 /// Weight of bending across a ridge or canyon line.
@@ -118,7 +120,7 @@ impl Stage<'_> {
         Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
     }
 
-    /// Its place in [`STEPS`] and [`ROUNDS`].
+    /// Its place in [`STEPS`], [`FURTHER_STEPS`] and [`ROUNDS`].
     fn kind(&self) -> usize {
         (self.depth as usize).min(2)
     }
@@ -132,7 +134,7 @@ impl Stage<'_> {
         let hi = open(&self.bounds[1], f32::INFINITY);
         let (mut energy, creases) = self.energy(problem);
         let effort = Effort { steps: STEPS[self.kind()], tolerance: TOLERANCE * problem.interval };
-        let later = Effort { steps: effort.steps / 2, ..effort };
+        let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
         let weights = energy.bending.clone();
         let tension = energy.tension.clone();
         apply(&mut energy, &tension, factors);

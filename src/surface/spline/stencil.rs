@@ -9,12 +9,13 @@ use rayon::prelude::*;
 
 use super::energy::Energy;
 
-/// Nodes that one task works on. Sums are added up in this order whatever the number of threads.
-pub const CHUNK: usize = 1 << 13;
-/// Sums that are built side by side.
-pub const LANES: usize = 8;
+/// Nodes that one task works on.
+const CHUNK: usize = 1 << 13;
+/// Rows and columns that the matrix reaches.
+pub const REACH: usize = 2;
 
 /// The coefficients of a symmetric matrix over a lattice. Those that would leave the lattice are 0.
+#[derive(Default)]
 pub struct Stencil {
     cols: usize,
     /// Of the node itself and of its neighbours to the E, EE, S, SS, SE and SW, each after [`Stencil::pad`] zeros.
@@ -25,7 +26,7 @@ impl Stencil {
     /// The matrix of an energy.
     pub fn new(energy: &Energy) -> Self {
         let [cols, rows] = energy.size;
-        let pad = 2 * cols + 2;
+        let pad = REACH * cols + REACH;
         let mut stencil = Self { cols, of: std::array::from_fn(|_| vec![0.0; pad + cols * rows]) };
         stencil.set(energy);
         stencil
@@ -42,7 +43,7 @@ impl Stencil {
 
     /// Zeros that vectors have before the first node and after the last: as far as the matrix reaches.
     pub fn pad(&self) -> usize {
-        2 * self.cols + 2
+        REACH * self.cols + REACH
     }
 
     /// The coefficients of the nodes themselves.
@@ -50,18 +51,43 @@ impl Stencil {
         &self.of[0][self.pad()..]
     }
 
-    /// Multiplies `z`, which is padded, and gives the product of `z` with `out`.
-    pub fn apply(&self, z: &[f32], out: &mut [f32]) -> f64 {
-        let products = out.par_chunks_mut(CHUNK).enumerate().map(|(k, out)| {
-            let first = self.pad() + k * CHUNK;
-            self.apply_chunk(z, first, out);
-            dot(&z[first..first + out.len()], out)
-        });
-        products.collect::<Vec<f64>>().into_iter().sum()
+    /// Number of columns of the lattice.
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
+    /// Takes the coefficients of a window of another lattice, with [`REACH`] rows and columns more around than its first node
+    /// tells, for heights in units of their own. What lies beyond the lattice is 0.
+    pub fn cut(&mut self, from: &Self, [col, row]: [usize; 2], [cols, rows]: [usize; 2], unit: &[f32]) {
+        self.cols = cols;
+        let pad = self.pad();
+        // Columns of the window that lie west of the lattice, and the first one that does not.
+        let beyond = REACH.saturating_sub(col);
+        let first = col + beyond - REACH;
+        let width = (cols - beyond).min(from.cols - first);
+        let after = [0, 1, 2, cols, 2 * cols, cols + 1, cols - 1];
+        for ((to, all), after) in self.of.iter_mut().zip(&from.of).zip(after) {
+            to.clear();
+            to.resize(pad + unit.len(), 0.0);
+            for k in REACH.saturating_sub(row)..rows {
+                let start = from.pad() + (row + k - REACH) * from.cols + first;
+                let Some(all) = all.get(start..start + width) else { break };
+                let n = k * cols + beyond;
+                let Some(other) = unit.get(n + after..) else { break };
+                let units = unit[n..].iter().zip(other);
+                to[pad + n..].iter_mut().zip(all).zip(units).for_each(|((to, of), (u, v))| *to = of * u * v);
+            }
+        }
+    }
+
+    /// Multiplies `z`, which is padded.
+    pub fn apply(&self, z: &[f32], out: &mut [f32]) {
+        let chunks = out.par_chunks_mut(CHUNK).enumerate();
+        chunks.for_each(|(k, out)| self.apply_from(z, self.pad() + k * CHUNK, out));
     }
 
     /// ... for the nodes from `first` on, padding counted. All is cut to the same length first: the loop has no branch.
-    fn apply_chunk(&self, z: &[f32], first: usize, out: &mut [f32]) {
+    pub fn apply_from(&self, z: &[f32], first: usize, out: &mut [f32]) {
         let (n, cols, len) = (first, self.cols, out.len());
         let [own, e, ee, s, ss, se, sw] = &self.of;
         let row = &z[n - 2..n + len + 2];
@@ -137,15 +163,4 @@ fn shifted(weights: &[f32], first: isize, len: usize) -> Cow<'_, [f32]> {
         Some(weights) => Cow::Borrowed(weights),
         None => (first..first + len as isize).map(at).collect(),
     }
-}
-
-/// The product of two vectors, in double precision; in lanes, which the processor adds side by side.
-pub fn dot(a: &[f32], b: &[f32]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    for (a, b) in a.chunks(LANES).zip(b.chunks(LANES)) {
-        for (lane, (&a, &b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
-            *lane += f64::from(a) * f64::from(b);
-        }
-    }
-    lanes.iter().sum()
 }

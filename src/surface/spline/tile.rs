@@ -1,0 +1,132 @@
+//! A part of a lattice, small enough for a processor's cache: its heights change while those around it stay.
+
+use std::ops::Range;
+
+use super::stencil::{REACH, Stencil};
+
+/// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
+const LANES: usize = 8;
+
+/// A lattice, and the heights there.
+pub struct Whole<'a> {
+    /// The matrix.
+    pub stencil: &'a Stencil,
+    /// Half the energy's gradient, downhill.
+    pub downhill: &'a [f64],
+    /// Heights.
+    pub z: &'a [f64],
+    /// The lowest.
+    pub lo: &'a [f32],
+    /// The highest.
+    pub hi: &'a [f32],
+}
+
+/// What a tile is worked on with. It has a margin as wide as the matrix reaches, whose nodes are held.
+///
+/// Heights are in units that make the coefficients of the nodes themselves 1: that is the diagonal as preconditioner. The
+/// units of nodes that are held are 0, and with them their coefficients.
+#[derive(Default)]
+pub struct Tile {
+    cols: usize,
+    stencil: Stencil,
+    unit: Vec<f32>,
+    change: Vec<f32>,
+    residual: Vec<f32>,
+    /// The direction of a step, padded.
+    direction: Vec<f32>,
+    /// The matrix times that.
+    image: Vec<f32>,
+}
+
+impl Tile {
+    /// Takes up to so many steps of conjugate gradients on a part of a lattice.
+    pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
+        self.cut(whole, rows, cols);
+        let Self { stencil, change, residual, direction, image, .. } = self;
+        let pad = stencil.pad();
+        let mut rho = product(residual, residual);
+        for _ in 0..steps {
+            if rho <= 0.0 || !rho.is_finite() {
+                break;
+            }
+            stencil.apply_from(direction, pad, image);
+            let direction = &mut direction[pad..pad + image.len()];
+            let curvature = product(direction, image);
+            if curvature <= 0.0 {
+                break;
+            }
+            let next = step(change, residual, direction, image, rho / curvature);
+            let beta = next / rho;
+            rho = next;
+            direction.iter_mut().zip(&*residual).for_each(|(p, r)| *p = r + beta * *p);
+        }
+    }
+
+    /// By how much the heights of the tile's nodes in a row have changed.
+    pub fn changes(&self, row: usize, out: &mut [f32]) {
+        let first = (row + REACH) * self.cols + REACH;
+        let changes = self.change[first..].iter().zip(&self.unit[first..]);
+        out.iter_mut().zip(changes).for_each(|(out, (change, unit))| *out = change * unit);
+    }
+
+    /// Takes a part of a lattice, and sees which nodes are held.
+    fn cut(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>) {
+        let size = [cols.len() + 2 * REACH, rows.len() + 2 * REACH];
+        let n = (size[0] * size[1]).next_multiple_of(LANES);
+        self.cols = size[0];
+        for values in [&mut self.unit, &mut self.change, &mut self.residual, &mut self.image] {
+            values.clear();
+            values.resize(n, 0.0);
+        }
+        for (k, row) in rows.clone().enumerate() {
+            let from = row * whole.stencil.cols() + cols.start..row * whole.stencil.cols() + cols.end;
+            let first = (k + REACH) * size[0] + REACH;
+            let to = first..first + cols.len();
+            let given = whole.downhill[from.clone()].iter().zip(&whole.stencil.diagonal()[from.clone()]);
+            let heights = whole.z[from.clone()].iter().zip(&whole.lo[from.clone()]).zip(&whole.hi[from]);
+            let taken = self.residual[to.clone()].iter_mut().zip(&mut self.unit[to]);
+            for (((residual, unit), (&r, &diagonal)), ((&z, &lo), &hi)) in taken.zip(given).zip(heights) {
+                // A node at its bound that wants to go beyond it stays.
+                let is_held = (z <= f64::from(lo) && r < 0.0) || (z >= f64::from(hi) && r > 0.0);
+                if diagonal > 0.0 && !is_held {
+                    *unit = 1.0 / diagonal.sqrt();
+                    *residual = r as f32 * *unit;
+                }
+            }
+        }
+        self.stencil.cut(whole.stencil, [cols.start, rows.start], size, &self.unit);
+        let pad = self.stencil.pad();
+        self.direction.clear();
+        self.direction.resize(pad, 0.0);
+        self.direction.extend_from_slice(&self.residual);
+        self.direction.resize(n + 2 * pad, 0.0);
+    }
+}
+
+/// One step of this length. Gives the square of the new residual.
+fn step(change: &mut [f32], residual: &mut [f32], direction: &[f32], image: &[f32], length: f32) -> f32 {
+    let changed = lanes_mut(change).iter_mut().zip(lanes_mut(residual));
+    let squares = changed.zip(lanes(direction).iter().zip(lanes(image))).fold([0.0; LANES], |sum, of| {
+        let ((change, residual), (p, q)) = of;
+        std::array::from_fn(|i| {
+            change[i] += length * p[i];
+            residual[i] -= length * q[i];
+            sum[i] + residual[i] * residual[i]
+        })
+    });
+    squares.iter().sum()
+}
+
+fn product(a: &[f32], b: &[f32]) -> f32 {
+    let products = lanes(a).iter().zip(lanes(b));
+    let sums = products.fold([0.0; LANES], |sum: [f32; LANES], (a, b)| std::array::from_fn(|i| sum[i] + a[i] * b[i]));
+    sums.iter().sum()
+}
+
+fn lanes(values: &[f32]) -> &[[f32; LANES]] {
+    values.as_chunks().0
+}
+
+fn lanes_mut(values: &mut [f32]) -> &mut [[f32; LANES]] {
+    values.as_chunks_mut().0
+}
