@@ -8,7 +8,7 @@
 //! was brought to degrees and comes back to where it was gives the same lines again.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use foldhash::fast::FixedState;
 use geo::{Coord, LineString, MapCoords, MultiPolygon, Polygon};
@@ -37,10 +37,23 @@ pub struct Places {
     way: Option<Transform>,
     /// Whether coordinates on the plane are whole micrometres.
     in_steps: bool,
-    /// By places on the plane, the coordinates that they had in the file.
-    originals: Arc<HashMap<Place, DVec2, FixedState>>,
+    originals: Arc<Originals>,
     /// The middle of the longitudes of the file, if some of them are beyond 180 degrees.
     around: Option<f64>,
+}
+
+/// Places on the plane and the coordinates that they had in the file. Not every output asks for them, so that they are put where
+/// they are found only when one does.
+#[derive(Debug, Default)]
+struct Originals {
+    pairs: Vec<(Place, DVec2)>,
+    by_place: OnceLock<HashMap<Place, DVec2, FixedState>>,
+}
+
+impl Originals {
+    fn at(&self, p: DVec2) -> Option<DVec2> {
+        self.by_place.get_or_init(|| self.pairs.iter().copied().collect()).get(&key(p)).copied()
+    }
 }
 
 /// A place as a key: its bits.
@@ -121,7 +134,7 @@ impl Places {
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
-            originals: Arc::new(originals.into_iter().collect()),
+            originals: Arc::new(Originals { pairs: originals, by_place: OnceLock::new() }),
             around,
         };
         Ok(Report { value: (map, places), findings })
@@ -162,7 +175,7 @@ impl Places {
     }
 
     fn original(&self, p: DVec2) -> Option<DVec2> {
-        self.originals.get(&key(p)).copied()
+        self.originals.at(p)
     }
 
     /// The way for coordinates of another file in `crs`; coordinates of an unknown system are taken for the map's own.
@@ -338,7 +351,7 @@ impl Returner {
     /// Whether places on the plane are those of the output.
     pub fn is_identity(&self) -> bool {
         match &self.onwards {
-            Onwards::Input => self.places.are_unmoved() && self.places.originals.is_empty(),
+            Onwards::Input => self.places.are_unmoved() && self.places.originals.pairs.is_empty(),
             Onwards::Other { from_working, .. } => from_working.is_identity(),
         }
     }
@@ -423,7 +436,7 @@ mod tests {
         let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
         let (flat, places) = Places::project(map(25832, &noisy), &Crs::from_epsg(25832)).unwrap().value;
         assert_eq!(flat.contours[0].points[0], DVec2::new(436_203.79, 6_444_375.56));
-        assert!(places.are_unmoved() && places.originals.len() == 1);
+        assert!(places.are_unmoved() && places.originals.pairs.len() == 1);
         let back = places.give_back(None).unwrap();
         assert!(!back.is_identity());
         for (p, q) in noisy.iter().zip(&flat.contours[0].points) {

@@ -10,14 +10,19 @@ use crate::tin::{NONE, Tin};
 
 /// Rows that one task fills.
 const BAND_ROWS: usize = 16;
+/// Nearer than this to a node, in steps between nodes, is on it.
+const AT_NODE: f64 = 1e-6;
 
 /// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
 ///
 /// Those of the smooth surface are the working grid's own where a centre is one of its nodes, else interpolated between
 /// them (cubic convolution) and kept in the band of the sub-domain. Other surfaces are triangles (see [`rasterise`]).
 pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
-    if surface.working.is_none() {
+    let Some(working) = &surface.working else {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
+    };
+    if let Some(values) = working.on_nodes(grid) {
+        return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
     let height = |(i, t): (usize, u32)| {
@@ -91,6 +96,24 @@ fn height_in(surface: &Surface, t: u32, p: DVec2) -> f32 {
 }
 
 impl WorkingGrid {
+    /// The heights on a grid whose centres are nodes, as far as there are any there: nodes cover the frame. `None` for other
+    /// grids.
+    fn on_nodes(&self, grid: &Grid) -> Option<Vec<f32>> {
+        let from = (grid.center(0, 0) - self.grid.center(0, 0)) / self.grid.cell * DVec2::new(1.0, -1.0);
+        let first = from.round();
+        if grid.cell != self.grid.cell || (from - first).abs().max_element() >= AT_NODE {
+            return None;
+        }
+        let (first_col, first_row) = (first.x as i64, first.y as i64);
+        let cols = 0..self.grid.cols as i64;
+        let value = |i: usize| {
+            let (col, row) = (first_col + (i % grid.cols) as i64, first_row + (i / grid.cols) as i64);
+            let node = usize::try_from(row * self.grid.cols as i64 + col).ok().filter(|_| cols.contains(&col));
+            node.and_then(|node| self.heights.get(node)).copied().unwrap_or(f32::NAN)
+        };
+        Some((0..grid.len()).into_par_iter().map(value).collect())
+    }
+
     /// The height at a position: a node's own within a millionth of a cell, else interpolated; NaN off the grid.
     pub(super) fn at(&self, p: glam::DVec2) -> f32 {
         let grid = &self.grid;
@@ -105,7 +128,7 @@ impl WorkingGrid {
         if !on_grid(col, row) {
             return f32::NAN;
         }
-        if (x - col).abs() < 1e-6 && (y - row).abs() < 1e-6 {
+        if (x - col).abs() < AT_NODE && (y - row).abs() < AT_NODE {
             return node(col, row);
         }
         let (c, r) = (x.floor(), y.floor());
@@ -141,4 +164,24 @@ fn nearest(node: &impl Fn(f64, f64) -> f32, x: f64, y: f64) -> f32 {
 fn cubic(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [(-t3 + 2.0 * t2 - t) / 2.0, (3.0 * t3 - 5.0 * t2 + 2.0) / 2.0, (-3.0 * t3 + 4.0 * t2 + t) / 2.0, (t3 - t2) / 2.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_on_nodes_have_their_heights() {
+        let grid = Grid { corner: DVec2::new(100.0, 50.0), cell: DVec2::new(2.0, 3.0), cols: 4, rows: 3 };
+        let working = WorkingGrid { grid, heights: (0_u8..12).map(f32::from).collect() };
+        let moved = |by: DVec2| Grid { corner: grid.corner + by, cols: 3, rows: 3, ..grid };
+        let values = working.on_nodes(&moved(DVec2::new(4.0, -3.0))).unwrap();
+        let expected = [6.0, 7.0, f32::NAN, 10.0, 11.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN];
+        let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+        assert_eq!(bits(&values), bits(&expected));
+        let values = working.on_nodes(&moved(DVec2::new(-2.0, 3.0))).unwrap();
+        assert!(values[..4].iter().all(|v| v.is_nan()) && values[4..6] == [0.0, 1.0] && values[7..] == [4.0, 5.0]);
+        assert_eq!(working.on_nodes(&moved(DVec2::new(1.0, 0.0))), None);
+        assert_eq!(working.on_nodes(&Grid { cell: DVec2::new(2.0, 1.5), ..grid }), None);
+    }
 }
