@@ -9,7 +9,7 @@ The shapes are those that the figures of Zhang, Konno and Tokuyama, "3D Terrain 
 (CAD/CG 2005) name; the lines are drawn anew. Those of figures 1 and 5 are closed cubic splines through a few points,
 sampled every STEP metres, so that a bay is exactly as deep and as narrow as it was meant to be. Those of figures 2, 3 and
 6 are polygons of a few corners at whole coordinates, so that every triangle, length and height can be worked out on
-paper; tests/figures.rs does so. Coordinates are those of
+paper; tests/library/figures does so. Coordinates are those of
 JGD2011 plane rectangular zone X (EPSG:6678, x east, y north), rounded to a centimetre, near Mt. Iwate.
 Higher ground lies on the right of every line. Each ring repeats its first point.
 """

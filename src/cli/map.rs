@@ -41,8 +41,9 @@ pub struct MapArgs {
     #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true)]
     pub snap: f64,
     /// How far to repair the contours: not at all, which stops where lines must be cut or joined; only what cannot change
-    /// their meaning (repeated points, duplicates, ends within --snap, the smallest piece where lines cross); or also
-    /// elevations, gaps and stray vertices, as 'tokosen check' proposes
+    /// their meaning (repeated points, duplicates, ends within --snap, vertices that stray across another line, else the
+    /// smallest piece where lines cross); or also elevations, gaps and stray vertices that cross nothing, as
+    /// 'tokosen check' proposes
     #[arg(long, value_enum, value_name = "HOW")]
     pub repair: Option<Repair>,
     /// Stop with exit status 1 when anything is wrong with the input (notes are not), instead of going on without the

@@ -55,20 +55,8 @@ impl Triangulation {
     /// As [`new`](Self::new), and when all points lie on one line.
     pub fn tin(&mut self) -> Result<Tin> {
         self.grow()?;
-        let Self { cdt, input, source, .. } = self;
-        let faces: Vec<_> = cdt.fixed_inner_faces().collect();
-        if faces.is_empty() {
-            return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
-        }
-        let face = |&face: &FixedFaceHandle<InnerTag>| {
-            let edges = cdt.face(face).adjacent_edges();
-            // The outer face has index 0, so inner faces count from 1.
-            let beyond = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1));
-            let flag = |i: usize| if edges[i].is_constraint_edge() { CONSTRAINT << i } else { 0 };
-            let corners = edges.map(|e| e.from().fix().index() as u32);
-            Face { corners, beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
-        };
-        let faces: Vec<Face> = faces.par_iter().map(face).collect();
+        let faces = self.faces()?;
+        let Self { input, source, .. } = self;
         let pick = |i: &u32| *i as usize;
         let mut tin = Tin {
             origin: input.origin,
@@ -81,6 +69,24 @@ impl Triangulation {
         tin.set_faces(&faces);
         peel_flat_border(&mut tin, input.border_tolerance);
         Ok(tin)
+    }
+
+    /// The triangles in no order of their own.
+    fn faces(&self) -> Result<Vec<Face>> {
+        let cdt = &self.cdt;
+        let faces: Vec<_> = cdt.fixed_inner_faces().collect();
+        if faces.is_empty() {
+            return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
+        }
+        let face = |&face: &FixedFaceHandle<InnerTag>| {
+            let edges = cdt.face(face).adjacent_edges();
+            // The outer face has index 0, so inner faces count from 1.
+            let beyond = edges.map(|e| e.rev().face().as_inner().map_or(NONE, |f| f.fix().index() as u32 - 1));
+            let flag = |i: usize| if edges[i].is_constraint_edge() { CONSTRAINT << i } else { 0 };
+            let corners = edges.map(|e| e.from().fix().index() as u32);
+            Face { corners, beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
+        };
+        Ok(faces.par_iter().map(face).collect())
     }
 
     /// Takes in the points and edges that were added.
@@ -134,6 +140,18 @@ pub(super) struct Face {
     pub inside: bool,
 }
 
+impl Face {
+    /// The two ends of edge `i`.
+    pub fn edge(&self, i: usize) -> [u32; 2] {
+        [self.corners[i], self.corners[(i + 1) % 3]]
+    }
+
+    /// Whether edge `i` is a constraint.
+    pub fn is_constraint(&self, i: usize) -> bool {
+        self.edges & (CONSTRAINT << i) != 0
+    }
+}
+
 impl Tin {
     /// Takes these triangles. They are numbered along the contours, as the vertices are, so that what is done triangle by
     /// triangle finds its data side by side.
@@ -161,6 +179,18 @@ impl Tin {
 /// As [`Triangulation::tin`].
 pub fn triangulate(input: TinInput) -> Result<Tin> {
     Triangulation::new(input)?.tin()
+}
+
+/// Triangulates points and edges, for triangles alone: in no order of their own, with the points of the input as corners, of those
+/// at one position the first.
+///
+/// # Errors
+/// As [`Triangulation::tin`].
+pub(super) fn faces(input: TinInput) -> Result<Vec<Face>> {
+    let built = Triangulation::new(input)?;
+    let mut faces = built.faces()?;
+    faces.iter_mut().flat_map(|face| &mut face.corners).for_each(|v| *v = built.source[*v as usize]);
+    Ok(faces)
 }
 
 fn point(position: DVec2) -> Point2<f64> {

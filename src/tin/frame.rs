@@ -1,7 +1,9 @@
 //! The frame: the outermost border, which closes the contours that run off the map.
 
 use geo::convex_hull::graham_hull;
-use geo::{Area, BooleanOps, BoundingRect, ConvexHull, Coord, MapCoords, MultiPoint, MultiPolygon, Polygon, Rect};
+use geo::{
+    Area, BooleanOps, BoundingRect, ConvexHull, Coord, IsConvex, MapCoords, MultiPoint, MultiPolygon, Polygon, Rect,
+};
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::Line;
@@ -76,8 +78,11 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         contours.chain(map.spots.iter().map(|s| s.truncate())).map(|p| geo::Point::new(p.x, p.y))
     };
     let hull = || {
-        // Among points that lie on one line but for rounding it may turn back; the slower one does not.
         let quick = points().collect::<MultiPoint<f64>>().convex_hull();
+        if quick.exterior().is_strictly_ccw_convex() {
+            return quick;
+        }
+        // Among points that lie on one line but for rounding it turns back. The slower way does not.
         Polygon::new(graham_hull(&mut quick.into_inner().0.into_inner(), false), Vec::new())
     };
     let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();

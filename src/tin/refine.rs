@@ -6,7 +6,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::build::{Face, triangulate};
+use super::build::{Face, faces};
 use super::{CONSTRAINT, NONE, Tin, TinInput, VertexKind};
 use crate::error::Result;
 use crate::rows::Rows;
@@ -32,7 +32,7 @@ impl Tin {
     /// `of_triangle` is the sub-domain of each triangle, [`NONE`] outside.
     ///
     /// # Errors
-    /// As [`triangulate`].
+    /// As [`triangulate`](super::triangulate).
     pub fn refined(&self, of_triangle: &[u32], points: &[InnerPoint]) -> Result<Self> {
         self.refined_in_parts(of_triangle, points, PART)
     }
@@ -66,7 +66,7 @@ impl Tin {
         // What one part knows no neighbour for has one in another, or none.
         for (f, face) in faces.iter().enumerate() {
             for i in (0..3).filter(|&i| face.beyond[i] == NONE) {
-                let [u, v] = [face.corners[i], face.corners[(i + 1) % 3]];
+                let [u, v] = face.edge(i);
                 open.push(([u.min(v), u.max(v)], f as u32, i));
             }
         }
@@ -162,14 +162,12 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
             }
         }
         outline.sort_unstable();
-        let found = triangulate(input)?;
-        let corners = |t: usize| found.triangles[t].map(|v| found.source[v as usize]);
-        let edge = |t: usize, i: usize| [corners(t)[i], corners(t)[(i + 1) % 3]];
+        let found = faces(input)?;
         let on_outline = |t: usize, i: usize| {
-            if !found.is_constraint(t as u32, i) {
+            if !found[t].is_constraint(i) {
                 return None;
             }
-            outline.binary_search_by_key(&edge(t, i), |(edge, _)| *edge).ok().map(|k| outline[k].1)
+            outline.binary_search_by_key(&found[t].edge(i), |(edge, _)| *edge).ok().map(|k| outline[k].1)
         };
         // From the outline inwards: beyond it the convex hull is filled.
         let mut number = vec![NONE; found.len()];
@@ -182,8 +180,8 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
                 }
                 number[t] = own.len() as u32;
                 own.push(t);
-                let open = (0..3).filter(|&i| found.neighbours[t][i] != NONE && on_outline(t, i).is_none());
-                stack.extend(open.map(|i| found.neighbours[t][i] as usize));
+                let open = (0..3).filter(|&i| found[t].beyond[i] != NONE && on_outline(t, i).is_none());
+                stack.extend(open.map(|i| found[t].beyond[i] as usize));
             }
         }
         let global = |v: u32| match vertices.get(v as usize) {
@@ -192,13 +190,13 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
         };
         let face = |&t: &usize| {
             let outlines = [0, 1, 2].map(|i| on_outline(t, i));
-            let is_constraint = |i: usize| outlines[i].unwrap_or(found.is_constraint(t as u32, i));
+            let is_constraint = |i: usize| outlines[i].unwrap_or(found[t].is_constraint(i));
             let flag = |i: usize| if is_constraint(i) { CONSTRAINT << i } else { 0 };
-            let beyond = [0, 1, 2].map(|i| match (outlines[i], found.neighbours[t][i]) {
+            let beyond = [0, 1, 2].map(|i| match (outlines[i], found[t].beyond[i]) {
                 (None, n) if n != NONE => number[n as usize],
                 _ => NONE,
             });
-            Face { corners: corners(t).map(global), beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
+            Face { corners: found[t].corners.map(global), beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
         };
         Ok(own.iter().map(face).collect())
     }
@@ -208,7 +206,7 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
 mod tests {
     use super::*;
     use crate::contour::Interval;
-    use crate::tin::regions;
+    use crate::tin::{regions, triangulate};
 
     /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
     fn nested(open: usize) -> TinInput {

@@ -6,7 +6,7 @@ use tokosen::skeleton::{BreakKind, skeleton};
 use tokosen::tin::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
 use tokosen::tin::{LandformClass, landforms};
 
-use crate::sample::{Counts, Sample, sample};
+use super::sample::{Counts, Sample, sample};
 
 /// A level around a sub-domain: the ground lies above it, or below it.
 const fn above(level: f64) -> (f64, bool) {

@@ -7,7 +7,7 @@ use glam::DVec2;
 use robust::{Coord, incircle, orient2d};
 use tokosen::contour::ContourMap;
 
-use crate::sample::{ALL, ORIGIN, Sample, map, sample};
+use super::sample::{ALL, ORIGIN, Sample, map, sample};
 
 fn coord(p: DVec2) -> Coord<f64> {
     Coord { x: p.x, y: p.y }

@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use common::{Terrain, all_kinds};
+use crate::common::{Terrain, all_kinds};
 use glam::DVec2;
 use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
 use tokosen::io::{ReadOptions, read_contours};

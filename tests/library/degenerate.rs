@@ -1,16 +1,14 @@
 //! Contours that no cartographer would draw: each must give a surface with all guarantees, or an error that says why not.
 
-mod common;
-mod guarantees;
-#[path = "fuzz/src/pipeline.rs"]
+#[path = "../fuzz/src/pipeline.rs"]
 mod pipeline;
 
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
-use common::Random;
+use crate::common::Random;
+use crate::guarantees::{Lines, hold, map_of};
 use glam::DVec2;
-use guarantees::{Lines, hold, map_of};
 use tokosen::contour::{FitParams, SampleParams};
 use tokosen::surface::{SurfaceKind, SurfaceParams};
 use tokosen::tin::Frame;

@@ -7,14 +7,12 @@
 //! 5. new lines end at the frame, or on an input line of their level that does not divide the ground;
 //! 6. neither the number of threads nor the order of the input changes the result.
 
-mod common;
-mod guarantees;
-
 use std::f64::consts::TAU;
 
-use common::Terrain;
+use crate::common;
+use crate::common::Terrain;
+use crate::guarantees::{bits, check, check_dem, clean_map, layer_of, map_of, pairs};
 use glam::{DVec2, DVec3};
-use guarantees::{bits, check, check_dem, clean_map, layer_of, map_of, pairs};
 use proptest::prelude::*;
 use tokosen::contour::{CleanParams, FitParams, SampleParams, fit, sample};
 use tokosen::surface::{SurfaceKind, SurfaceParams, build};

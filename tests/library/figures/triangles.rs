@@ -4,7 +4,7 @@ use glam::DVec2;
 use tokosen::skeleton::{AxisPoint, axis_heights, skeleton};
 use tokosen::tin::TriangleKind;
 
-use crate::sample::{ORIGIN, Sample, sample};
+use super::sample::{ORIGIN, Sample, sample};
 
 type Corner = (i32, i32);
 

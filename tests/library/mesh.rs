@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-mod common;
-
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -14,6 +12,8 @@ use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 use tokosen::surface::{Surface, SurfaceParams, build};
+
+use crate::common;
 
 fn surface_of(map: ContourMap) -> Surface {
     let map = clean(map, &CleanParams::default()).unwrap().value;

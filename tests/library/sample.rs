@@ -1,9 +1,8 @@
 //! Sampling against a slow oracle, on random terrain: every vertex has its neighbours as near as was asked, and all that
 //! the input had is still there.
 
-mod common;
-
-use common::Terrain;
+use crate::common;
+use crate::common::Terrain;
 use glam::DVec2;
 use proptest::prelude::*;
 use tokosen::contour::{CleanParams, Contour, ContourMap, SampleParams, Sampled, clean, sample};

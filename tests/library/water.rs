@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use common::Random;
+use crate::common;
+use crate::common::Random;
 use geo::{LineString, Polygon};
 use glam::DVec2;
 use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, Lake, Source, clean};

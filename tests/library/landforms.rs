@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -15,6 +13,8 @@ use tokosen::io::{ReadOptions, read_contours};
 use tokosen::surface::{Tiling, tiling};
 use tokosen::tin::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Slope, Tableland, Valley};
 use tokosen::tin::{BorderKind, Frame, Landform, LandformClass, landforms};
+
+use crate::common;
 
 fn tiled(map: ContourMap, frame: &Frame) -> Tiling {
     let map = clean(map, &CleanParams::default()).unwrap().value;

@@ -1,9 +1,7 @@
 //! Tests of what the other tests stand on: the crossing check finds what is planted, the terrains are what they say, the
 //! tracer's lines are contour lines.
 
-mod common;
-
-use common::{
+use crate::common::{
     Random, Terrain, all_kinds, cliffs, contours_of, crossings, plane, plateaus, saddles, same_level_crossings, volcano,
 };
 use geo::Intersects;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use tokosen::mesh::{Mesh, MeshParams, mesh};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 
-use crate::sample::{ALL, map};
+use super::sample::{ALL, map};
 
 fn surface(name: &str, kind: SurfaceKind) -> Surface {
     build(map(name), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value

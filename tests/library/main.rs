@@ -1,0 +1,25 @@
+//! The tests of the library, as one program: it is built once, and all of them run side by side.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../guarantees/mod.rs"]
+mod guarantees;
+
+mod area_files;
+mod degenerate;
+mod faults;
+mod figures;
+mod gsi_files;
+mod invariants;
+mod landforms;
+mod layer_files;
+mod mesh;
+mod more_vector_files;
+mod raster_files;
+mod sample;
+mod skeleton;
+mod support;
+mod surface;
+mod uncertainty;
+mod vector_files;
+mod water;
