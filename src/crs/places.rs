@@ -47,11 +47,16 @@ pub struct Places {
 #[derive(Debug, Default)]
 struct Originals {
     pairs: Vec<(Place, DVec2)>,
+    /// Whether all places are whole micrometres, which those of computed vertices hardly ever are.
+    in_steps: bool,
     by_place: OnceLock<HashMap<Place, DVec2, FixedState>>,
 }
 
 impl Originals {
     fn at(&self, p: DVec2) -> Option<DVec2> {
+        if self.in_steps && on_steps(p) != p {
+            return None;
+        }
         self.by_place.get_or_init(|| self.pairs.iter().copied().collect()).get(&key(p)).copied()
     }
 }
@@ -134,7 +139,11 @@ impl Places {
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
-            originals: Arc::new(Originals { pairs: originals, by_place: OnceLock::new() }),
+            originals: Arc::new(Originals {
+                pairs: originals,
+                in_steps: crowded.is_empty(),
+                by_place: OnceLock::new(),
+            }),
             around,
         };
         Ok(Report { value: (map, places), findings })

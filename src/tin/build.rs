@@ -156,14 +156,19 @@ impl Tin {
     /// Takes these triangles. They are numbered along the contours, as the vertices are, so that what is done triangle by
     /// triangle finds its data side by side.
     pub(super) fn set_faces(&mut self, faces: &[Face]) {
-        let least = |f: u32| faces[f as usize].corners.into_iter().fold(NONE, u32::min);
-        let mut order: Vec<(u32, u32)> = (0..faces.len() as u32).into_par_iter().map(|f| (least(f), f)).collect();
-        order.par_sort_unstable();
+        // By their least corners, those of one corner as they come: sorted by counting.
+        let least: Vec<u32> = faces.par_iter().map(|face| face.corners.into_iter().fold(NONE, u32::min)).collect();
+        let mut next = vec![0; self.positions.len() + 1];
+        least.iter().for_each(|&v| next[v as usize + 1] += 1);
+        (0..self.positions.len()).for_each(|v| next[v + 1] += next[v]);
+        let mut order = vec![0; faces.len()];
         let mut number = vec![0; faces.len()];
-        for (t, &(_, f)) in order.iter().enumerate() {
-            number[f as usize] = t as u32;
+        for (f, v) in least.into_iter().enumerate() {
+            let t = &mut next[v as usize];
+            (number[f], order[*t as usize]) = (*t, f as u32);
+            *t += 1;
         }
-        let of = |&(_, f): &(u32, u32)| faces[f as usize];
+        let of = |&f: &u32| faces[f as usize];
         let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
         self.triangles = order.par_iter().map(|f| of(f).corners).collect();
         self.neighbours = order.par_iter().map(|f| of(f).beyond.map(numbered)).collect();

@@ -161,44 +161,50 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
                 }
             }
         }
-        outline.sort_unstable();
-        let found = faces(input)?;
-        let on_outline = |t: usize, i: usize| {
-            if !found[t].is_constraint(i) {
-                return None;
-            }
-            outline.binary_search_by_key(&found[t].edge(i), |(edge, _)| *edge).ok().map(|k| outline[k].1)
+        let outline = Rows::new(vertices.len(), || {
+            outline.iter().map(|&([u, v], is_constraint)| (u as usize, (v, is_constraint)))
+        });
+        let on_outline = |[u, v]: [u32; 2]| {
+            let from = if (u as usize) < vertices.len() { outline.of(u as usize) } else { &[] };
+            from.iter().find(|(to, _)| *to == v).map(|(_, is_constraint)| *is_constraint)
         };
-        // From the outline inwards: beyond it the convex hull is filled.
-        let mut number = vec![NONE; found.len()];
-        let mut own = Vec::new();
-        for t in (0..found.len()).filter(|&t| (0..3).any(|i| on_outline(t, i).is_some())) {
-            let mut stack = vec![t];
-            while let Some(t) = stack.pop() {
-                if number[t] != NONE {
-                    continue;
-                }
-                number[t] = own.len() as u32;
-                own.push(t);
-                let open = (0..3).filter(|&i| found[t].beyond[i] != NONE && on_outline(t, i).is_none());
-                stack.extend(open.map(|i| found[t].beyond[i] as usize));
+        // Beyond the outline the convex hull is filled.
+        let found = faces(input)?;
+        let is_border_of_filling = |face: &Face, i: usize| {
+            let [u, v] = face.edge(i);
+            face.is_constraint(i) && on_outline([v, u]).is_some()
+        };
+        let is_filling = |face: &Face| {
+            let is_hull = |i: usize| face.beyond[i] == NONE && on_outline(face.edge(i)).is_none();
+            (0..3).any(|i| is_hull(i) || is_border_of_filling(face, i))
+        };
+        let mut filling = vec![false; found.len()];
+        let mut stack: Vec<usize> = (0..found.len()).filter(|&f| is_filling(&found[f])).collect();
+        while let Some(f) = stack.pop() {
+            if std::mem::replace(&mut filling[f], true) {
+                continue;
             }
+            let open = (0..3).filter(|&i| found[f].beyond[i] != NONE && !is_border_of_filling(&found[f], i));
+            stack.extend(open.map(|i| found[f].beyond[i] as usize));
+        }
+        let mut number = vec![NONE; found.len()];
+        for (own, f) in (0..found.len()).filter(|&f| !filling[f]).enumerate() {
+            number[f] = own as u32;
         }
         let global = |v: u32| match vertices.get(v as usize) {
             Some(&v) => v,
             None => tin.positions.len() as u32 + numbers[v as usize - vertices.len()],
         };
-        let face = |&t: &usize| {
-            let outlines = [0, 1, 2].map(|i| on_outline(t, i));
-            let is_constraint = |i: usize| outlines[i].unwrap_or(found[t].is_constraint(i));
-            let flag = |i: usize| if is_constraint(i) { CONSTRAINT << i } else { 0 };
-            let beyond = [0, 1, 2].map(|i| match (outlines[i], found[t].beyond[i]) {
+        let face = |face: &Face| {
+            let outlines = [0, 1, 2].map(|i| if face.is_constraint(i) { on_outline(face.edge(i)) } else { None });
+            let flag = |i: usize| if outlines[i].unwrap_or(face.is_constraint(i)) { CONSTRAINT << i } else { 0 };
+            let beyond = [0, 1, 2].map(|i| match (outlines[i], face.beyond[i]) {
                 (None, n) if n != NONE => number[n as usize],
                 _ => NONE,
             });
-            Face { corners: found[t].corners.map(global), beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
+            Face { corners: face.corners.map(global), beyond, edges: flag(0) | flag(1) | flag(2), inside: true }
         };
-        Ok(own.iter().map(face).collect())
+        Ok((0..found.len()).filter(|&f| !filling[f]).map(|f| face(&found[f])).collect())
     }
 }
 

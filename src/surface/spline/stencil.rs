@@ -56,8 +56,9 @@ impl Stencil {
         self.cols
     }
 
-    /// Takes the coefficients of a window of another lattice, with [`REACH`] rows and columns more around than its first node
-    /// tells, for heights in units of their own. What lies beyond the lattice is 0.
+    /// Takes the coefficients of a window of another lattice, for heights in units of their own.
+    ///
+    /// The window begins [`REACH`] columns and rows before the node in `col` and `row`. Coefficients beyond the lattice are 0.
     pub fn cut(&mut self, from: &Self, [col, row]: [usize; 2], [cols, rows]: [usize; 2], unit: &[f32]) {
         self.cols = cols;
         let pad = self.pad();
