@@ -2,8 +2,8 @@
 //!
 //! A step reads all coefficients, and those of a large lattice come from memory, no faster for two processors than for one.
 //! A tile of it fits into a processor's cache, so that it takes many steps at once while all around it is held. When every
-//! tile has done so, a sweep is over; the tiles of the next lie half a tile further, so that what was held beside a tile is
-//! in the middle of one.
+//! tile has done so, a sweep is over. The tiles of the next lie a third of a tile further both ways: a node is at an edge of a
+//! tile in two of three sweeps at most.
 
 use rayon::prelude::*;
 
@@ -13,6 +13,8 @@ use super::tile::{Tile, Whole};
 
 /// Rows and columns of a tile.
 const TILE: usize = 96;
+/// How far the tiles of a sweep lie beyond those of the one before.
+const SHIFT: usize = TILE / 3;
 /// A lattice with at most so many nodes is one tile.
 const ONE_TILE: usize = 20_000;
 /// Steps that a tile takes in a sweep.
@@ -34,6 +36,8 @@ pub struct Minimiser {
     change: Vec<f32>,
     /// The matrix times that.
     image: Vec<f32>,
+    /// Sweeps so far.
+    sweeps: usize,
 }
 
 impl Minimiser {
@@ -42,7 +46,7 @@ impl Minimiser {
         let n = energy.size[0] * energy.size[1];
         let stencil = Stencil::new(energy);
         let change = vec![0.0; n + 2 * stencil.pad()];
-        Self { stencil, change, image: vec![0.0; n] }
+        Self { stencil, change, image: vec![0.0; n], sweeps: 0 }
     }
 
     /// Goes from `z` towards the heights of least energy with `lo <= z <= hi`. The energy is the one that was [set](Self::set)
@@ -51,14 +55,16 @@ impl Minimiser {
     /// Heights and gradient are double precision, what a sweep changes is single: the gradient changes by what the heights
     /// have changed by, so that errors do not add up.
     pub fn minimise(&mut self, energy: &Energy, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
-        let Self { stencil, change, image } = self;
+        let Self { stencil, change, image, sweeps } = self;
         let (n, pad) = (z.len(), stencil.pad());
         let limits = lo.par_iter().zip(hi);
         z.par_iter_mut().zip(limits).for_each(|(z, (&lo, &hi))| *z = z.clamp(f64::from(lo), f64::from(hi)));
         let mut downhill = energy.downhill(z);
-        for (k, done) in (0..effort.steps).step_by(SWEEP).enumerate() {
+        for done in (0..effort.steps).step_by(SWEEP) {
             let whole = Whole { stencil, downhill: &downhill, z, lo, hi };
-            sweep(&whole, energy.size, k % 2 == 1, SWEEP.min(effort.steps - done), &mut change[pad..pad + n]);
+            let steps = SWEEP.min(effort.steps - done);
+            sweep(&whole, energy.size, *sweeps, steps, &mut change[pad..pad + n]);
+            *sweeps += 1;
             let moves = z.par_iter_mut().zip(&mut change[pad..pad + n]).zip(lo.par_iter().zip(hi));
             let moved = moves.map(|((z, change), (&lo, &hi))| {
                 let to = (*z + f64::from(*change)).clamp(f64::from(lo), f64::from(hi));
@@ -81,11 +87,12 @@ impl Minimiser {
     }
 }
 
-/// Lets every tile take so many steps, and gives by how much they change the heights. `between` puts the tiles' corners into the
-/// middle of where they are otherwise.
-fn sweep(whole: &Whole<'_>, [cols, rows]: [usize; 2], between: bool, steps: usize, change: &mut [f32]) {
-    let side = if cols * rows <= ONE_TILE { cols.max(rows) } else { TILE };
-    let first = if between && side == TILE { TILE / 2 } else { side };
+/// Lets every tile of sweep `number` take so many steps, and gives by how much they change the heights.
+fn sweep(whole: &Whole<'_>, [cols, rows]: [usize; 2], number: usize, steps: usize, change: &mut [f32]) {
+    let is_one = cols * rows <= ONE_TILE;
+    let side = if is_one { cols.max(rows) } else { TILE };
+    // The first row and column of tiles are as wide as the shift leaves them.
+    let first = if is_one { side } else { TILE - number % 3 * SHIFT };
     let (north, rest) = change.split_at_mut(first.min(rows) * cols);
     let others = rest.par_chunks_mut(side * cols).enumerate().map(|(k, band)| (first + k * side, band));
     let bands = rayon::iter::once((0, north)).chain(others);
