@@ -42,8 +42,8 @@ pub struct Places {
     around: Option<f64>,
 }
 
-/// Places on the plane and the coordinates that they had in the file. Not every output asks for them, so that they are put where
-/// they are found only when one does.
+/// Places on the plane and the coordinates that they had in the file. Not every output asks for them: the table is made when
+/// one does.
 #[derive(Debug, Default)]
 struct Originals {
     pairs: Vec<(Place, DVec2)>,

@@ -101,7 +101,9 @@ impl WorkingGrid {
     fn on_nodes(&self, grid: &Grid) -> Option<Vec<f32>> {
         let from = (grid.center(0, 0) - self.grid.center(0, 0)) / self.grid.cell * DVec2::new(1.0, -1.0);
         let first = from.round();
-        if grid.cell != self.grid.cell || (from - first).abs().max_element() >= AT_NODE {
+        // Farther away they are not counted exactly.
+        let is_near = first.abs().max_element() < f64::from(u32::MAX);
+        if grid.cell != self.grid.cell || !is_near || (from - first).abs().max_element() >= AT_NODE {
             return None;
         }
         let (first_col, first_row) = (first.x as i64, first.y as i64);
@@ -182,6 +184,7 @@ mod tests {
         let values = working.on_nodes(&moved(DVec2::new(-2.0, 3.0))).unwrap();
         assert!(values[..4].iter().all(|v| v.is_nan()) && values[4..6] == [0.0, 1.0] && values[7..] == [4.0, 5.0]);
         assert_eq!(working.on_nodes(&moved(DVec2::new(1.0, 0.0))), None);
+        assert_eq!(working.on_nodes(&moved(DVec2::new(1e300, 0.0))), None);
         assert_eq!(working.on_nodes(&Grid { cell: DVec2::new(2.0, 1.5), ..grid }), None);
     }
 }
