@@ -2,7 +2,8 @@
 
 use geo::convex_hull::graham_hull;
 use geo::{
-    Area, BooleanOps, BoundingRect, ConvexHull, Coord, IsConvex, MapCoords, MultiPoint, MultiPolygon, Polygon, Rect,
+    Area, BooleanOps, BoundingRect, ConvexHull, Coord, IsConvex, LineString, MapCoords, MultiPoint, MultiPolygon,
+    Polygon, Rect,
 };
 use glam::DVec2;
 use rstar::RTree;
@@ -60,6 +61,18 @@ impl FrameRing {
             (p != ends.a && p != ends.b).then_some((edge, p))
         });
         Self { area: with_vertices(&self.area, on_edges.collect()) }
+    }
+
+    /// The same outline without some of its vertices.
+    pub fn without(self, is_left_out: impl Fn(DVec2) -> bool) -> Self {
+        let kept = |ring: &LineString<f64>| {
+            let mut ring: LineString<f64> =
+                ring.coords().copied().filter(|c| !is_left_out(DVec2::new(c.x, c.y))).collect();
+            ring.close();
+            ring
+        };
+        let polygon = |p: &Polygon<f64>| Polygon::new(kept(p.exterior()), p.interiors().iter().map(kept).collect());
+        Self { area: self.area.iter().map(polygon).collect() }
     }
 
     /// Length of the diagonal of the box around the frame.

@@ -22,6 +22,8 @@ pub(super) struct Clash {
 
 /// The lake without all that is nearer than `distance` to contours of other levels that lie in it, cross or touch it; and
 /// where they do, the first place of each level.
+///
+/// It is cut back from links of its own level too. Those are not drawn, so a line along a shore must not end on one.
 pub(super) fn cut_back(
     area: MultiPolygon<f64>,
     height: f64,
@@ -34,7 +36,8 @@ pub(super) fn cut_back(
     let mut lines: Vec<LineString<f64>> = Vec::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
-        if piece.level == height {
+        let is_own = piece.level == height;
+        if is_own && !net.courses[piece.line as usize].is_link {
             continue;
         }
         let ends = piece.ends;
@@ -47,7 +50,7 @@ pub(super) fn cut_back(
         });
         let Some(at) = touched.or_else(|| border.contains(ends.a).then_some(ends.a)) else { continue };
         lines.push([ends.a, ends.b].map(|p| Coord { x: p.x, y: p.y }).to_vec().into());
-        if clashes.iter().all(|clash| clash.level != piece.level) {
+        if !is_own && clashes.iter().all(|clash| clash.level != piece.level) {
             clashes.push(Clash { level: piece.level, place: at });
         }
     }

@@ -16,6 +16,8 @@ use crate::tin::Link;
 pub(super) struct Course<'a> {
     pub level: f64,
     pub points: Cow<'a, [DVec2]>,
+    /// It is no contour: it leads from the end of one to the frame.
+    pub is_link: bool,
 }
 
 /// A piece of a segment between two vertices, added ones included.
@@ -40,8 +42,10 @@ pub(super) struct Net<'a> {
 impl<'a> Net<'a> {
     /// Takes the segments within `reach` of the boxes around lakes.
     pub fn new(map: &'a ContourMap, links: &[Link], lakes: &[Lake], reach: f64) -> Self {
-        let contours = map.contours.iter().map(|c| Course { level: c.elevation, points: Cow::from(&c.points) });
-        let links = links.iter().map(|l| Course { level: l.elevation, points: Cow::from(vec![l.end, l.frame]) });
+        let contours =
+            map.contours.iter().map(|c| Course { level: c.elevation, points: Cow::from(&c.points), is_link: false });
+        let links =
+            links.iter().map(|l| Course { level: l.elevation, points: Cow::from(vec![l.end, l.frame]), is_link: true });
         let courses: Vec<Course> = contours.chain(links).collect();
         let grown = |r: Rect<f64>| {
             Rectangle::from_corners([r.min().x - reach, r.min().y - reach], [r.max().x + reach, r.max().y + reach])

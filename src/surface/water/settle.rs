@@ -1,5 +1,7 @@
 //! From polygons to lakes that fit the contours: heights, cuts, shared vertices.
 
+use std::collections::HashSet;
+
 use geo::{Area, MultiPolygon};
 use glam::DVec2;
 
@@ -73,7 +75,9 @@ pub(in crate::surface) fn settle(
     });
     let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
     let Clipped { map: shore_lines, area } = clip(shore_lines, &ground.frame.area);
+    let mut moved: HashSet<[u64; 2]> = HashSet::new();
     for Contour { points, feature, .. } in shore_lines.contours {
+        moved.extend(points.iter().map(|&p| bits(p)));
         ponds[feature as usize].shores.push(points);
     }
     for pond in &mut ponds {
@@ -99,7 +103,18 @@ pub(in crate::surface) fn settle(
             pond.used = false;
         }
     }
-    Ok((Ponds { ponds, nodes: net.nodes }, FrameRing { area }))
+    // Where a contour runs along the frame, vertices of shores that went from there to the contour would stay beside it.
+    for shore in ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores) {
+        shore.iter().for_each(|&p| _ = moved.remove(&bits(p)));
+    }
+    ground.frame.rings().flatten().for_each(|p| _ = moved.remove(&bits(p)));
+    let frame = FrameRing { area }.without(|p| moved.contains(&bits(p)));
+    Ok((Ponds { ponds, nodes: net.nodes }, frame))
+}
+
+fn bits(p: DVec2) -> [u64; 2] {
+    // Adding zero makes one of the two zeros.
+    (p + 0.0).to_array().map(f64::to_bits)
 }
 
 /// The height that a lake brings, else that of the contour along its shore, else the lowest ground on the shore.
