@@ -63,11 +63,10 @@ impl FrameRing {
         Self { area: with_vertices(&self.area, on_edges.collect()) }
     }
 
-    /// The same outline without some of its vertices.
-    pub fn without(self, is_left_out: impl Fn(DVec2) -> bool) -> Self {
+    /// The same outline with some of its vertices only.
+    pub fn only(self, is_kept: impl Fn(DVec2) -> bool) -> Self {
         let kept = |ring: &LineString<f64>| {
-            let mut ring: LineString<f64> =
-                ring.coords().copied().filter(|c| !is_left_out(DVec2::new(c.x, c.y))).collect();
+            let mut ring: LineString<f64> = ring.coords().copied().filter(|c| is_kept(DVec2::new(c.x, c.y))).collect();
             ring.close();
             ring
         };

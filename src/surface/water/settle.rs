@@ -75,9 +75,7 @@ pub(in crate::surface) fn settle(
     });
     let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
     let Clipped { map: shore_lines, area } = clip(shore_lines, &ground.frame.area);
-    let mut moved: HashSet<[u64; 2]> = HashSet::new();
     for Contour { points, feature, .. } in shore_lines.contours {
-        moved.extend(points.iter().map(|&p| bits(p)));
         ponds[feature as usize].shores.push(points);
     }
     for pond in &mut ponds {
@@ -103,12 +101,11 @@ pub(in crate::surface) fn settle(
             pond.used = false;
         }
     }
-    // Where a contour runs along the frame, vertices of shores that went from there to the contour would stay beside it.
-    for shore in ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores) {
-        shore.iter().for_each(|&p| _ = moved.remove(&bits(p)));
-    }
-    ground.frame.rings().flatten().for_each(|p| _ = moved.remove(&bits(p)));
-    let frame = FrameRing { area }.without(|p| moved.contains(&bits(p)));
+    // Vertices where shores met the frame that are gone or have moved. Where a contour runs along the frame, such a one
+    // would lie beside it, with a height of its own.
+    let shores = ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores).flatten().copied();
+    let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
+    let frame = FrameRing { area }.only(|p| kept.contains(&bits(p)));
     Ok((Ponds { ponds, nodes: net.nodes }, frame))
 }
 
