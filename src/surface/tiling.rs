@@ -17,7 +17,8 @@ use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
     Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
-    agreeing_at_corners, close_gaps, frame_ring, lakes_outside_bands, link_open_ends, regions, sub_domains, with_water,
+    agreeing_at_corners, close_gaps, frame_ring, lakes_outside_bands, link_open_ends, links_at, regions, sub_domains,
+    with_water,
 };
 
 /// Triangles that one task looks at.
@@ -112,7 +113,18 @@ pub(super) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
         Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
-    let spots = vec![true; map.spots.len()];
+    let on_links = links_at(&map.spots, &links, tolerance);
+    for (spot, link) in map.spots.iter().zip(&on_links) {
+        if let Some(link) = link.filter(|link| link.elevation != spot.z) {
+            let message = format!(
+                "the spot height {} m lies where the contour {} m leads on to the frame; it is left out",
+                spot.z, link.elevation
+            );
+            let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
+            findings.push(finding.of_elevations([spot.z, link.elevation]));
+        }
+    }
+    let spots = on_links.iter().map(Option::is_none).collect();
     let parts = Parts { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
     Ok(Prepared { map, frame, interval, ends, parts, findings })
 }

@@ -7,10 +7,10 @@
 
 use std::collections::HashMap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use rstar::RTree;
-use rstar::primitives::Line;
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{PointDistance, RTree};
 
 use super::FrameRing;
 use crate::contour::clean::{Segment, point_distance};
@@ -63,6 +63,7 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
         return (ends, Vec::new());
     }
     let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
+    let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Sight::new(map);
     let mut links: Vec<(bool, Option<Link>)> = ends
@@ -70,7 +71,10 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
         .map(|end| {
             let at = end.position.to_array();
             let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
+            // Two vertices of the frame at one place would have room for lines between them.
             let on_frame = DVec2::from(edge.nearest_point(&at));
+            let corner = corners.nearest_neighbor(&on_frame.to_array()).map(|&corner| DVec2::from(corner));
+            let on_frame = corner.filter(|corner| corner.distance(on_frame) <= tolerance).unwrap_or(on_frame);
             let distance = end.position.distance(on_frame);
             if distance <= tolerance {
                 return (true, None);
@@ -90,6 +94,17 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
         end.at_frame = *at_frame;
     }
     (ends, links.into_iter().filter_map(|(_, link)| link).collect())
+}
+
+/// For each spot height the link that it lies on, if it is nearer to one than `tolerance` (map units).
+pub fn links_at<'a>(spots: &[DVec3], links: &'a [Link], tolerance: f64) -> Vec<Option<&'a Link>> {
+    let lines = links.iter().map(|l| GeomWithData::new(Line::new(l.end.to_array(), l.frame.to_array()), l));
+    let lines = RTree::bulk_load(lines.collect());
+    let at = |spot: &DVec3| {
+        let place = [spot.x, spot.y];
+        lines.nearest_neighbor(&place).filter(|line| line.distance_2(&place) <= tolerance * tolerance).map(|l| l.data)
+    };
+    spots.par_iter().map(at).collect()
 }
 
 /// Leaves a single link at each point of the frame. A corner that points into the area is the nearest point of many ends,
