@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 use super::attach::attach;
 use super::eliminate::{Elimination, is_chord};
@@ -104,27 +105,30 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
     let narrow = narrow(tin);
     let has_room = |t: u32| width(tin, t) > narrow;
-    for t in 0..tin.len() as u32 {
-        for i in 0..3 {
-            if draft.of_edge[t as usize][i] != NONE || !is_land(t) || !is_chord(tin, t, i) {
-                continue;
-            }
-            let n = tin.neighbours[t as usize][i];
-            if !has_room(t) || !has_room(n) {
-                continue;
-            }
-            let [u, v] = tin.edge(t, i);
-            let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
-            let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
-            draft.of_edge[t as usize][i] = id;
-            if let Some(j) = tin.edge_towards(n, t) {
-                draft.of_edge[n as usize][j] = id;
-            }
+    let triangles = || (0..tin.len() as u32).into_par_iter().filter(|&t| is_land(t) && has_room(t));
+    let chords = triangles().flat_map_iter(|t| {
+        (0..3).filter(move |&i| is_chord(tin, t, i) && has_room(tin.neighbours[t as usize][i])).map(move |i| (t, i))
+    });
+    for (t, i) in chords.collect::<Vec<(u32, usize)>>() {
+        if draft.of_edge[t as usize][i] != NONE {
+            continue;
+        }
+        let [u, v] = tin.edge(t, i);
+        let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
+        let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
+        draft.of_edge[t as usize][i] = id;
+        let n = tin.neighbours[t as usize][i];
+        if let Some(j) = tin.edge_towards(n, t) {
+            draft.of_edge[n as usize][j] = id;
         }
     }
-    for t in (0..tin.len() as u32).filter(|&t| is_land(t) && has_room(t)) {
-        let level = tin.heights[tin.triangles[t as usize][0] as usize];
-        if tin.corner_heights(t).iter().all(|&h| h == level) {
+    let is_flat = |t: u32| {
+        let [a, b, c] = tin.corner_heights(t);
+        a == b && b == c
+    };
+    let bearing = triangles().filter(|&t| is_flat(t) || draft.of_edge[t as usize] != [NONE; 3]);
+    for t in bearing.collect::<Vec<u32>>() {
+        if is_flat(t) {
             add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
         } else {
             add_arrival(tin, regions, elimination, &mut draft, t);

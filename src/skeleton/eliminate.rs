@@ -3,6 +3,8 @@
 //! A junction triangle whose branch is short against the triangle itself stands for a small wrinkle of the contour. Such
 //! a branch is dropped, and the junction becomes a sleeve.
 
+use rayon::prelude::*;
+
 use crate::tin::{NONE, Regions, Tin, TriangleKind, VertexKind};
 
 /// What elimination decided, by triangle.
@@ -109,6 +111,7 @@ impl Branches {
             })
             .collect();
         let mut length: Vec<f64> = (0..count as u32)
+            .into_par_iter()
             .map(|t| (0..3).filter(|&i| tin.border_level(t, i).is_some()).map(|i| tin.edge_length(t, i)).sum())
             .collect();
         let mut leaves: Vec<u32> = (0..count as u32).filter(|&t| free[t as usize] == 1).collect();

@@ -3,6 +3,8 @@
 //! A finer triangulation has the same sub-domains, and heights were found for their bands, so those must not be judged
 //! anew: nothing but the borders says that both judgements would agree.
 
+use rayon::prelude::*;
+
 use super::{Region, Regions, Tin};
 
 /// The sub-domains of a triangulation by their borders.
@@ -19,8 +21,10 @@ impl KeptBands {
     /// Those of `regions`.
     pub fn new(tin: &Tin, regions: Regions) -> Self {
         let of_triangle = &regions.of_triangle;
-        let mut borders: Vec<_> = borders(tin).map(|(t, edge)| (edge, of_triangle[t as usize])).collect();
-        borders.sort_unstable();
+        let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
+        let of_triangle = |t: u32| borders_of(tin, t).map(move |edge| (edge, of_triangle[t as usize]));
+        let mut borders: Vec<_> = inside.flat_map_iter(of_triangle).collect();
+        borders.par_sort_unstable();
         Self { borders, regions: regions.regions }
     }
 
@@ -46,5 +50,10 @@ impl KeptBands {
 /// Triangles with an edge on the border of their sub-domain, and that edge.
 fn borders(tin: &Tin) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
     let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
-    inside.flat_map(move |t| (0..3).filter(move |&i| tin.across(t, i).is_none()).map(move |i| (t, tin.edge(t, i))))
+    inside.flat_map(move |t| borders_of(tin, t).map(move |edge| (t, edge)))
+}
+
+/// The edges of a triangle that its sub-domain ends at.
+fn borders_of(tin: &Tin, t: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+    (0..3).filter(move |&i| tin.across(t, i).is_none()).map(move |i| tin.edge(t, i))
 }

@@ -4,6 +4,8 @@
 //! there, some of them not as flat, and sub-domains that were apart would run together. So the edges that the frame ends
 //! at go into the finer triangulation, and what lay beyond them stays outside.
 
+use rayon::prelude::*;
+
 use super::{CONSTRAINT, CONTOUR, NONE, Tin};
 
 /// The edges with a triangle in the frame on the left and one outside it on the right.
@@ -18,13 +20,13 @@ pub struct Outline {
 impl Outline {
     /// That of a triangulation.
     pub fn new(tin: &Tin) -> Self {
-        let inside = || (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
+        let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
         let ends_at = |t: u32, i: usize| tin.neighbours[t as usize][i] != NONE && tin.inner_neighbour(t, i).is_none();
         let of_triangle = |t: u32| (0..3).filter(move |&i| ends_at(t, i)).map(move |i| (t, i));
         let mut edges: Vec<_> =
-            inside().flat_map(of_triangle).map(|(t, i)| (tin.edge(t, i), tin.is_constraint(t, i))).collect();
-        edges.sort_unstable();
-        Self { edges, has_inside: inside().next().is_some() }
+            inside.flat_map_iter(of_triangle).map(|(t, i)| (tin.edge(t, i), tin.is_constraint(t, i))).collect();
+        edges.par_sort_unstable();
+        Self { edges, has_inside: tin.inside.contains(&true) }
     }
 
     /// The edges that a finer triangulation does not hold unless they are put in.
@@ -38,18 +40,20 @@ impl Outline {
     /// one contour they would be taken for a piece of it.
     pub fn applied(&self, mut tin: Tin) -> Tin {
         tin.inside.fill(self.has_inside);
-        let mut outside = Vec::new();
-        for t in 0..tin.len() as u32 {
+        let Tin { triangles, edges, inside, .. } = &mut tin;
+        let all = triangles.par_iter().zip(edges).zip(inside).enumerate();
+        let beyond = all.filter_map(|(t, ((corners, edges), inside))| {
+            let mut is_beyond = false;
             for i in 0..3 {
-                let Some((is_left, is_constraint)) = self.side(tin.edge(t, i)) else { continue };
+                let Some((is_left, is_constraint)) = self.side([corners[i], corners[(i + 1) % 3]]) else { continue };
                 if !is_constraint {
-                    tin.edges[t as usize] &= !((CONSTRAINT | CONTOUR) << i);
+                    *edges &= !((CONSTRAINT | CONTOUR) << i);
                 }
-                if !is_left && std::mem::replace(&mut tin.inside[t as usize], false) {
-                    outside.push(t);
-                }
+                is_beyond |= !is_left;
             }
-        }
+            (is_beyond && std::mem::replace(inside, false)).then_some(t as u32)
+        });
+        let mut outside: Vec<u32> = beyond.collect();
         while let Some(t) = outside.pop() {
             for i in 0..3 {
                 let n = tin.neighbours[t as usize][i];

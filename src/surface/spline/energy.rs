@@ -4,6 +4,7 @@
 //! differences of the surface z and of a guide g, `+ Σ λ (z at crossing - level)²` over the crossings of contours with
 //! edges of the lattice, where z is linear along the edge, `+ Σ p z²`. It is quadratic in the heights.
 
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
@@ -120,12 +121,13 @@ impl Energy {
     pub fn downhill(&self, z: &[f64]) -> Vec<f64> {
         let mut out = self.constant();
         let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
-        blocks.for_each(|(k, out)| self.downhill_block(z, k * BLOCK, out));
+        blocks.for_each(|(k, out)| Arch::new().dispatch(|| self.downhill_block(z, k * BLOCK, out)));
         out
     }
 
     /// ... for some rows. Differences are formed once a row and kept while a row below needs them; a row of them has a 0 at
     /// either end, for those beyond the lattice, so that all nodes of a row are alike.
+    #[inline(always)]
     fn downhill_block(&self, z: &[f64], first: usize, block: &mut [f64]) {
         let [cols, rows] = self.size;
         let row_of = |j: usize| j * cols..(j + 1) * cols;

@@ -232,7 +232,7 @@ pub(super) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
             (heights[j * grid.cols + e] - heights[j * grid.cols + w]) / ((e - w).max(1) as f64 * grid.cell.x) as f32;
         let south =
             (heights[t * grid.cols + i] - heights[s * grid.cols + i]) / ((t - s).max(1) as f64 * grid.cell.y) as f32;
-        east.hypot(south)
+        (east * east + south * south).sqrt()
     };
     (0..heights.len()).into_par_iter().map(at).collect()
 }

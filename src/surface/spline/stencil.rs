@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::energy::Energy;
@@ -42,6 +43,7 @@ impl Stencil {
     }
 
     /// Zeros that vectors have before the first node and after the last: as far as the matrix reaches.
+    #[inline(always)]
     pub fn pad(&self) -> usize {
         REACH * self.cols + REACH
     }
@@ -84,10 +86,11 @@ impl Stencil {
     /// Multiplies `z`, which is padded.
     pub fn apply(&self, z: &[f32], out: &mut [f32]) {
         let chunks = out.par_chunks_mut(CHUNK).enumerate();
-        chunks.for_each(|(k, out)| self.apply_from(z, self.pad() + k * CHUNK, out));
+        chunks.for_each(|(k, out)| Arch::new().dispatch(|| self.apply_from(z, self.pad() + k * CHUNK, out)));
     }
 
     /// ... for the nodes from `first` on, padding counted. All is cut to the same length first: the loop has no branch.
+    #[inline(always)]
     pub fn apply_from(&self, z: &[f32], first: usize, out: &mut [f32]) {
         let (n, cols, len) = (first, self.cols, out.len());
         let [own, e, ee, s, ss, se, sw] = &self.of;

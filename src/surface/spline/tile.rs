@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use pulp::Arch;
+
 use super::stencil::{REACH, Stencil};
 
 /// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
@@ -42,6 +44,11 @@ impl Tile {
     /// Takes up to so many steps of conjugate gradients on a part of a lattice.
     pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
         self.cut(whole, rows, cols);
+        Arch::new().dispatch(|| self.steps(steps));
+    }
+
+    #[inline(always)]
+    fn steps(&mut self, steps: usize) {
         let Self { stencil, change, residual, direction, image, .. } = self;
         let pad = stencil.pad();
         let mut rho = product(residual, residual);
@@ -104,6 +111,7 @@ impl Tile {
 }
 
 /// One step of this length. Gives the square of the new residual.
+#[inline(always)]
 fn step(change: &mut [f32], residual: &mut [f32], direction: &[f32], image: &[f32], length: f32) -> f32 {
     let changed = lanes_mut(change).iter_mut().zip(lanes_mut(residual));
     let squares = changed.zip(lanes(direction).iter().zip(lanes(image))).fold([0.0; LANES], |sum, of| {
@@ -117,16 +125,19 @@ fn step(change: &mut [f32], residual: &mut [f32], direction: &[f32], image: &[f3
     squares.iter().sum()
 }
 
+#[inline(always)]
 fn product(a: &[f32], b: &[f32]) -> f32 {
     let products = lanes(a).iter().zip(lanes(b));
     let sums = products.fold([0.0; LANES], |sum: [f32; LANES], (a, b)| std::array::from_fn(|i| sum[i] + a[i] * b[i]));
     sums.iter().sum()
 }
 
+#[inline(always)]
 fn lanes(values: &[f32]) -> &[[f32; LANES]] {
     values.as_chunks().0
 }
 
+#[inline(always)]
 fn lanes_mut(values: &mut [f32]) -> &mut [[f32; LANES]] {
     values.as_chunks_mut().0
 }
