@@ -105,11 +105,11 @@ def cut(path, heights, transform, interval):
 
 def make(tool, folder, limit):
     """Makes the tool's height map: nothing, or what went wrong."""
-    wrong = tools.prepare(tool, folder, limit)
-    if wrong:
-        return wrong
-    told = tools.interpolate(tool, folder, limit)
-    return tools.finish(tool, folder, limit) if "seconds" in told else told
+    for step in (tools.prepare, tools.interpolate, tools.finish):
+        told = step(tool, folder, limit)
+        if "seconds" not in told:
+            return told
+    return None
 
 
 def show(figures, about):

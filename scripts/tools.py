@@ -198,7 +198,7 @@ def versions(present):
 
 
 def prepare(tool, folder, limit):
-    """The steps before the interpolation: nothing, or what went wrong."""
+    """Wall seconds of the steps before the interpolation, or what went wrong."""
     return steps(tool.before, folder, limit)
 
 
@@ -210,17 +210,19 @@ def interpolate(tool, folder, limit):
 
 
 def finish(tool, folder, limit):
-    """The steps after the interpolation, which leave the output file: nothing, or what went wrong."""
-    wrong = steps(tool.after, folder, limit)
-    return wrong or (None if os.path.exists(tool.output) else {"failed": "it wrote no height map"})
+    """Wall seconds of the steps after the interpolation, which leave the output file, or what went wrong."""
+    told = steps(tool.after, folder, limit)
+    return told if "seconds" not in told or os.path.exists(tool.output) else {"failed": "it wrote no height map"}
 
 
 def steps(commands, folder, limit):
+    seconds = 0.0
     for command in commands:
         told = run(command, folder, limit)
         if "seconds" not in told:
             return told
-    return None
+        seconds += told["seconds"]
+    return {"seconds": seconds}
 
 
 def run(command, folder, limit, session=(), extra=None):

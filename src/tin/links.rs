@@ -82,7 +82,8 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
             let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
             // A little beyond, so that a contour that runs along the frame is met in spite of rounding.
             let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
-            let is_free = || index.sees(map, end.position, beyond) && !index.touches(map, on_frame, tolerance);
+            let is_free =
+                || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
             if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
                 return (false, None);
             }
@@ -170,12 +171,16 @@ impl Sight {
         })
     }
 
-    /// Whether a contour comes as near to a place as `tolerance`. One that ends on the frame is passed by a link that ends
-    /// there too, but for rounding, and nothing would be met.
-    fn touches(&self, map: &ContourMap, place: DVec2, tolerance: f64) -> bool {
-        self.tree.near(OrientedBox::around(&[place]).grown(tolerance)).any(|run| {
-            let mut segments = points_of(map, self.runs[run as usize]).windows(2);
-            segments.any(|s| point_distance(place, &Segment { a: s[0], b: s[1] }) <= tolerance)
+    /// Whether a contour comes as near to the way from `a`, where contours may end, to `b` as `tolerance`. A link passes one that
+    /// ends on the frame at its own end, and one with a vertex on the link, but for rounding: it would meet neither.
+    fn touches(&self, map: &ContourMap, a: DVec2, b: DVec2, tolerance: f64) -> bool {
+        let way = Segment { a, b };
+        self.tree.near(OrientedBox::around(&[a, b]).grown(tolerance)).any(|run| {
+            let others = points_of(map, self.runs[run as usize]).windows(2).filter(|s| s[0] != a && s[1] != a);
+            others.map(|s| Segment { a: s[0], b: s[1] }).any(|s| {
+                let beside = point_distance(s.a, &way).min(point_distance(s.b, &way));
+                beside.min(point_distance(b, &s)) <= tolerance
+            })
         })
     }
 }

@@ -1,7 +1,8 @@
 //! Cuts lakes back from contours that contradict them.
 
 use geo::{
-    BooleanOps, BoundingRect, Buffer, Coord, Intersects, LineString, MapCoords, MultiLineString, MultiPolygon, Rect,
+    BooleanOps, BoundingRect, Buffer, Coord, Intersects, LineString, MapCoords, MultiLineString, MultiPoint,
+    MultiPolygon, Point, Rect,
 };
 use glam::DVec2;
 use rstar::RTree;
@@ -12,6 +13,9 @@ use crate::contour::{Border, rings};
 
 /// How far boolean operations move a vertex at most, as a share of the size of what they work on.
 const ROUNDING: f64 = 4e-9;
+
+/// Segments up to this share of the distance to keep are taken for points: around lines without length nothing is cut.
+const SHORT: f64 = 1e-3;
 
 /// Where a contour of another level meets a lake.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +38,7 @@ pub(super) fn cut_back(
     let Some(bounds) = area.bounding_rect() else { return (area, Vec::new()) };
     let corner = |c: Coord<f64>| DVec2::new(c.x, c.y);
     let mut lines: Vec<LineString<f64>> = Vec::new();
+    let mut points: Vec<Point<f64>> = Vec::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
         let is_own = piece.level == height;
@@ -49,16 +54,23 @@ pub(super) fn cut_back(
             met.then(|| place(&ends, &edge))
         });
         let Some(at) = touched.or_else(|| border.contains(ends.a).then_some(ends.a)) else { continue };
-        lines.push([ends.a, ends.b].map(|p| Coord { x: p.x, y: p.y }).to_vec().into());
+        if ends.a.distance(ends.b) > SHORT * distance {
+            lines.push([ends.a, ends.b].map(|p| Coord { x: p.x, y: p.y }).to_vec().into());
+        } else {
+            points.push(Point::new(ends.a.x, ends.a.y));
+        }
         if !is_own && clashes.iter().all(|clash| clash.level != piece.level) {
             clashes.push(Clash { level: piece.level, place: at });
         }
     }
-    if lines.is_empty() {
-        return (area, clashes);
+    let mut rest = area.clone();
+    if !lines.is_empty() {
+        rest = rest.difference(&MultiLineString::new(lines).buffer(distance));
     }
-    let around = MultiLineString::new(lines).buffer(distance);
-    (with_own_vertices(area.difference(&around), &area), clashes)
+    if !points.is_empty() {
+        rest = rest.difference(&MultiPoint::new(points).buffer(distance));
+    }
+    (with_own_vertices(rest, &area), clashes)
 }
 
 /// The lake without what is nearer than `distance` to other water; none if it does not reach there.
