@@ -18,6 +18,9 @@ use super::{Contour, ContourMap};
 /// How often new vertices are looked for. Three times are nearly always enough.
 const ROUNDS: usize = 16;
 
+/// ... and as long as there are at most so many times the vertices that there were after the first time.
+const GROWTH: usize = 2;
+
 /// A map cut to an area, and the area with a vertex wherever a contour meets its border.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clipped {
@@ -81,8 +84,10 @@ fn bits(p: DVec2) -> [u64; 2] {
 ///
 /// A new vertex moves what it lies on by a rounding error or by up to the border's tolerance. Where a line and the border,
 /// or two edges of the border, lie beside each other at a small angle, that can make them cross at another place. So the
-/// search goes on until nothing is found; each round moves less than the one before.
+/// search goes on until nothing is found; each round moves less than the one before. Where all of a map is hardly larger than
+/// the tolerance, as with one point very far away, new vertices would bring newer ones instead, and it ends.
 fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Vec<Vec<DVec2>>, MultiPolygon<f64>) {
+    let mut most = usize::MAX;
     for _ in 0..ROUNDS {
         let border = Border::new(&area);
         let met: Vec<(Option<Vec<DVec2>>, Vec<OnEdge>)> =
@@ -100,6 +105,11 @@ fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Ve
             break;
         }
         area = with_vertices(&area, crossings);
+        let count = lines.iter().map(Vec::len).sum::<usize>() + rings(&area).map(|ring| ring.0.len()).sum::<usize>();
+        if count > most {
+            break;
+        }
+        most = most.min(GROWTH * count);
     }
     (lines, area)
 }

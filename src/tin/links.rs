@@ -200,6 +200,8 @@ fn segments_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use geo::polygon;
+
     use super::*;
     use crate::tin::{Frame, frame_ring};
 
@@ -256,6 +258,37 @@ mod tests {
             let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
             assert!(links.iter().all(|l| l.end.x != 60.0), "{off}: {links:?}");
         }
+    }
+
+    #[test]
+    fn no_link_passes_a_vertex_by() {
+        // The way down to the frame passes a vertex of level 20, but for a rounding error to one side or the other.
+        for off in [0.0, 3e-14, -3e-14] {
+            let map = map(&[
+                (10.0, &[(60.0, 240.0), (240.0 + off, 60.0)]),
+                (20.0, &[(270.0, 90.0), (240.0, 30.0), (300.0, 60.0)]),
+                (30.0, &[(50.0, 10.0), (400.0, 10.0), (400.0, 300.0), (50.0, 300.0)]),
+            ]);
+            let ring = frame_ring(&map, &Frame::Box);
+            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            assert!(links.iter().all(|l| l.end.y != 60.0), "{off}: {links:?}");
+        }
+    }
+
+    #[test]
+    fn a_link_ends_at_the_corner_beside_it_and_spot_heights_on_it_are_known() {
+        let map = map(&[(0.0, &[(0.0, 0.0), (100.0, 0.0)]), (10.0, &[(2.0, 50.0), (100.0, 50.0)])]);
+        let ring = FrameRing {
+            area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
+        };
+        let tolerance = 1e-9 * ring.diagonal();
+        let (_, links) = link_open_ends(&map, &ring, tolerance);
+        let of_10: Vec<&Link> = links.iter().filter(|l| l.elevation == 10.0).collect();
+        assert_eq!(of_10.len(), 1);
+        assert_eq!(of_10[0].frame, DVec2::new(1e-13, 50.0));
+        let spots = [DVec3::new(0.0, 50.0, 3.0), DVec3::new(1.0, 50.0 + 1e-9, 3.0), DVec3::new(1.0, 51.0, 3.0)];
+        let on_link: Vec<bool> = links_at(&spots, &links, tolerance).iter().map(Option::is_some).collect();
+        assert_eq!(on_link, [true, true, false]);
     }
 
     #[test]

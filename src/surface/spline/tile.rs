@@ -1,4 +1,8 @@
 //! A part of a lattice, small enough for a processor's cache: its heights change while those around it stay.
+//!
+//! Loops run on the widest vector instructions that the processor has ([`Arch::dispatch`]). What they call is inlined, or it
+//! would be compiled for the instructions that every processor has. The results are the same: multiplications and additions
+//! are not fused.
 
 use std::ops::Range;
 
@@ -47,6 +51,7 @@ impl Tile {
         Arch::new().dispatch(|| self.steps(steps));
     }
 
+    /// The steps on the part that was [cut](Self::cut).
     #[inline(always)]
     fn steps(&mut self, steps: usize) {
         let Self { stencil, change, residual, direction, image, .. } = self;
