@@ -34,11 +34,8 @@ impl Border {
         let edges = rings(area).flat_map(|ring| ring.lines()).zip(0..);
         let edges =
             edges.map(|(l, id)| GeomWithData::new(Line::new([l.start.x, l.start.y], [l.end.x, l.end.y]), id)).collect();
-        let (east, tolerance) = area.bounding_rect().map_or((0.0, 0.0), |r| {
-            let far = [r.min().x, r.min().y, r.max().x, r.max().y].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            (r.max().x, NEAR * r.width().hypot(r.height()) + ROUNDING * far)
-        });
-        Self { edges: RTree::bulk_load(edges), east, tolerance }
+        let east = area.bounding_rect().map_or(0.0, |r| r.max().x);
+        Self { edges: RTree::bulk_load(edges), east, tolerance: tolerance(area) }
     }
 
     /// Distance under which a place counts as on the border, map units.
@@ -80,6 +77,14 @@ impl Border {
             .locate_in_envelope_intersecting(&AABB::from_corners(lo.to_array(), hi.to_array()))
             .map(|edge| (edge.data, Segment { a: edge.geom().from.into(), b: edge.geom().to.into() }))
     }
+}
+
+/// Distance under which a place counts as on the border of an area, map units: what is computed to lie on it does but for this.
+pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
+    area.bounding_rect().map_or(0.0, |r| {
+        let far = [r.min().x, r.min().y, r.max().x, r.max().y].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        NEAR * r.width().hypot(r.height()) + ROUNDING * far
+    })
 }
 
 /// The area with further vertices on its border, given by the number of their edge. Along each edge they follow in the

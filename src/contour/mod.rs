@@ -14,7 +14,7 @@ pub mod sample;
 mod source_raster;
 mod unit;
 
-pub(crate) use border::{Border, rings, with_vertices};
+pub(crate) use border::{Border, rings, tolerance, with_vertices};
 pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
 pub use fit::{FitParams, Fitted, fit};

@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::tin::{
     Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
-    agreeing_at_corners, close_gaps, frame_ring, lakes_outside_bands, link_open_ends, links_at, regions, sub_domains,
+    agreeing_at_corners, close_gaps, contradicted_lakes, frame_ring, link_open_ends, links_at, regions, sub_domains,
     with_water,
 };
 
@@ -106,7 +106,7 @@ pub(super) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
     };
     let sea = sea_level(water, &map, &mut findings)?;
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
-    let tolerance = 1e-9 * frame.diagonal();
+    let tolerance = frame.tolerance();
     let (ends, links) = link_open_ends(&map, &frame, tolerance);
     let frame = match wanted {
         Frame::Hull | Frame::Box => frame,
@@ -322,7 +322,7 @@ impl Parts {
             let tin = self.ponds.mark(tin.with_gaps(&gaps));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();
-            let dry = lakes_outside_bands(&tin, &report.value, &heights);
+            let dry = contradicted_lakes(&tin, &report.value, &heights);
             if !dry.is_empty() {
                 for (lake, place, band) in dry {
                     findings.push(lake_finding(&self.ponds, lake, place, band));

@@ -10,7 +10,7 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use crate::contour::clean::{Segment, place};
-use crate::contour::{Border, ContourMap, rings, with_vertices};
+use crate::contour::{Border, ContourMap, rings, tolerance, with_vertices};
 
 /// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean distance between
 /// contours. The border of a sheet lies a little outside its contours; further out, the ends of contours are nearer to
@@ -72,6 +72,11 @@ impl FrameRing {
         };
         let polygon = |p: &Polygon<f64>| Polygon::new(kept(p.exterior()), p.interiors().iter().map(kept).collect());
         Self { area: self.area.iter().map(polygon).collect() }
+    }
+
+    /// Distance under which places on the frame are one, map units.
+    pub fn tolerance(&self) -> f64 {
+        tolerance(&self.area)
     }
 
     /// Length of the diagonal of the box around the frame.

@@ -240,7 +240,7 @@ mod tests {
             let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
             let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
             let ring = frame_ring(&map, &Frame::Hull);
-            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
             assert!(links.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
         }
     }
@@ -255,7 +255,7 @@ mod tests {
                 (20.0, &[(20.0, 0.0), (200.0, 0.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
             assert!(links.iter().all(|l| l.end.x != 60.0), "{off}: {links:?}");
         }
     }
@@ -270,7 +270,7 @@ mod tests {
                 (30.0, &[(50.0, 10.0), (400.0, 10.0), (400.0, 300.0), (50.0, 300.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, links) = link_open_ends(&map, &ring, 1e-9 * ring.diagonal());
+            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
             assert!(links.iter().all(|l| l.end.y != 60.0), "{off}: {links:?}");
         }
     }
@@ -281,7 +281,7 @@ mod tests {
         let ring = FrameRing {
             area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
         };
-        let tolerance = 1e-9 * ring.diagonal();
+        let tolerance = ring.tolerance();
         let (_, links) = link_open_ends(&map, &ring, tolerance);
         let of_10: Vec<&Link> = links.iter().filter(|l| l.elevation == 10.0).collect();
         assert_eq!(of_10.len(), 1);

@@ -34,7 +34,7 @@ pub use outline::Outline;
 pub use refine::InnerPoint;
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub use touch::agreeing_at_corners;
-pub use waters::{lakes_outside_bands, with_water};
+pub use waters::{contradicted_lakes, with_water};
 
 use std::collections::HashSet;
 

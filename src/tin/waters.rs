@@ -9,14 +9,17 @@ use glam::DVec2;
 
 use super::{Band, NONE, Region, Regions, Side, Tin};
 
-/// Lakes whose height does not lie in the band of the sub-domain around them: number, a place in the lake, the band.
-/// `regions` are those without water, `heights` those of the lakes by their numbers.
-pub fn lakes_outside_bands(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<(u32, DVec2, Band)> {
+/// Lakes whose height does not lie in the band of the sub-domain around them, or whose water reaches a contour of another level
+/// because the shore is open: number, a place in the lake, the band. `regions` are those without water, `heights` those of the
+/// lakes by their numbers.
+pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<(u32, DVec2, Band)> {
     let mut told = BTreeSet::new();
     let mut outside = Vec::new();
     for t in 0..tin.len() as u32 {
         let (Some(lake), Some(region)) = (tin.lake(t), regions.region(t)) else { continue };
-        if !region.band.contains(heights[lake as usize]) && told.insert(lake) {
+        let height = heights[lake as usize];
+        let is_open = || (0..3).filter_map(|i| tin.contour_level(t, i)).any(|level| level != height);
+        if (!region.band.contains(height) || is_open()) && told.insert(lake) {
             let middle = tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
             outside.push((lake, middle, region.band));
         }
@@ -145,8 +148,11 @@ mod tests {
         let tin = triangulate(input).unwrap().with_lakes(in_lake);
         let whole = regions(&tin, &TEN);
         assert_eq!(whole.regions.len(), 2);
-        assert!(lakes_outside_bands(&tin, &whole, &[94.0]).is_empty());
-        assert_eq!(lakes_outside_bands(&tin, &whole, &[80.0]).len(), 1);
+        assert!(contradicted_lakes(&tin, &whole, &[94.0]).is_empty());
+        assert_eq!(contradicted_lakes(&tin, &whole, &[80.0]).len(), 1);
+        let spilt = tin.clone().with_lakes(|p| (p.abs().max_element() < 60.0).then_some(0));
+        assert_eq!(contradicted_lakes(&spilt, &whole, &[94.0]).len(), 1);
+        assert!(contradicted_lakes(&spilt, &whole, &[100.0]).is_empty());
         let found = with_water(whole, &tin, &[94.0], None);
         let at = |x: f64| {
             let t = tin.locate(0, DVec2::new(x, 0.5) - tin.origin).unwrap();

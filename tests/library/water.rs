@@ -239,6 +239,19 @@ fn a_lake_at_the_edge_of_the_sheet_ends_there() {
 }
 
 #[test]
+fn a_lake_on_the_way_of_a_contour_to_the_frame_is_cut_back_with_a_finding() {
+    let mut lines = slope();
+    lines[5].points.retain(|p| p.x <= 920.0);
+    let water = flat(vec![lake(Some(50.0), &circle((960.0, 500.0), 25.0), &[])]);
+    let (surface, findings) = surface_with(lines, water, SurfaceKind::Skeleton);
+    let told: Vec<_> = findings.iter().filter(|f| f.kind == FindingKind::LakeCutBack).collect();
+    assert_eq!(told.len(), 1, "{findings:?}");
+    assert!(told[0].message.contains("the way on to the frame from an end of contour 50"), "{}", told[0].message);
+    check(&surface, 1.0, "beside a link");
+    assert_eq!([510.0, 490.0].map(|y| height_at(&surface, 960.0, y)), [50.0; 2]);
+}
+
+#[test]
 fn lakes_that_meet_are_one_or_apart() {
     for kind in KINDS {
         let pair = |b: f64| {

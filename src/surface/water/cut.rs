@@ -17,10 +17,11 @@ const ROUNDING: f64 = 4e-9;
 /// Segments up to this share of the distance to keep are taken for points: around lines without length nothing is cut.
 const SHORT: f64 = 1e-3;
 
-/// Where a contour of another level meets a lake.
+/// Where a contour of another level, or the link of one to the frame, meets a lake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clash {
     pub level: f64,
+    pub is_link: bool,
     pub place: DVec2,
 }
 
@@ -41,8 +42,8 @@ pub(super) fn cut_back(
     let mut points: Vec<Point<f64>> = Vec::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
-        let is_own = piece.level == height;
-        if is_own && !net.courses[piece.line as usize].is_link {
+        let is_link = net.courses[piece.line as usize].is_link;
+        if piece.level == height && !is_link {
             continue;
         }
         let ends = piece.ends;
@@ -59,8 +60,8 @@ pub(super) fn cut_back(
         } else {
             points.push(Point::new(ends.a.x, ends.a.y));
         }
-        if !is_own && clashes.iter().all(|clash| clash.level != piece.level) {
-            clashes.push(Clash { level: piece.level, place: at });
+        if clashes.iter().all(|clash| clash.level != piece.level || clash.is_link != is_link) {
+            clashes.push(Clash { level: piece.level, is_link, place: at });
         }
     }
     let mut rest = area.clone();

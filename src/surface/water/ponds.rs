@@ -104,11 +104,16 @@ pub(super) fn rounded(height: f64) -> f64 {
 /// What is told of a lake that contradicts the contours around it.
 pub(in crate::surface) fn lake_finding(ponds: &Ponds, lake: u32, place: DVec2, band: Band) -> Finding {
     let Pond { height, feature, .. } = &ponds.ponds[lake as usize];
-    let message = format!(
-        "the lake of feature {feature} has the height {height} and lies between contours {} and {}; it is left out",
-        band.lo,
-        band.hi,
-        height = rounded(*height)
-    );
+    let shown = rounded(*height);
+    let message = if band.contains(*height) {
+        format!(
+            "the shore of the lake of feature {feature} at {shown} is open beside a contour of another level; it is left out"
+        )
+    } else {
+        let Band { lo, hi } = band;
+        format!(
+            "the lake of feature {feature} has the height {shown} and lies between contours {lo} and {hi}; it is left out"
+        )
+    };
     Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
 }

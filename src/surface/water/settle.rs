@@ -20,8 +20,6 @@ const NEAR: f64 = 0.1;
 const BACK: f64 = 0.05;
 /// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours.
 const SNAP: f64 = 0.01;
-/// Points nearer than this are one, as a share of the frame's diagonal.
-const NEAR_POINTS: f64 = 1e-9;
 /// Heights are often rounded to centimetres: a lake and a contour that differ by no more are at one level, metres.
 const SAME_LEVEL: f64 = 0.01;
 
@@ -46,7 +44,7 @@ pub(in crate::surface) fn settle(
 ) -> Result<(Ponds, FrameRing)> {
     let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
-    let reach = Reach { snap: SNAP * spacing, tolerance: NEAR_POINTS * ground.frame.diagonal() };
+    let reach = Reach { snap: SNAP * spacing, tolerance: ground.frame.tolerance() };
     let mut net = Net::new(ground.map, ground.links, lakes, NEAR * spacing);
     let mut ponds: Vec<Pond> = Vec::new();
     for lake in lakes {
@@ -153,8 +151,9 @@ fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<
 }
 
 fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
+    let course = if clash.is_link { "the way on to the frame from an end of contour" } else { "contour" };
     let message = format!(
-        "the lake of feature {feature} at {} is crossed or touched by contour {}; it is cut back from it",
+        "the lake of feature {feature} at {} is crossed or touched by {course} {}; it is cut back from it",
         rounded(height),
         clash.level
     );
