@@ -136,7 +136,8 @@ kinds! {
     Straightened = "straightened", Note, "vertices left out";
     /// The frame polygon reaches beyond what the contours tell of; it was cut.
     FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
-    /// A lake is crossed or touched by contours of another level, or by other water; it was cut back from them.
+    /// A lake is crossed or touched by contours of another level, by the way of a contour to the frame, or by other water; it was
+    /// cut back from them.
     LakeCutBack = "lake-cut-back", Warning, "lakes cut back from contours";
     /// A lake contradicts the contours around it; it was left out.
     LakeLeftOut = "lake-left-out", Warning, "lakes left out";
