@@ -247,28 +247,31 @@ fn side_by_side(positions: &[DVec2]) -> Vec<usize> {
 ///
 /// Contours that end on a straight sheet edge end on it only up to rounding. The triangles between those ends and the
 /// convex hull are flat slivers that would let neighbouring sub-domains run together.
+///
+/// Each sliver lies along an edge of the hull: its distance from that edge counts. Slivers of slivers could reach further in.
 fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
-    let mut open: Vec<(u32, usize)> = (0..tin.len() as u32)
+    let mut open: Vec<(u32, usize, [DVec2; 2])> = (0..tin.len() as u32)
         .flat_map(|t| (0..3).map(move |i| (t, i)))
         .filter(|&(t, i)| tin.neighbours[t as usize][i] == NONE)
+        .map(|(t, i)| (t, i, tin.edge(t, i).map(|v| tin.positions[v as usize])))
         .collect();
-    while let Some((t, i)) = open.pop() {
+    while let Some((t, i, hull)) = open.pop() {
         if !tin.inside[t as usize] || tin.is_constraint(t, i) {
             continue;
         }
-        let [a, b] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
+        let [a, b] = hull;
         let c = tin.corners(t)[(i + 2) % 3];
-        let altitude = (b - a).perp_dot(c - a).abs() / a.distance(b);
+        let depth = (b - a).perp_dot(c - a).abs() / a.distance(b);
         // A contour along the border has nothing but this triangle on its inner side.
         let bears_a_line = (0..3).any(|j| tin.is_constraint(t, j) && tin.inner_neighbour(t, j).is_none());
-        if altitude <= tolerance && !bears_a_line {
+        if depth <= tolerance && !bears_a_line {
             tin.inside[t as usize] = false;
             for j in [(i + 1) % 3, (i + 2) % 3] {
                 let n = tin.neighbours[t as usize][j];
                 if n != NONE
                     && let Some(k) = tin.edge_towards(n, t)
                 {
-                    open.push((n, k));
+                    open.push((n, k, hull));
                 }
             }
         }
@@ -369,6 +372,21 @@ mod tests {
         assert_eq!(outside.len(), 1);
         assert!(tin.triangles[outside[0] as usize].contains(&1));
     }
+
+    #[test]
+    fn slivers_are_peeled_off_no_deeper_than_the_tolerance() {
+        // A fan of slivers, each flat against the one before.
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::new(100.0, 10.0)], 1e-3);
+        for p in [(0.0, 0.0), (100.0, 0.0), (100.0, 10.0), (0.0, 10.0)] {
+            input.push(p.into(), 1.0, VertexKind::Contour);
+        }
+        (1..=20).for_each(|k| _ = input.push(DVec2::new(4.0, 4e-4) * f64::from(k), 1.0, VertexKind::Contour));
+        let tin = triangulate(input).unwrap();
+        let outside = (0..tin.len() as u32).filter(|&t| !tin.is_inside(t));
+        let deepest = outside.flat_map(|t| tin.corners(t)).fold(0.0, |m: f64, p| m.max((p + tin.origin).y));
+        assert!(deepest > 0.0 && deepest <= 1e-3, "{deepest}");
+    }
+
     #[test]
     fn no_contour_on_the_border_is_peeled_off() {
         let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(10.0)], 1e-6);
