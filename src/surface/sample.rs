@@ -3,6 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::spline::on_contours;
 use super::{Surface, WorkingGrid};
 use crate::dem::{Dem, Grid, height, locate, rasterise};
 use crate::progress::Progress;
@@ -16,7 +17,8 @@ const AT_NODE: f64 = 1e-6;
 /// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
 ///
 /// Those of the smooth surface are the working grid's own where a centre is one of its nodes, else interpolated between
-/// them (cubic convolution) and kept in the band of the sub-domain. Other surfaces are triangles (see [`rasterise`]).
+/// them (cubic convolution) and kept in the band of the sub-domain; a centre that is a vertex of a contour has its level. Other
+/// surfaces are triangles (see [`rasterise`]).
 pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     let Some(working) = &surface.working else {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
@@ -28,7 +30,14 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     let height = |(i, t): (usize, u32)| {
         if t == NONE { f32::NAN } else { height_in(surface, t, grid.center(i % grid.cols, i / grid.cols)) }
     };
-    let values = triangles.into_par_iter().enumerate().map(height).collect();
+    let mut values: Vec<f32> = triangles.par_iter().copied().enumerate().map(height).collect();
+    for (cell, level) in on_contours(&surface.map, grid) {
+        if triangles[cell] != NONE
+            && let Some(region) = surface.regions.region(triangles[cell])
+        {
+            values[cell] = level.clamp(region.band.lo, region.band.hi) as f32;
+        }
+    }
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }
 

@@ -7,7 +7,7 @@ use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
 use tokosen::dem::{Grid, rasterise};
 use tokosen::error::{Finding, FindingKind};
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Reason, Surface, SurfaceParams, build};
+use tokosen::surface::{Reason, Surface, SurfaceParams, build, heights};
 use tokosen::tin::Frame;
 
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
@@ -156,6 +156,24 @@ fn smooth_ground_gets_little_tension_and_a_small_error() {
     // The straight way from level to level is off by more than half a metre half-way, with twice the interval.
     assert!(0.0 < implied.rmse && implied.rmse < 0.3 * hidden.rmse && hidden.rmse < 1.0, "{hidden:?} {implied:?}");
     assert!(hidden.le90 >= hidden.rmse, "{hidden:?}");
+}
+
+#[test]
+fn cells_on_vertices_of_contours_have_their_level() {
+    let (surface, _) = surface_of(bowl(6), vec![], Frame::Hull);
+    let is_smooth = surface.working.is_some();
+    for contour in &surface.map.contours {
+        for &p in &contour.points {
+            let grid = Grid { corner: p + DVec2::new(-0.5, 0.5), cell: DVec2::ONE, cols: 1, rows: 1 };
+            let height = f64::from(heights(&surface, &grid, &()).values[0]);
+            // On the frame a centre may lie outside.
+            assert!(
+                is_smooth && (height.is_nan() || height == contour.elevation),
+                "{height} at {p}: {}",
+                contour.elevation
+            );
+        }
+    }
 }
 
 #[test]

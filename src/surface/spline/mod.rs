@@ -38,6 +38,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::tiling::Tiling;
+use crate::contour::ContourMap;
 use crate::dem::{Grid, heights_at};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
@@ -119,7 +120,7 @@ pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &
     let band = |&t: &u32| if t == NONE { None } else { tiled.regions.region(t).map(|r| r.band) };
     let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
     let mut hi: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.hi as f32)).collect();
-    for (node, level) in on_contours(tiled, &Lattice::of_grid(grid)) {
+    for (node, level) in on_contours(&tiled.map, grid) {
         if !lo[node].is_nan() {
             (lo[node], hi[node]) = (level as f32, level as f32);
         }
@@ -131,9 +132,11 @@ pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &
     Draft { grid: *grid, tiled, break_lines, gap: tiled.sheet().gap, bounds: [lo, hi], guide, hollows }
 }
 
-/// The nodes that vertices of contours lie on, with the level: the band on either side of the contour would be too wide.
-fn on_contours<'a>(tiled: &'a Tiling, lattice: &'a Lattice) -> impl Iterator<Item = (usize, f64)> + 'a {
-    tiled.map.contours.iter().flat_map(move |contour| {
+/// The nodes of a grid that vertices of contours lie on, with the level: the band on either side of the contour would be too
+/// wide.
+pub(super) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let lattice = Lattice::of_grid(grid);
+    map.contours.iter().flat_map(move |contour| {
         let node = move |p: &DVec2| lattice.node_at(*p).map(|node| (node, contour.elevation));
         contour.points.iter().filter_map(node)
     })
