@@ -252,6 +252,23 @@ fn a_lake_on_the_way_of_a_contour_to_the_frame_is_cut_back_with_a_finding() {
 }
 
 #[test]
+fn a_lake_as_narrow_as_a_line_is_left_out_with_a_finding() {
+    let ring = |points: &[(f64, f64)]| points.iter().map(|&p| p.into()).collect::<Vec<DVec2>>();
+    // Along the contour at 500 all of its vertices move onto that.
+    let narrow = ring(&[(310.0, 500.2), (450.0, 499.8), (590.0, 500.2), (450.0, 500.3), (310.0, 500.2)]);
+    let (surface, findings) = surface_with(slope(), flat(vec![lake(Some(50.0), &narrow, &[])]), SurfaceKind::Spline);
+    assert_eq!(findings.iter().map(|f| f.kind).collect::<Vec<_>>(), [FindingKind::LakeLeftOut], "{findings:?}");
+    check(&surface, 1.0, "narrow");
+    // Of a lake with such an arm the rest is kept.
+    let armed = ring(&[(590.0, 500.2), (450.0, 500.3), (400.0, 520.0), (350.0, 530.0), (450.0, 499.8), (590.0, 500.2)]);
+    let (surface, findings) = surface_with(slope(), flat(vec![lake(Some(50.0), &armed, &[])]), SurfaceKind::Spline);
+    assert!(findings.is_empty(), "{findings:?}");
+    check(&surface, 1.0, "arm");
+    assert_eq!(height_at(&surface, 400.0, 518.0), 50.0);
+    assert!(height_at(&surface, 520.0, 501.0) > 50.0);
+}
+
+#[test]
 fn lakes_that_meet_are_one_or_apart() {
     for kind in KINDS {
         let pair = |b: f64| {

@@ -37,7 +37,7 @@ pub(super) fn node(shore: Vec<DVec2>, level: f64, net: &mut Net, reach: Reach) -
             break;
         }
     }
-    without_chords(&shore, level, net)
+    without_spikes(without_chords(&shore, level, net))
 }
 
 fn own(net: &Net, a: DVec2, b: DVec2, level: f64, reach: f64) -> impl Iterator<Item = Piece> {
@@ -137,6 +137,27 @@ fn without_chords(shore: &[DVec2], level: f64, net: &Net) -> Vec<DVec2> {
     })
 }
 
+/// The line without pieces that run to a point and straight back: there the lake is narrower than its vertices moved. Of a ring
+/// that is nothing but such pieces, one point is left.
+fn without_spikes(mut shore: Vec<DVec2>) -> Vec<DVec2> {
+    let is_closed = shore.first() == shore.last();
+    let mut kept: Vec<DVec2> = Vec::with_capacity(shore.len());
+    for p in shore.drain(..) {
+        if kept.len() >= 2 && kept[kept.len() - 2] == p {
+            kept.pop();
+        } else {
+            kept.push(p);
+        }
+    }
+    // A spike at the place where a ring begins.
+    let (mut first, mut end) = (0, kept.len());
+    while is_closed && end - first >= 3 && kept[first + 1] == kept[end - 2] {
+        (first, end) = (first + 1, end - 1);
+    }
+    kept.truncate(end);
+    kept.split_off(first)
+}
+
 /// The line with what `within` gives for each segment put into it, in order along the segment.
 fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
     let mut points: Vec<DVec2> = shore.first().copied().into_iter().collect();
@@ -154,7 +175,7 @@ fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Ve
     points
 }
 
-/// Where shores cross themselves or a contour, or touch a contour of another level.
+/// Where shores cross or run along themselves, cross a contour, or touch one of another level.
 pub(super) fn conflict(shores: &[Vec<DVec2>], level: f64, net: &Net) -> Option<DVec2> {
     let segments = || shores.iter().flat_map(|shore| shore.windows(2)).map(|w| Segment { a: w[0], b: w[1] });
     let own: Vec<_> = (0usize..)
@@ -170,7 +191,7 @@ pub(super) fn conflict(shores: &[Vec<DVec2>], level: f64, net: &Net) -> Option<D
         };
         let contour = net.near(s.a, s.b, 0.0).into_iter().find(|piece| clashes(piece)).map(|piece| piece.ends);
         let envelope = AABB::from_corners(s.a.min(s.b).to_array(), s.a.max(s.b).to_array());
-        let crosses = |t: &Segment| meeting(&s, t) == Meeting::Cross;
+        let crosses = |t: &Segment| matches!(meeting(&s, t), Meeting::Cross | Meeting::Overlap);
         let later = own.locate_in_envelope_intersecting(&envelope).filter(|t| t.data > i);
         let itself = || later.map(|t| Segment { a: t.geom().from.into(), b: t.geom().to.into() }).find(crosses);
         contour.or_else(itself).map(|t| place(&s, &t))

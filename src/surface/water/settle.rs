@@ -86,6 +86,11 @@ pub(in crate::surface) fn settle(
         let shores = std::mem::take(&mut pond.shores).into_iter();
         pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, reach)).collect();
         pond.shores.retain(|shore| shore.len() >= 2);
+        if pond.shores.is_empty() {
+            let why = "is narrower than contours can show, beside one of its level";
+            findings.push(left_out(pond.feature, Some(pond.height), place, why));
+            pond.used = false;
+        }
     }
     // Vertices that a later shore adds to a contour count for the earlier ones too.
     for pond in ponds.iter_mut().filter(|pond| pond.used) {
