@@ -77,6 +77,7 @@
 //! # }
 //! ```
 
+mod bits;
 pub mod check;
 pub mod contour;
 pub mod crs;

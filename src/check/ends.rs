@@ -12,6 +12,7 @@ use super::graph::Graph;
 use super::grid::{Label, LevelGrid};
 use super::labels::Wrong;
 use super::{Correction, Ground, Judged};
+use crate::bits::bits;
 use crate::error::{Finding, FindingKind, Proposal};
 use crate::tin::{Link, NONE, OpenEnd, Sight, line_starts};
 
@@ -121,7 +122,6 @@ fn usual_link(ends: &[OpenEnd], links: &[Link]) -> f64 {
 /// By end: whether it is linked to the frame over a way much longer than usual.
 fn far_from_frame(ground: &Ground, usual: f64) -> Vec<bool> {
     let Ground { ends, links, frame, .. } = *ground;
-    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
     let by_end: HashMap<[u64; 2], f64> = links.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
     let least = (SHORT_OF_FRAME * usual).max(1e-3 * frame.diagonal());
     let length = |e: &OpenEnd| if e.at_frame { by_end.get(&bits(e.position)).copied().unwrap_or(0.0) } else { 0.0 };

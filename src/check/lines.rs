@@ -17,6 +17,7 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use super::Judged;
+use crate::bits::bits;
 use crate::contour::ContourMap;
 use crate::error::{Finding, FindingKind};
 
@@ -39,7 +40,7 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
     let strays = strays::find(map);
     // A slip that went very far is told as that.
     let far = places(&judged.findings, |kind| kind == FindingKind::FarAway);
-    judged.findings.extend(strays.findings.into_iter().filter(|f| !far.contains(&bits(f))));
+    judged.findings.extend(strays.findings.into_iter().filter(|f| !far.contains(&place(f))));
     judged.corrections.extend(strays.corrections);
     judged.findings.extend(levels::find(map));
     let told =
@@ -55,7 +56,7 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
 /// within `reach`, in map units, are one.
 pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec<Finding> {
     let left_out = places(&cleaning, |kind| matches!(kind, FindingKind::LevelsCross | FindingKind::SelfCross));
-    told.retain(|f| f.kind != FindingKind::StrayVertex || !left_out.contains(&bits(f)));
+    told.retain(|f| f.kind != FindingKind::StrayVertex || !left_out.contains(&place(f)));
     let jumps: Vec<usize> = (0..told.len()).filter(|&i| told[i].kind == FindingKind::LevelJump).collect();
     // By x, so that only those near a place are looked at.
     let mut jumps: Vec<(f64, usize)> = jumps.into_iter().filter_map(|i| Some((told[i].place?.x, i))).collect();
@@ -81,12 +82,12 @@ pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec
 
 /// The places of findings of some kinds.
 fn places(findings: &[Finding], of: impl Fn(FindingKind) -> bool) -> HashSet<Option<[u64; 2]>> {
-    findings.iter().filter(|f| of(f.kind)).map(bits).collect()
+    findings.iter().filter(|f| of(f.kind)).map(place).collect()
 }
 
 /// A finding's place, to the last bit.
-fn bits(finding: &Finding) -> Option<[u64; 2]> {
-    finding.place.map(|p| p.to_array().map(f64::to_bits))
+fn place(finding: &Finding) -> Option<[u64; 2]> {
+    finding.place.map(bits)
 }
 
 /// By kind, place and text.

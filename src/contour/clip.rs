@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::border::{Border, OnEdge, rings, with_vertices};
 use super::clean::{Meeting, Segment, meeting, place, point_distance};
 use super::{Contour, ContourMap};
+use crate::bits::bits;
 
 /// How often new vertices are looked for. Three times are nearly always enough.
 const ROUNDS: usize = 16;
@@ -73,11 +74,6 @@ pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
 struct Node {
     point: DVec2,
     on_border: bool,
-}
-
-fn bits(p: DVec2) -> [u64; 2] {
-    // Adding zero makes one of the two zeros.
-    (p + 0.0).to_array().map(f64::to_bits)
 }
 
 /// Lines and area with a vertex wherever they meet, and the area with one wherever it meets itself.

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use super::definition::label;
 use super::{Crs, Transform};
+use crate::bits::bits;
 use crate::contour::{Contour, ContourMap};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 
@@ -57,17 +58,12 @@ impl Originals {
         if self.in_steps && on_steps(p) != p {
             return None;
         }
-        self.by_place.get_or_init(|| self.pairs.iter().copied().collect()).get(&key(p)).copied()
+        self.by_place.get_or_init(|| self.pairs.iter().copied().collect()).get(&bits(p)).copied()
     }
 }
 
 /// A place as a key: its bits.
 type Place = [u64; 2];
-
-fn key(p: DVec2) -> Place {
-    // Both zeros are one place.
-    [(p.x + 0.0).to_bits(), (p.y + 0.0).to_bits()]
-}
 
 fn on_steps(p: DVec2) -> DVec2 {
     (p * STEPS).round() / STEPS + DVec2::ZERO
@@ -95,7 +91,7 @@ impl Places {
         let way = Transform::between(&input, working)?;
         let mut map = map;
         let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, &input, working));
-        let pair = |p: &DVec2| Ok((key(on_steps(forward(*p)?)), *p));
+        let pair = |p: &DVec2| Ok((bits(on_steps(forward(*p)?)), *p));
         let pairs = |line: &Contour| line.points.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
         let pairs = map.contours.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
         let mut originals = in_order(pairs.into_iter().flatten().collect());
@@ -105,7 +101,7 @@ impl Places {
         let place = |p: DVec2| -> Result<DVec2> {
             let exact = forward(p)?;
             let place = on_steps(exact);
-            Ok(if crowded.contains(&key(place)) { exact } else { place })
+            Ok(if crowded.contains(&bits(place)) { exact } else { place })
         };
         map.contours.par_iter_mut().flat_map_iter(|line| &mut line.points).try_for_each(|p| {
             *p = place(*p)?;
@@ -117,7 +113,7 @@ impl Places {
         let mut findings = Vec::new();
         if !crowded.is_empty() {
             for (k, original) in &mut originals {
-                *k = if crowded.contains(k) { key(forward(*original)?) } else { *k };
+                *k = if crowded.contains(k) { bits(forward(*original)?) } else { *k };
             }
             originals = in_order(originals);
             let before = originals.len();

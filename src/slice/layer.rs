@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::trace::as_given;
 use super::{Target, ascends_right, signed_area, slice};
+use crate::bits::bits;
 use crate::contour::{ContourLayer, ContourLine, LineError, Source};
 use crate::error::{Error, Result};
 use crate::memory;
@@ -105,10 +106,6 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
         ContourLayer { name: target.layer_name(), lines, beads, stubs }
     });
     Ok(layers.collect())
-}
-
-fn bits(p: DVec2) -> [u64; 2] {
-    p.to_array().map(f64::to_bits)
 }
 
 /// How often levels run through triangles, which is about how many vertices their lines have.

@@ -10,6 +10,7 @@ use super::WorkingGrid;
 use super::depressions::contradicted_marks;
 use super::sheet::Sheet;
 use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
+use crate::bits::bits;
 use crate::check::{Correction, Ground, Judged, judge};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
@@ -375,8 +376,7 @@ fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
 
 /// Spot heights that contradict the levels around them, by their number in the map.
 fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
-    let number: HashMap<[u64; 2], usize> =
-        map.spots.iter().enumerate().map(|(i, s)| ([s.x.to_bits(), s.y.to_bits()], i)).collect();
+    let number: HashMap<[u64; 2], usize> = map.spots.iter().enumerate().map(|(i, s)| (bits(s.truncate()), i)).collect();
     let mut told = HashSet::new();
     let mut outside = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
@@ -389,7 +389,7 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
             if region.band.contains(p.z) || !told.insert(v) {
                 continue;
             }
-            if let Some(&spot) = number.get(&[p.x.to_bits(), p.y.to_bits()]) {
+            if let Some(&spot) = number.get(&bits(p.truncate())) {
                 let (lo, hi) = (region.band.lo, region.band.hi);
                 let message = match region.water {
                     Some(level) => format!("spot height {} lies in water of {level}; it is left out", p.z),

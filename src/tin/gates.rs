@@ -8,6 +8,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{OpenEnd, Tin, VertexKind};
+use crate::bits::bits;
 
 /// The largest turn between a line's end and a bridge that goes on from it: 60 degrees.
 const COS_BRIDGE_TURN: f64 = 0.5;
@@ -31,7 +32,6 @@ pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> Gaps {
     if ends.iter().all(|e| e.at_frame) {
         return gaps;
     }
-    let bits = |p: glam::DVec2| [p.x.to_bits(), p.y.to_bits()];
     let by_place: HashMap<[u64; 2], &OpenEnd> = ends.iter().rev().map(|e| (bits(e.position - tin.origin), e)).collect();
     let end_at: HashMap<u32, &OpenEnd> = (0..tin.positions.len() as u32)
         .filter(|&v| tin.kinds[v as usize] == VertexKind::Contour)

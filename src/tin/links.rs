@@ -13,6 +13,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{PointDistance, RTree};
 
 use super::FrameRing;
+use crate::bits::bits;
 use crate::contour::clean::{Segment, point_distance};
 use crate::contour::oriented::{BoxTree, OrientedBox};
 use crate::contour::{Contour, ContourMap};
@@ -114,13 +115,13 @@ fn keep_shortest(links: &mut [(bool, Option<Link>)]) {
     let length = |link: &Link| link.end.distance(link.frame);
     let mut shortest: HashMap<[u64; 2], (f64, usize)> = HashMap::new();
     for (i, link) in links.iter().enumerate().filter_map(|(i, (_, link))| Some((i, link.as_ref()?))) {
-        let best = shortest.entry(link.frame.to_array().map(f64::to_bits)).or_insert((length(link), i));
+        let best = shortest.entry(bits(link.frame)).or_insert((length(link), i));
         if length(link) < best.0 {
             *best = (length(link), i);
         }
     }
     for (i, (at_frame, link)) in links.iter_mut().enumerate() {
-        if link.as_ref().is_some_and(|link| shortest[&link.frame.to_array().map(f64::to_bits)].1 != i) {
+        if link.as_ref().is_some_and(|link| shortest[&bits(link.frame)].1 != i) {
             (*at_frame, *link) = (false, None);
         }
     }

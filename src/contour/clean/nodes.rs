@@ -12,6 +12,7 @@ use super::canonical::compare_points;
 use super::meet::{Meeting, meeting};
 use super::removed::Removed;
 use super::segments::{Segment, Segments};
+use crate::bits::bits;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Result};
 
@@ -87,10 +88,9 @@ fn is_inside(p: DVec2, s: &Segment) -> bool {
 
 /// What to say of lines that touch themselves: nothing about places on spikes, which are told of as such.
 pub(super) fn findings(nodes: &[Node], spikes: &[Removed]) -> Vec<Finding> {
-    let bits = |p: &DVec2| [p.x.to_bits(), p.y.to_bits()];
     let on_spikes: HashSet<(u64, [u64; 2])> =
-        spikes.iter().flat_map(|s| s.way.iter().map(move |p| (s.elevation.to_bits(), bits(p)))).collect();
-    let told = nodes.iter().filter(|n| !on_spikes.contains(&(n.elevation.to_bits(), bits(&n.place))));
+        spikes.iter().flat_map(|s| s.way.iter().map(move |p| (s.elevation.to_bits(), bits(*p)))).collect();
+    let told = nodes.iter().filter(|n| !on_spikes.contains(&(n.elevation.to_bits(), bits(n.place))));
     let finding = |&Node { elevation, feature, place }: &Node| {
         let message = format!("the contour {elevation} m (feature {feature}) touches itself; it was split there");
         Finding::at(FindingKind::SelfCross, place, message).about(feature, elevation)

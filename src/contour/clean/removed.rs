@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::canonical::compare_points;
+use crate::bits::bits;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};
 
@@ -11,7 +12,6 @@ pub(super) type SegmentKey = (u64, [u64; 2], [u64; 2]);
 
 /// The key of a segment.
 pub(super) fn key(elevation: f64, a: DVec2, b: DVec2) -> SegmentKey {
-    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
     let (a, b) = (bits(a), bits(b));
     (elevation.to_bits(), a.min(b), a.max(b))
 }

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::canonical::{has_repeated_vertex, normalise};
 use super::removed::{Removed, Why};
+use crate::bits::bits;
 use crate::contour::Contour;
 
 /// What became of a line.
@@ -30,7 +31,6 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
     // The way from the line's start without the loops taken off so far, and where on it a vertex is.
     let mut way: Vec<DVec2> = Vec::new();
     let mut at: HashMap<[u64; 2], usize> = HashMap::new();
-    let bits = |p: DVec2| [p.x.to_bits(), p.y.to_bits()];
     for &p in &line.points {
         let from = match at.entry(bits(p)) {
             Entry::Vacant(place) => {

@@ -10,6 +10,7 @@ use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
 use super::ponds::{Pond, Ponds, rounded};
+use crate::bits::bits;
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip, rings};
 use crate::error::{Error, Finding, FindingKind, Result};
 use crate::tin::{FrameRing, Link, Regions, Tin};
@@ -110,11 +111,6 @@ pub(in crate::surface) fn settle(
     let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
     let frame = FrameRing { area }.only(|p| kept.contains(&bits(p)));
     Ok((Ponds { ponds, nodes: net.nodes }, frame))
-}
-
-fn bits(p: DVec2) -> [u64; 2] {
-    // Adding zero makes one of the two zeros.
-    (p + 0.0).to_array().map(f64::to_bits)
 }
 
 /// The height that a lake brings, else that of the contour along its shore, else the lowest ground on the shore.
