@@ -160,7 +160,8 @@ fn own_crossings(area: &MultiPolygon<f64>, border: &Border) -> Vec<OnEdge> {
     lines.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
-/// The pieces between vertices on the border that lie inside; successive ones are joined again.
+/// The pieces between vertices on the border that lie inside; successive ones are joined again. What runs along an edge of the border
+/// and back, as a spike beside it does once it has the border's vertices, is kept once.
 fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
     let Some(last) = nodes.len().checked_sub(1) else { return Vec::new() };
     let closed = nodes.len() >= 4 && nodes[0].point == nodes[last].point;
@@ -178,9 +179,17 @@ fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
     let starts = std::iter::once(0).chain(stops.iter().copied());
     let mut kept: Vec<Vec<DVec2>> = Vec::new();
     let mut end = None;
+    let mut along_border = HashSet::new();
     for (from, to) in starts.zip(stops.iter().copied().chain([last])) {
         let piece = &nodes[from..=to];
-        if !is_inside(piece, border) {
+        let mut is_again = || match piece {
+            [a, b] => {
+                let ends = [a, b].map(|node| bits(node.point));
+                !along_border.insert([ends[0].min(ends[1]), ends[0].max(ends[1])])
+            }
+            _ => false,
+        };
+        if !is_inside(piece, border) || is_again() {
             continue;
         }
         match kept.last_mut().filter(|_| end == Some(from)) {
@@ -296,6 +305,9 @@ mod tests {
         assert_eq!(pieces(&[&along]), [line(&along)]);
         let border = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)];
         assert_eq!(pieces(&[&border]), [line(&border)]);
+        // A spike beside the border, which both of its sides get a vertex of.
+        let found = pieces(&[&[(0.0, 2.0), (0.0, 8.0), (1e-9, 5.0)]]);
+        assert_eq!(found, [line(&[(0.0, 2.0), (1e-9, 5.0), (0.0, 8.0)])]);
         let off_and_on = [(3.0, -2.0), (3.0, 0.0), (6.0, 0.0), (6.0, 4.0), (12.0, 4.0)];
         assert_eq!(pieces(&[&off_and_on]), [line(&[(3.0, 0.0), (6.0, 0.0), (6.0, 4.0), (10.0, 4.0)])]);
     }

@@ -12,6 +12,8 @@
 //! from half of the levels bridges twice the distance, over which ground is rougher and wants more tension, while hidden
 //! levels are few and their errors noisy: the choice is half-way, on a logarithmic scale, between the tension that is best
 //! for them and the one that suits most terrain.
+//!
+//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours.
 
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
@@ -23,6 +25,12 @@ use crate::surface::sheet::Sheet;
 const USUAL: f64 = 3.5;
 /// Noise of contours that are rough.
 const JITTER: f64 = 1.0;
+/// Knee of creases that suits most terrain; taken where the contours do not tell.
+const CREASE_KNEE: f64 = 0.1;
+/// Its limits.
+const CREASE_KNEES: (f64, f64) = (0.03, 0.3);
+/// The error at hidden contours, against the interval that is left, at which that is the best knee.
+const MISSED: f64 = 0.14;
 /// Tensions that are tried, each so many times the one before.
 const FACTOR: f64 = 5.0;
 const TRIED: [f64; 3] = [1.0, FACTOR, FACTOR * FACTOR];
@@ -87,7 +95,7 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
     let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
-    let knobs = |tension: f64| Knobs { tension, noise };
+    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE };
     let without = |tension, reason| Chosen { knobs: knobs(tension), reason, hidden: None, implied: None };
     if let Some(tension) = tension {
         return without(tension, Reason::Given);
@@ -115,8 +123,15 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     };
     let share = OVER_BAND * 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
-    let knobs = knobs((USUAL * best).sqrt());
+    let knobs = Knobs { crease_knee: crease_knee(&hidden), ..knobs((USUAL * best).sqrt()) };
     Chosen { knobs, reason: Reason::Hidden, hidden: Some(hidden), implied: Some(implied) }
+}
+
+/// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
+/// ground has more detail than the contours.
+fn crease_knee(hidden: &Accuracy) -> f64 {
+    let missed = hidden.rmse / hidden.interval / MISSED;
+    (CREASE_KNEE / missed.powi(2)).clamp(CREASE_KNEES.0, CREASE_KNEES.1)
 }
 
 /// Number of levels that are whole intervals.
@@ -170,6 +185,14 @@ mod tests {
         assert_eq!(lowest([0.0, 1.0, 2.0]), -BEYOND);
         assert_eq!(lowest([2.0, 1.5, 0.0]), 2.0 + BEYOND);
         assert_eq!(lowest([1.0, 1.0, 1.0]), 2.0 + BEYOND);
+    }
+
+    #[test]
+    fn ridges_are_sharper_where_contours_show_less() {
+        let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
+        assert_eq!(crease_knee(&hidden(MISSED * 20.0)), CREASE_KNEE);
+        assert!((crease_knee(&hidden(0.7 * MISSED * 20.0)) - CREASE_KNEE / 0.49).abs() < 1e-12);
+        assert_eq!((crease_knee(&hidden(0.0)), crease_knee(&hidden(20.0))), (CREASE_KNEES.1, CREASE_KNEES.0));
     }
 
     #[test]

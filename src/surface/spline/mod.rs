@@ -112,6 +112,9 @@ pub struct Knobs {
     pub tension: f64,
     /// See [`SplineParams::noise`].
     pub noise: f64,
+    /// The bending across ridge and canyon lines from which on it counts with its size, not its square, as a share of that
+    /// elsewhere: less of it, and they are sharper.
+    pub crease_knee: f64,
 }
 
 /// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
@@ -158,6 +161,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
         contours,
         spots: spots(tiled, &lattice, guide),
         creases: break_lines.iter().map(flat).collect::<Vec<Vec<DVec2>>>(),
+        crease_knee: knobs.crease_knee,
         bounds: [moved(lo, -slack), moved(hi, slack)],
         guide,
         tension: tension(guide, grid, *gap, interval, knobs.tension),

@@ -6,8 +6,6 @@ use super::energy::Energy;
 
 /// Second differences larger than so many times the mean count with their size, not with its square.
 const KNEE: f64 = 2.0;
-/// On ridge and canyon lines that begins this much earlier.
-const CREASE_KNEE: f64 = 0.1;
 /// Factor on the tension where a bound is met, each time that it is.
 const TIGHTEN: f32 = 16.0;
 /// ... which comes to this at most.
@@ -23,8 +21,9 @@ const AT_BOUND: f64 = 1e-3;
 ///
 /// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
 /// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
-/// (iteratively reweighted least squares). `weights` are those before, `creases` marks differences across ridge and canyon lines.
-pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<bool>; 3], z: &[f64]) {
+/// (iteratively reweighted least squares). `weights` are those before, `creases` marks differences across ridge and canyon lines,
+/// which have their knee `share` of the others'.
+pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<bool>; 3], share: f64, z: &[f64]) {
     for kind in 0..3 {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Added up in this order whatever the number of threads.
@@ -40,7 +39,7 @@ pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<b
         let mean: f64 = sum / count;
         let all = weights[kind].par_iter().zip(&creases[kind]).enumerate();
         let bent = all.map(|(n, (&before, &crease))| {
-            let knee = mean * if crease { KNEE * CREASE_KNEE } else { KNEE };
+            let knee = mean * if crease { KNEE * share } else { KNEE };
             if before > 0.0 { before / (1.0 + (difference(n) / knee).powi(2)).sqrt() as f32 } else { 0.0 }
         });
         energy.bending[kind] = bent.collect();

@@ -41,6 +41,8 @@ pub struct Problem<'a> {
     pub spots: Vec<(Crossing, f64)>,
     /// Ridge and canyon lines.
     pub creases: Vec<Vec<DVec2>>,
+    /// Where bending across those begins to count less, as a share of where it does elsewhere.
+    pub crease_knee: f64,
     /// Lowest and highest heights.
     pub bounds: [Cow<'a, [f32]>; 2],
     /// Heights whose slopes the tension draws to.
@@ -140,12 +142,12 @@ impl Stage<'_> {
         apply(&mut energy, &tension, factors);
         let near_contours = near_contours(&energy);
         if rounds == 0 {
-            let_crease(&mut energy, &weights, &creases, z);
+            let_crease(&mut energy, &weights, &creases, problem.crease_knee, z);
         }
         let mut minimiser = Minimiser::new(&energy);
         minimiser.minimise(&energy, &lo, &hi, z, effort);
         for _ in 0..rounds {
-            let_crease(&mut energy, &weights, &creases, z);
+            let_crease(&mut energy, &weights, &creases, problem.crease_knee, z);
             tighten(factors, &near_contours, [&lo, &hi], z, self.lattice.cols, problem.interval);
             apply(&mut energy, &tension, factors);
             minimiser.set(&energy);
