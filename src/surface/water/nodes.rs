@@ -51,20 +51,7 @@ fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<D
     let range = if is_closed { 0..last } else { 1..last };
     for p in &mut shore[range] {
         let pieces: Vec<Piece> = own(net, *p, *p, level, snap).collect();
-        let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
-        let nearest = ends.min_by(|a, b| a.distance(*p).total_cmp(&b.distance(*p)));
-        if let Some(vertex) = nearest.filter(|v| v.distance(*p) <= snap) {
-            *p = vertex;
-            continue;
-        }
-        let distance = |piece: &Piece| point_distance(*p, &piece.ends);
-        let nearest = pieces.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        if let Some(piece) = nearest.filter(|piece| distance(piece) <= snap) {
-            let Segment { a, b } = piece.ends;
-            let share = (*p - a).dot(b - a) / (b - a).length_squared();
-            *p = a + (b - a) * share;
-            net.add_node(piece, *p);
-        }
+        *p = on_contour(*p, &pieces, net, snap).unwrap_or(*p);
     }
     if is_closed {
         shore[last] = shore[0];
@@ -73,8 +60,25 @@ fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<D
     shore
 }
 
-/// Ends of an open piece, which lie on the frame, as vertices of a contour along the frame. A crossing that is computed
-/// there instead would lie beside the end by rounding, and two vertices at one place would have room for lines between them.
+/// The nearest place to a point on some pieces of contour, if one is within `reach`: a vertex, or one that they get.
+fn on_contour(p: DVec2, pieces: &[Piece], net: &mut Net, reach: f64) -> Option<DVec2> {
+    let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
+    let nearest = ends.min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)));
+    if let Some(vertex) = nearest.filter(|v| v.distance(p) <= reach) {
+        return Some(vertex);
+    }
+    let distance = |piece: &Piece| point_distance(p, &piece.ends);
+    let nearest = pieces.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let piece = nearest.filter(|piece| distance(piece) <= reach)?;
+    let Segment { a, b } = piece.ends;
+    let place = a + (b - a) * ((p - a).dot(b - a) / (b - a).length_squared());
+    net.add_node(piece, place);
+    Some(place)
+}
+
+/// Ends of an open piece, which lie on the frame, on the contour along the frame. A crossing that is computed there instead
+/// would lie beside the end by rounding, and two vertices at one place would have room for lines between them. So would the
+/// contour and a vertex beside it.
 fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -> Vec<DVec2> {
     let Some(last) = shore.len().checked_sub(1) else { return shore };
     if shore[0] == shore[last] {
@@ -83,14 +87,7 @@ fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -
     for k in [0, last] {
         let p = shore[k];
         let pieces: Vec<Piece> = own(net, p, p, level, tolerance).collect();
-        let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
-        let nearest = ends.min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)));
-        if let Some(vertex) = nearest.filter(|v| v.distance(p) <= tolerance) {
-            shore[k] = vertex;
-        } else {
-            let beside = pieces.iter().filter(|piece| point_distance(p, &piece.ends) <= tolerance);
-            beside.for_each(|piece| net.add_node(piece, p));
-        }
+        shore[k] = on_contour(p, &pieces, net, tolerance).unwrap_or(p);
     }
     shore.dedup();
     shore

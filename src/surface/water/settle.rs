@@ -109,7 +109,9 @@ pub(in crate::surface) fn settle(
     // would lie beside it, with a height of its own.
     let shores = ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores).flatten().copied();
     let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
-    let frame = FrameRing { area }.only(|p| kept.contains(&bits(p)));
+    // Those that contours along the frame got instead.
+    let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
+    let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
     Ok((Ponds { ponds, nodes: net.nodes }, frame))
 }
 
