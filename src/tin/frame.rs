@@ -106,7 +106,7 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let area = match frame {
         Frame::Hull => hull().into(),
         Frame::Box => match bounds() {
-            Some(rect) => rect.to_polygon().into(),
+            Some(rect) => with_corners_of(points(), rect.to_polygon().into()),
             None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),
         },
         Frame::Polygon(area) => match (area.bounding_rect(), bounds()) {
@@ -120,6 +120,17 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         },
     };
     FrameRing { area }
+}
+
+/// The area with points of a map for the vertices that they lie beside: two heights at one place would have room for lines between
+/// them.
+fn with_corners_of(points: impl Iterator<Item = geo::Point<f64>>, area: MultiPolygon<f64>) -> MultiPolygon<f64> {
+    let reach = tolerance(&area);
+    let corners: Vec<Coord<f64>> = rings(&area).flat_map(|ring| ring.coords()).copied().collect();
+    let is_beside = |corner: Coord<f64>, p: Coord<f64>| (corner.x - p.x).hypot(corner.y - p.y) <= reach;
+    let beside: Vec<Coord<f64>> =
+        points.map(|p| p.0).filter(|p| corners.iter().any(|corner| is_beside(*corner, *p))).collect();
+    area.map_coords(|corner| beside.iter().copied().find(|p| is_beside(corner, *p)).unwrap_or(corner))
 }
 
 /// Whether a rectangle reaches beyond another by no more than `reach`.
@@ -184,6 +195,15 @@ mod tests {
         for area in [square(10.3, 10.3, 50.1), square(-5.0, -5.0, 110.0)] {
             assert_eq!(frame_ring(&map(), &Frame::Polygon(area.clone())).area, area);
         }
+    }
+
+    #[test]
+    fn a_box_has_the_points_beside_its_corners() {
+        let beside = DVec2::new(5e5 + 100.0 - 1e-8, 4e6);
+        let mut map = map();
+        map.contours[0].points[2] = beside;
+        let corners: Vec<DVec2> = frame_ring(&map, &Frame::Box).rings().flatten().collect();
+        assert!(corners.len() == 4 && corners.contains(&beside), "{corners:?}");
     }
 
     #[test]
