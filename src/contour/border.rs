@@ -2,6 +2,7 @@
 
 use geo::{BoundingRect, Coord, LineString, MultiPolygon, Polygon};
 use glam::DVec2;
+use rayon::prelude::*;
 use robust::orient2d;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
@@ -119,6 +120,30 @@ pub(crate) fn with_vertices(area: &MultiPolygon<f64>, mut vertices: Vec<OnEdge>)
     polygons.collect()
 }
 
+/// The area with points of a map for the corners that they lie beside: two places that are one but for rounding, each with a
+/// height, would have room for lines between them. Points of a map never move.
+pub(crate) fn with_corners_at(points: &[DVec2], area: &MultiPolygon<f64>) -> MultiPolygon<f64> {
+    let reach = tolerance(area);
+    let corners: RTree<[f64; 2]> =
+        RTree::bulk_load(rings(area).flat_map(|ring| ring.coords()).map(|c| [c.x, c.y]).collect());
+    let nearest =
+        |corner: DVec2, points: &RTree<[f64; 2]>| points.nearest_neighbor(&corner.to_array()).map(|&p| DVec2::from(p));
+    let is_beside = |p: DVec2, q: &DVec2| p.distance(*q) <= reach;
+    let beside = points.par_iter().filter(|&&p| nearest(p, &corners).is_some_and(|corner| is_beside(p, &corner)));
+    let beside = RTree::bulk_load(beside.map(|p| p.to_array()).collect());
+    let moved = |ring: &LineString<f64>| {
+        let corners = ring.coords().map(|c| {
+            let corner = DVec2::new(c.x, c.y);
+            let p = nearest(corner, &beside).filter(|p| is_beside(corner, p)).unwrap_or(corner);
+            Coord { x: p.x, y: p.y }
+        });
+        let mut corners: Vec<Coord<f64>> = corners.collect();
+        corners.dedup();
+        LineString::new(corners)
+    };
+    area.iter().map(|p| Polygon::new(moved(p.exterior()), p.interiors().iter().map(moved).collect())).collect()
+}
+
 /// All rings of an area, in the order of their edges' numbers.
 pub(crate) fn rings(area: &MultiPolygon<f64>) -> impl Iterator<Item = &LineString<f64>> {
     area.iter().flat_map(|p| std::iter::once(p.exterior()).chain(p.interiors()))
@@ -126,6 +151,8 @@ pub(crate) fn rings(area: &MultiPolygon<f64>) -> impl Iterator<Item = &LineStrin
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use geo::polygon;
 
     use super::*;
@@ -168,6 +195,20 @@ mod tests {
         assert_eq!(at(0.0, 5.0), Some(4));
         assert_eq!(at(2.5, 2.5), Some(6));
         assert_eq!(at(2.0, 2.0), Some(5), "the first of the two edges of a corner");
+    }
+
+    #[test]
+    fn corners_lie_where_the_points_beside_them_do() {
+        let beside = DVec2::new(10.0 - 1e-9, 2e-9);
+        let points = [beside, DVec2::new(9.9, 0.0), DVec2::new(4.0, 2.0), DVec2::new(3.0, 2.0 + 1e-9)];
+        let moved = with_corners_at(&points, &area());
+        let corners: HashSet<[u64; 2]> =
+            rings(&moved).flat_map(|ring| &ring.0).map(|c| [c.x.to_bits(), c.y.to_bits()]).collect();
+        let at = |p: DVec2| p.to_array().map(f64::to_bits);
+        assert_eq!(corners.len(), 8);
+        assert!(corners.contains(&at(beside)) && corners.contains(&at(points[3])));
+        assert!(!corners.contains(&at(DVec2::new(10.0, 0.0))) && corners.contains(&at(DVec2::new(2.0, 2.0))));
+        assert_eq!(with_corners_at(&[], &area()), area());
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub mod sample;
 mod source_raster;
 mod unit;
 
-pub(crate) use border::{Border, rings, tolerance, with_vertices};
+pub(crate) use border::{Border, rings, tolerance, with_corners_at, with_vertices};
 pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
 pub use fit::{FitParams, Fitted, fit};
@@ -75,5 +75,11 @@ impl ContourMap {
     /// Number of vertices of all contours.
     pub fn vertex_count(&self) -> usize {
         self.contours.iter().map(|c| c.points.len()).sum()
+    }
+
+    /// Where the vertices of all contours and the spot heights lie.
+    pub(crate) fn places(&self) -> impl Iterator<Item = DVec2> {
+        let vertices = self.contours.iter().flat_map(|c| c.points.iter().copied());
+        vertices.chain(self.spots.iter().map(|s| s.truncate()))
     }
 }

@@ -12,7 +12,7 @@ use super::sheet::Sheet;
 use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
 use crate::bits::bits;
 use crate::check::{Correction, Ground, Judged, judge};
-use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval};
+use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval, with_corners_at};
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 use crate::progress::Progress;
 use crate::skeleton::{AxisPoint, axis_heights};
@@ -100,7 +100,8 @@ pub(super) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
                 let message = "the frame polygon reaches beyond the contours; the surface ends at their convex hull";
                 findings.push(Finding::general(FindingKind::FrameBeyondMap, message));
             }
-            let Clipped { map, area } = clip(map, &frame.area);
+            let area = with_corners_at(&map.places().collect::<Vec<_>>(), &frame.area);
+            let Clipped { map, area } = clip(map, &area);
             (map, FrameRing { area })
         }
         Frame::Hull | Frame::Box => (map, frame),

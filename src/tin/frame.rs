@@ -10,7 +10,7 @@ use rstar::RTree;
 use rstar::primitives::Line;
 
 use crate::contour::clean::{Segment, place};
-use crate::contour::{Border, ContourMap, rings, tolerance, with_vertices};
+use crate::contour::{Border, ContourMap, rings, tolerance, with_corners_at, with_vertices};
 
 /// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean distance between
 /// contours. The border of a sheet lies a little outside its contours; further out, the ends of contours are nearer to
@@ -90,10 +90,7 @@ impl FrameRing {
 /// A polygon that reaches further beyond the box around the map than contours are apart is taken only as far as their
 /// convex hull: there is nothing to go by outside.
 pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
-    let points = || {
-        let contours = map.contours.iter().flat_map(|c| c.points.iter().copied());
-        contours.chain(map.spots.iter().map(|s| s.truncate())).map(|p| geo::Point::new(p.x, p.y))
-    };
+    let points = || map.places().map(|p| geo::Point::new(p.x, p.y));
     let hull = || {
         let quick = points().collect::<MultiPoint<f64>>().convex_hull();
         if quick.exterior().is_strictly_ccw_convex() {
@@ -106,7 +103,7 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let area = match frame {
         Frame::Hull => hull().into(),
         Frame::Box => match bounds() {
-            Some(rect) => with_corners_of(points(), rect.to_polygon().into()),
+            Some(rect) => with_corners_at(&map.places().collect::<Vec<_>>(), &rect.to_polygon().into()),
             None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),
         },
         Frame::Polygon(area) => match (area.bounding_rect(), bounds()) {
@@ -120,17 +117,6 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         },
     };
     FrameRing { area }
-}
-
-/// The area with points of a map for the vertices that they lie beside: two heights at one place would have room for lines between
-/// them.
-fn with_corners_of(points: impl Iterator<Item = geo::Point<f64>>, area: MultiPolygon<f64>) -> MultiPolygon<f64> {
-    let reach = tolerance(&area);
-    let corners: Vec<Coord<f64>> = rings(&area).flat_map(|ring| ring.coords()).copied().collect();
-    let is_beside = |corner: Coord<f64>, p: Coord<f64>| (corner.x - p.x).hypot(corner.y - p.y) <= reach;
-    let beside: Vec<Coord<f64>> =
-        points.map(|p| p.0).filter(|p| corners.iter().any(|corner| is_beside(*corner, *p))).collect();
-    area.map_coords(|corner| beside.iter().copied().find(|p| is_beside(corner, *p)).unwrap_or(corner))
 }
 
 /// Whether a rectangle reaches beyond another by no more than `reach`.
