@@ -1,5 +1,7 @@
 //! Cuts lakes back from contours that contradict them.
 
+use std::collections::BTreeMap;
+
 use geo::{
     BooleanOps, BoundingRect, Buffer, Coord, Intersects, LineString, MapCoords, MultiLineString, MultiPoint,
     MultiPolygon, Point, Rect,
@@ -14,7 +16,8 @@ use crate::contour::{Border, rings};
 /// How far boolean operations move a vertex at most, as a share of the size of what they work on.
 const ROUNDING: f64 = 4e-9;
 
-/// Segments up to this share of the distance to keep are taken for points: around lines without length nothing is cut.
+/// Segments up to this share of the distance to keep are taken for points: around lines without length nothing is cut. Points
+/// so near to each other are one: circles around many such would all cross each other.
 const SHORT: f64 = 1e-3;
 
 /// Where a contour of another level, or the link of one to the frame, meets a lake.
@@ -39,7 +42,7 @@ pub(super) fn cut_back(
     let Some(bounds) = area.bounding_rect() else { return (area, Vec::new()) };
     let corner = |c: Coord<f64>| DVec2::new(c.x, c.y);
     let mut lines: Vec<LineString<f64>> = Vec::new();
-    let mut points: Vec<Point<f64>> = Vec::new();
+    let mut points: BTreeMap<[i64; 2], Point<f64>> = BTreeMap::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
         let is_link = net.courses[piece.line as usize].is_link;
@@ -58,7 +61,8 @@ pub(super) fn cut_back(
         if ends.a.distance(ends.b) > SHORT * distance {
             lines.push([ends.a, ends.b].map(|p| Coord { x: p.x, y: p.y }).to_vec().into());
         } else {
-            points.push(Point::new(ends.a.x, ends.a.y));
+            let cell = ((ends.a - corner(bounds.min())) / (SHORT * distance)).to_array().map(|v| v as i64);
+            points.entry(cell).or_insert(Point::new(ends.a.x, ends.a.y));
         }
         if clashes.iter().all(|clash| clash.level != piece.level || clash.is_link != is_link) {
             clashes.push(Clash { level: piece.level, is_link, place: at });
@@ -69,7 +73,7 @@ pub(super) fn cut_back(
         rest = rest.difference(&MultiLineString::new(lines).buffer(distance));
     }
     if !points.is_empty() {
-        rest = rest.difference(&MultiPoint::new(points).buffer(distance));
+        rest = rest.difference(&MultiPoint::new(points.into_values().collect()).buffer(distance));
     }
     (with_own_vertices(rest, &area), clashes)
 }
