@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::WorkingGrid;
 use super::depressions::contradicted_marks;
 use super::sheet::Sheet;
-use super::water::{Ponds, Shores, Water, lake_finding, sea_level, settle};
+use super::water::{Ponds, Shores, Water, lake_finding, leave_out_vanished, sea_level, settle};
 use crate::bits::bits;
 use crate::check::{Correction, Ground, Judged, judge};
 use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval, with_corners_at};
@@ -325,7 +325,9 @@ impl Parts {
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);
-            if !dry.is_empty() {
+            let vanished = leave_out_vanished(&mut self.ponds, &tin);
+            if !dry.is_empty() || !vanished.is_empty() {
+                findings.extend(vanished);
                 for (lake, place, band) in dry {
                     findings.push(lake_finding(&self.ponds, lake, place, band));
                     self.ponds.leave_out(lake);

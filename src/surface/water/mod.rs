@@ -12,7 +12,7 @@ mod ponds;
 mod settle;
 
 pub(super) use ponds::{Ponds, lake_finding};
-pub(super) use settle::{Shores, settle};
+pub(super) use settle::{Shores, leave_out_vanished, settle};
 
 use crate::contour::{ContourMap, Lake, distinct_levels};
 use crate::error::{Error, Finding, FindingKind, Result};

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use geo::{Area, MultiPolygon};
+use geo::{Area, BoundingRect, MultiPolygon};
 use glam::DVec2;
 
 use super::cut::{Clash, cut_back, cut_from_water, joined};
@@ -19,10 +19,14 @@ use crate::tin::{FrameRing, Link, Regions, Tin};
 const NEAR: f64 = 0.1;
 /// How far a lake is cut back from contours of other levels, as a share of the mean distance between contours.
 const BACK: f64 = 0.05;
-/// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours.
+/// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours, or of the
+/// lake's size if that is less.
 const SNAP: f64 = 0.01;
 /// Heights are often rounded to centimetres: a lake and a contour that differ by no more are at one level, metres.
 const SAME_LEVEL: f64 = 0.01;
+
+/// Why a lake is left out of which nothing remains between its shores.
+const NARROW: &str = "is narrower than contours can show, beside one of its level";
 
 /// The ground without lakes.
 pub(in crate::surface) struct Shores<'a> {
@@ -45,7 +49,6 @@ pub(in crate::surface) fn settle(
 ) -> Result<(Ponds, FrameRing)> {
     let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
-    let reach = Reach { snap: SNAP * spacing, tolerance: ground.frame.tolerance() };
     let mut net = Net::new(ground.map, ground.links, lakes, NEAR * spacing);
     let mut ponds: Vec<Pond> = Vec::new();
     for lake in lakes {
@@ -84,12 +87,14 @@ pub(in crate::surface) fn settle(
             pond.used = false;
             continue;
         }
+        // Contours far apart are no reason to move the shores of a small lake as far.
+        let size = pond.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
+        let reach = Reach { snap: SNAP * spacing.min(size), tolerance: ground.frame.tolerance() };
         let shores = std::mem::take(&mut pond.shores).into_iter();
         pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, reach)).collect();
         pond.shores.retain(|shore| shore.len() >= 2);
         if pond.shores.is_empty() {
-            let why = "is narrower than contours can show, beside one of its level";
-            findings.push(left_out(pond.feature, Some(pond.height), place, why));
+            findings.push(left_out(pond.feature, Some(pond.height), place, NARROW));
             pond.used = false;
         }
     }
@@ -113,6 +118,20 @@ pub(in crate::surface) fn settle(
     let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
     let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
     Ok((Ponds { ponds, nodes: net.nodes }, frame))
+}
+
+/// Takes lakes out that no triangle lies in: their vertices moved further than they are wide, and their shores part nothing.
+pub(in crate::surface) fn leave_out_vanished(ponds: &mut Ponds, tin: &Tin) -> Vec<Finding> {
+    if ponds.is_empty() {
+        return Vec::new();
+    }
+    let found: HashSet<u32> = (0..tin.len() as u32).filter_map(|t| tin.lake(t)).collect();
+    let vanished = (0u32..).zip(&mut ponds.ponds).filter(|(id, pond)| pond.used && !found.contains(id));
+    let told = vanished.map(|(_, pond)| {
+        pond.used = false;
+        left_out(pond.feature, Some(pond.height), first_vertex(&pond.area), NARROW)
+    });
+    told.collect()
 }
 
 /// The height that a lake brings, else that of the contour along its shore, else the lowest ground on the shore.
