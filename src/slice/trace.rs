@@ -24,6 +24,9 @@ use crate::tin::{NONE, Regions, Side, Tin, VertexKind};
 /// Crossings of triangles and levels that are held at a time, to bound memory.
 const BATCH: usize = 1 << 25;
 
+/// Places nearer to each other than this share of their coordinates are one: a few steps between numbers of that size.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Traces `levels` (ascending) through the triangulation, in map coordinates.
 ///
 /// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry a level,
@@ -293,14 +296,31 @@ fn split_before(steps: &[Step], cut: impl Fn(&Step) -> bool) -> Vec<&[Step]> {
     runs
 }
 
-/// Takes the loops out of a run that passes a vertex more than once. Points without extent vanish.
+/// Whether two points are one but for the rounding of their coordinates. On the way from one to the other a line could turn back
+/// and cross itself.
+fn is_one(a: DVec2, b: DVec2) -> bool {
+    (b - a).abs().max_element() <= ROUNDING * a.abs().max_element()
+}
+
+/// Takes the loops out of a run that passes a vertex more than once. Points without extent vanish, and of points that are one but
+/// for rounding those are kept that are vertices or ends.
 fn untangle(run: &[Step], lines: &mut Vec<Vec<DVec2>>) {
     let mut points: Vec<DVec2> = Vec::with_capacity(run.len());
     let mut open: Vec<Option<u32>> = Vec::with_capacity(run.len());
     let mut at: HashMap<u32, usize> = HashMap::new();
-    for step in run {
+    for (k, step) in run.iter().enumerate() {
         if points.last() == Some(&step.position) {
             continue;
+        }
+        if points.last().is_some_and(|last| is_one(*last, step.position)) {
+            let is_end = k + 1 == run.len();
+            if step.vertex.is_none() && !is_end {
+                continue;
+            }
+            if points.len() > 1 && open.last() == Some(&None) {
+                points.pop();
+                open.pop();
+            }
         }
         if let Some(v) = step.vertex {
             if let Some(&from) = at.get(&v) {
@@ -347,6 +367,25 @@ mod tests {
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
         slice(&tin, &regions, &[level], &()).remove(0).lines
+    }
+
+    #[test]
+    fn points_that_are_one_but_for_rounding_come_once() {
+        let step = |x: f64, y: f64, vertex| Step { position: DVec2::new(-1e7 + x, y), vertex, on_border: false };
+        let lines = |steps: &[Step]| {
+            let mut lines = Vec::new();
+            untangle(steps, &mut lines);
+            lines
+        };
+        let [start, next, far, on] =
+            [step(0.0, 0.0, None), step(0.0, 3e-9, None), step(5.0, 1.0, None), step(5.0, 1.0 + 2e-9, Some(7))];
+        let end = step(0.0, 5.0, None);
+        let points = |steps: &[Step]| steps.iter().map(|s| s.position).collect::<Vec<_>>();
+        assert_eq!(lines(&[start, next, far, on, end]), [points(&[start, on, end])], "vertices are kept");
+        assert_eq!(lines(&[on, far, end]), [points(&[on, end])]);
+        assert_eq!(lines(&[start, far, end, next, start]), [points(&[start, far, end, start])], "a ring stays closed");
+        assert_eq!(lines(&[end, far, start, next]), [points(&[end, far, next])], "an end stays where it is");
+        assert!(lines(&[start, next, start]).is_empty());
     }
 
     #[test]
