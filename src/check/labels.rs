@@ -29,6 +29,9 @@ pub struct Wrong {
     pub line: u32,
     /// The levels it can have instead, the most plausible first; none if the ground tells nothing.
     pub levels: Vec<i64>,
+    /// The levels from the ground on one side to that on the other if they are several, in order: but for this line, their
+    /// contours are missing.
+    pub apart: Vec<i64>,
     /// Whether another line can be the wrong one as well.
     pub or_another: bool,
     /// Whether the first level is no better than the second.
@@ -55,17 +58,24 @@ pub fn wrong_labels(map: &ContourMap, graph: &Graph, explained: &Explanation, gr
             continue;
         }
         let longest = bad.iter().find(|s| !s.dangles() && s.sides.iter().all(|&r| r != NONE && span(r).is_some()));
-        let levels = longest.map_or_else(Vec::new, |s| match s.sides.map(span) {
-            [Some(a), Some(b)] => levels_between(a, b).collect(),
-            _ => Vec::new(),
+        let (levels, apart) = longest.map_or_else(Default::default, |s| match s.sides.map(span) {
+            [Some(a), Some(b)] => (levels_between(a, b).collect(), levels_apart(a, b)),
+            _ => (Vec::new(), Vec::new()),
         });
         doubted.push((label, longest.map_or([NONE; 2], |s| s.sides)));
-        wrong.push(Wrong { line, levels, or_another: false, is_open: false });
+        wrong.push(Wrong { line, levels, apart, or_another: false, is_open: false });
     }
     for (wrong, margin) in wrong.iter_mut().zip(explained.margins(&doubted)) {
         wrong.or_another = margin < CLEAR;
     }
     wrong
+}
+
+/// The levels from one sub-domain up or down to another if there are several; none where the two meet.
+fn levels_apart(a: Span, b: Span) -> Vec<i64> {
+    let (low, high) = if a.lo <= b.lo { (a, b) } else { (b, a) };
+    let levels = low.hi + 1..=high.lo;
+    if levels.end() > levels.start() { levels.collect() } else { Vec::new() }
 }
 
 /// The innermost contours among the wrong ones could as well enclose a top as a pit: both levels of the ground around them
@@ -167,6 +177,19 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         let (from, feature) = (contour.elevation, contour.feature);
         let place = contour.points.get(contour.points.len() / 2).copied();
         let Some(to) = fits(w) else {
+            if let [lowest, .., highest] = w.apart[..] {
+                let all: Vec<String> = w.apart.iter().take(NAMED).map(|&y| format!("{}", grid.elevation(y))).collect();
+                let message = format!(
+                    "between contours {} and {} only feature {feature} ({from} m) lies: of {} all but one are missing",
+                    grid.elevation(lowest - 1),
+                    grid.elevation(highest + 1),
+                    all.join(", ")
+                );
+                judged.findings.push(Finding::new(FindingKind::SkippedLevel, place, message).about(feature, from));
+                if matches!(grid.label(from), Label::On(y) if w.apart.contains(&y)) {
+                    continue;
+                }
+            }
             let message = format!("the elevation {from} m of feature {feature} contradicts the contours around it");
             judged.findings.push(Finding::new(FindingKind::WrongLabel, place, message).about(feature, from));
             continue;

@@ -171,6 +171,25 @@ fn a_missing_contour_is_told_with_its_place() {
 }
 
 #[test]
+fn a_missing_contour_beside_a_wrong_label_is_told_too() {
+    let mut elevations = levels(9);
+    elevations[3] = 410.0;
+    let without = |mut lines: Vec<Contour>| {
+        lines.remove(4);
+        lines
+    };
+    for lines in [without(slope(&elevations)), without(hill(&elevations))] {
+        let told = tiled(lines).1;
+        let kinds: Vec<_> = told.iter().map(|f| (f.kind, &f.features[..])).collect();
+        assert_eq!(kinds, [(FindingKind::SkippedLevel, &[4][..]), (FindingKind::WrongLabel, &[4][..])], "{told:?}");
+        assert!(
+            told[0].message.contains("between contours 120 and 150") && told[0].message.contains("130, 140"),
+            "{told:?}"
+        );
+    }
+}
+
+#[test]
 fn a_short_gap_is_told_once_and_can_be_joined() {
     let (tiling, told) = tiled(cut(slope(&levels(7)), 3, 40, 45));
     assert_eq!(told.len(), 1, "{told:?}");
