@@ -186,11 +186,11 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
                     all.join(", ")
                 );
                 judged.findings.push(Finding::new(FindingKind::SkippedLevel, place, message).about(feature, from));
-                if matches!(grid.label(from), Label::On(y) if w.apart.contains(&y)) {
-                    continue;
-                }
             }
-            let message = format!("the elevation {from} m of feature {feature} contradicts the contours around it");
+            let can_be_right = matches!(grid.label(from), Label::On(y) if w.apart.contains(&y));
+            let unless = if can_be_right { ", unless a contour beside it is missing" } else { "" };
+            let message =
+                format!("the elevation {from} m of feature {feature} contradicts the contours around it{unless}");
             judged.findings.push(Finding::new(FindingKind::WrongLabel, place, message).about(feature, from));
             continue;
         };
