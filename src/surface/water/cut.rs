@@ -84,10 +84,20 @@ pub(super) fn cut_from_water(
     other: &MultiPolygon<f64>,
     distance: f64,
 ) -> Option<MultiPolygon<f64>> {
-    let meet = |a: &Rect<f64>, b: &Rect<f64>| a.intersects(b);
-    let bounds = [area.bounding_rect()?, other.bounding_rect()?];
-    (meet(&bounds[0], &bounds[1]) && area.intersects(other))
-        .then(|| with_own_vertices(area.difference(&other.buffer(distance)), area))
+    let borders = [Border::new(area), Border::new(other)];
+    let reach = borders[0].tolerance().max(borders[1].tolerance());
+    let [a, b] = [area.bounding_rect()?, other.bounding_rect()?];
+    let grown = Rect::new(a.min() - Coord { x: reach, y: reach }, a.max() + Coord { x: reach, y: reach });
+    if !grown.intersects(&b) {
+        return None;
+    }
+    // Apart by rounding is no way apart: both shores would have a height at one place.
+    let touches = |area: &MultiPolygon<f64>, border: &Border| {
+        let mut corners = rings(area).flat_map(|ring| ring.coords()).map(|c| DVec2::new(c.x, c.y));
+        corners.any(|corner| border.edge_at(corner).is_some())
+    };
+    let meet = area.intersects(other) || touches(area, &borders[1]) || touches(other, &borders[0]);
+    meet.then(|| with_own_vertices(area.difference(&other.buffer(distance)), area))
 }
 
 /// Two pieces of water of one height as one; none if they do not meet.
@@ -109,4 +119,21 @@ fn with_own_vertices(after: MultiPolygon<f64>, before: &MultiPolygon<f64>) -> Mu
         Some(&[x, y]) if (x - c.x).hypot(y - c.y) <= near => Coord { x, y },
         _ => c,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::{Area, polygon};
+
+    use super::*;
+
+    #[test]
+    fn water_apart_by_rounding_is_cut_back() {
+        let lake = |from: f64| -> MultiPolygon<f64> {
+            polygon![(x: from, y: 0.0), (x: from + 4.0, y: 0.0), (x: from + 4.0, y: 4.0), (x: from, y: 4.0)].into()
+        };
+        let rest = cut_from_water(&lake(4.0 + 1e-15), &lake(0.0), 0.5).unwrap();
+        assert!((rest.unsigned_area() - 14.0).abs() < 1e-6, "{rest:?}");
+        assert_eq!(cut_from_water(&lake(4.001), &lake(0.0), 0.5), None);
+    }
 }
