@@ -178,12 +178,12 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         let place = contour.points.get(contour.points.len() / 2).copied();
         let Some(to) = fits(w) else {
             if let [lowest, .., highest] = w.apart[..] {
-                let all: Vec<String> = w.apart.iter().take(NAMED).map(|&y| format!("{}", grid.elevation(y))).collect();
                 let message = format!(
-                    "between contours {} and {} only feature {feature} ({from} m) lies: of {} all but one are missing",
+                    "between contours {} and {} only feature {feature} ({from} m) lies: of {} to {} all but one are missing",
                     grid.elevation(lowest - 1),
                     grid.elevation(highest + 1),
-                    all.join(", ")
+                    grid.elevation(lowest),
+                    grid.elevation(highest)
                 );
                 judged.findings.push(Finding::new(FindingKind::SkippedLevel, place, message).about(feature, from));
             }
