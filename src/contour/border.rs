@@ -83,9 +83,14 @@ impl Border {
 /// Distance under which a place counts as on the border of an area, map units: what is computed to lie on it does but for this.
 pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
     area.bounding_rect().map_or(0.0, |r| {
-        let far = [r.min().x, r.min().y, r.max().x, r.max().y].into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        NEAR * r.width().hypot(r.height()) + ROUNDING * far
+        let corner = |c: Coord| DVec2::new(c.x, c.y);
+        tolerance_of_box(corner(r.min()), corner(r.max()))
     })
+}
+
+/// The same for an area with this box around it.
+pub(crate) fn tolerance_of_box(min: DVec2, max: DVec2) -> f64 {
+    NEAR * min.distance(max) + ROUNDING * min.abs().max(max.abs()).max_element()
 }
 
 /// The area with further vertices on its border, given by the number of their edge. Along each edge they follow in the

@@ -1,18 +1,24 @@
-//! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. The only file that knows spade.
+//! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. With `walk`, the only file that knows spade.
+
+use std::collections::HashMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation as _};
 
+use super::walk::is_found;
 use super::{CONSTRAINT, NONE, Tin, TinInput};
 use crate::error::{Error, Result};
+
+/// spade's triangulation.
+pub(super) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// A constrained Delaunay triangulation that can grow. Points and edges that are added to its [`input`](Self::input) are in
 /// the next [`tin`](Self::tin); those that were there before keep their numbers.
 #[derive(Debug, Clone, Default)]
 pub struct Triangulation {
-    cdt: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    cdt: Cdt,
     input: TinInput,
     /// The vertex of each point, for the points that are in.
     vertex_of: Vec<u32>,
@@ -29,19 +35,24 @@ impl Triangulation {
     /// When a coordinate is out of range, or when edges cross.
     pub fn new(input: TinInput) -> Result<Self> {
         let (source, vertex_of) = merge_equal_positions(&input.positions);
+        let edges = input.edges.len();
+        let mut built = Self { cdt: Cdt::new(), input, vertex_of, source, edges };
+        built.load()?;
+        Ok(built)
+    }
+
+    /// Triangulates all vertices and edges that are in.
+    fn load(&mut self) -> Result<()> {
+        let Self { input, vertex_of, source, .. } = self;
         let vertices = source.iter().map(|&i| point(input.positions[i as usize])).collect();
-        let edges = input.edges.iter().map(|e| e.map(|p| vertex_of[p as usize] as usize)).filter(|[u, v]| u != v);
+        let edges = input.edges[..self.edges].iter().map(|e| e.map(|p| vertex_of[p as usize] as usize));
+        let edges = edges.filter(|[u, v]| u != v).collect();
         let mut conflict = None;
-        let cdt = ConstrainedDelaunayTriangulation::try_bulk_load_cdt(vertices, edges.collect(), |e| {
+        self.cdt = Cdt::try_bulk_load_cdt(vertices, edges, |e| {
             conflict.get_or_insert(e);
         })
         .map_err(refused)?;
-        let edges = input.edges.len();
-        let built = Self { cdt, input, vertex_of, source, edges };
-        match conflict {
-            Some(edge) => Err(built.crossing(edge.map(|v| v as u32))),
-            None => Ok(built),
-        }
+        conflict.map_or(Ok(()), |edge| Err(self.crossing(edge.map(|v| v as u32))))
     }
 
     /// What it is made of.
@@ -94,8 +105,17 @@ impl Triangulation {
         let before = self.source.len();
         let first = self.vertex_of.len();
         self.vertex_of.resize(self.input.positions.len(), NONE);
+        let mut near = FixedVertexHandle::from_index(0);
         for i in side_by_side(&self.input.positions[first..]).into_iter().map(|i| first + i) {
-            let vertex = self.cdt.insert(point(self.input.positions[i])).map_err(refused)?.index();
+            let place = point(self.input.positions[i]);
+            if !is_found(&self.cdt, place, near) {
+                self.source.truncate(before);
+                self.number_from(first);
+                self.load()?;
+                break;
+            }
+            near = self.cdt.insert_with_hint(place, near).map_err(refused)?;
+            let vertex = near.index();
             if vertex == self.source.len() {
                 self.source.push(i as u32);
             } else if vertex >= before && self.source[vertex] > i as u32 {
@@ -116,6 +136,19 @@ impl Triangulation {
         }
         self.edges = self.input.edges.len();
         Ok(())
+    }
+
+    /// Gives points from the first new one on their vertices, those of the same place the same.
+    fn number_from(&mut self, first: usize) {
+        let Self { input, vertex_of, source, .. } = self;
+        let key = |i: usize| input.positions[i].to_array().map(f64::to_bits);
+        let mut at: HashMap<[u64; 2], u32> = (0..).zip(&*source).map(|(v, &i)| (key(i as usize), v)).collect();
+        for (i, vertex) in vertex_of.iter_mut().enumerate().skip(first) {
+            *vertex = *at.entry(key(i)).or_insert_with(|| {
+                source.push(i as u32);
+                source.len() as u32 - 1
+            });
+        }
     }
 
     /// The error that the edge between two vertices crosses another.
@@ -282,6 +315,7 @@ fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
 mod tests {
     use super::*;
     use crate::tin::VertexKind;
+    use crate::tin::walk::winding_lines;
 
     fn square(input: &mut TinInput, half: f64, height: f64) {
         let ring = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);
@@ -347,6 +381,30 @@ mod tests {
         let [a, b] = [(-3.5, 0.0), (3.5, 0.1)].map(|p| crossed.input().push(p.into(), 1.0, VertexKind::Axis));
         crossed.input().push_edge(a, b);
         assert!(crossed.tin().unwrap_err().to_string().contains("lines cross"));
+    }
+
+    #[test]
+    fn a_triangulation_grows_among_winding_lines() {
+        let (vertices, edges, points) = winding_lines();
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(31.0)], 0.0);
+        vertices.into_iter().for_each(|p| _ = input.push(p, 10.0, VertexKind::Contour));
+        edges.into_iter().for_each(|e| input.push_edge(e[0] as u32, e[1] as u32));
+        let mut grown = Triangulation::new(input).unwrap();
+        let before = grown.tin().unwrap();
+        for p in points.iter().rev().chain(&points) {
+            grown.input().push(*p, 5.0, VertexKind::Axis);
+        }
+        let tin = grown.tin().unwrap();
+        tin.validate().unwrap();
+        assert_eq!(tin.source[..16], before.source);
+        let mut added = tin.source[16..].to_vec();
+        added.sort_unstable();
+        assert_eq!(added, [16, 17, 18, 19, 20]);
+        let constraints = |tin: &Tin| {
+            let edges = (0..tin.len() as u32).flat_map(|t| (0..3).map(move |i| (t, i)));
+            edges.filter(|&(t, i)| tin.is_constraint(t, i)).count()
+        };
+        assert_eq!(constraints(&tin), constraints(&before));
     }
 
     #[test]

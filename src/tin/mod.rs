@@ -17,6 +17,7 @@ mod outline;
 mod refine;
 mod regions;
 mod touch;
+mod walk;
 mod waters;
 
 pub use build::{Triangulation, triangulate};

@@ -26,6 +26,7 @@ mod tests;
 
 use std::collections::HashSet;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
@@ -33,6 +34,7 @@ pub(crate) use self::segments::{Runs, Segment, Segments};
 
 use self::contacts::Contacts;
 use self::removed::{Removed, Why};
+use super::border;
 use super::{Contour, ContourMap};
 use crate::error::{Error, Finding, Report, Result};
 
@@ -43,13 +45,18 @@ const JOIN_ROUNDS: usize = 4;
 /// How often vertices that stray are looked for: the straight pieces instead of them may meet each other.
 const STRAY_ROUNDS: usize = 4;
 
+/// On large maps lines of different level are to be further apart, up to so many times.
+const WIDEST: f64 = 1e3;
+
 /// What counts as near, in map units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CleanParams {
     /// The widest gap across which ends of one level are joined and a line is closed. With 0 only ends at the very same
     /// point are.
     pub snap: f64,
-    /// Lines of different level, and spot heights, closer than this count as touching.
+    /// Lines of different level, and spot heights, closer than this count as touching. On a map so large, or so far from
+    /// zero, that places on its frame are known less well (a billionth of its size, so 0.03 mm for 30 km), they count so when
+    /// they are closer than that, up to a thousand times this.
     pub separation: f64,
 }
 
@@ -68,13 +75,23 @@ impl CleanParams {
         }
         Ok(())
     }
+
+    /// The same with the separation that this map needs: of two lines nearer to each other than the frame's tolerance, either
+    /// could take the other's place on the frame.
+    pub(super) fn on(&self, map: &ContourMap) -> Self {
+        let places = map.places().filter(|p| points::is_place(*p));
+        let (min, max) = places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
+        let least = if min.x <= max.x { border::tolerance_of_box(min, max) } else { 0.0 };
+        Self { separation: self.separation.max(least.min(WIDEST * self.separation)), ..*self }
+    }
 }
 
 /// Makes a map sound; see the module's first lines for the steps.
 ///
 /// In the result every coordinate and elevation is finite and every line has two points at least, visits no vertex twice
 /// (but for the end of a closed line) and does not cross itself; lines of one level touch at single points at most and
-/// do not cross there otherwise than at a common vertex; lines of different level are at least `separation` apart. Lines
+/// do not cross there otherwise than at a common vertex; lines of different level are at least
+/// [`separation`](CleanParams::separation) apart. Lines
 /// are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y), closed ones start
 /// at their smallest vertex. A joined line has the smallest feature number of its pieces. Elevations that differ by rounding
 /// only are made the same number.
@@ -86,6 +103,7 @@ impl CleanParams {
 /// cannot be contour lines, or if there are more than 2³² vertices.
 pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;
+    let params = &params.on(&map);
     let ContourMap { contours, spots, depressions, crs } = map;
     let lines = clean_lines(contours, params)?;
     let mut findings = lines.findings;
@@ -101,6 +119,7 @@ pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>
 /// [`Error::Data`] with the first thing that is not so.
 pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
     params.check()?;
+    let params = params.on(map);
     for contour in &map.contours {
         points::validate(contour)?;
     }

@@ -80,6 +80,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
         )));
     }
     clean::validate(&map, near)?;
+    let near = &near.on(&map);
     if let Some(sampling) = &params.sampling {
         sampling.check()?;
     }

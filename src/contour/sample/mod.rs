@@ -88,6 +88,7 @@ pub struct Sampled {
 pub fn sample(map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
     params.check()?;
     clean::validate(&map, near)?;
+    let near = &near.on(&map);
     let ContourMap { contours, spots, crs, depressions } = map;
     let Plan { mut cuts, least, held } = plan(&contours, params)?;
     let mut whole = 0;

@@ -97,6 +97,26 @@ fn a_line_turned_round_is_as_near_as_before() {
 }
 
 #[test]
+fn on_a_large_map_lines_are_further_apart() {
+    let line = |feature: u64, size: f64, y: f64| {
+        let points = vec![DVec2::new(size, y), DVec2::new(2.0 * size, y)];
+        Contour { elevation: feature as f64, points, feature }
+    };
+    let findings = |size: f64, apart: f64, separation: f64| {
+        let params = CleanParams { snap: 0.0, separation };
+        let map = map(vec![line(1, size, 0.0), line(2, size, apart)]);
+        let found = clean(map.clone(), &params).expect("few conflicts").findings.len();
+        assert_eq!(validate(&map, &params).is_err(), found > 0);
+        found
+    };
+    assert_eq!(findings(100.0, 2e-6, 1e-6), 0);
+    assert_ne!(findings(100_000.0, 2e-6, 1e-6), 0, "the frame is known to 0.1 mm");
+    assert_eq!(findings(100_000.0, 2e-4, 1e-6), 0);
+    assert_eq!(findings(100_000.0, 2e-6, 0.0), 0, "nothing but contact was asked for");
+    assert_eq!(findings(1e12, 2e-3, 1e-6), 0, "however far away a single point is");
+}
+
+#[test]
 fn negative_zero_is_zero() {
     let mut lines = vec![line(1, 0.0, &[(0, 0), (5, 0)]), line(2, -0.0, &[(5, 0), (0, 0)])];
     lines[1].points[1] = DVec2::new(-0.0, -0.0);
