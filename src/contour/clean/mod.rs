@@ -55,7 +55,7 @@ pub struct CleanParams {
     /// point are.
     pub snap: f64,
     /// Lines of different level, and spot heights, closer than this count as touching. On a map so large, or so far from
-    /// zero, that places on its frame are known less well (a billionth of its size, so 0.03 mm for 30 km), they count so when
+    /// zero, that places on its frame are known less well (two billionths of its size, so 0.06 mm for 30 km), they count so when
     /// they are closer than that, up to a thousand times this.
     pub separation: f64,
 }
@@ -76,12 +76,12 @@ impl CleanParams {
         Ok(())
     }
 
-    /// The same with the separation that this map needs: of two lines nearer to each other than the frame's tolerance, either
-    /// could take the other's place on the frame.
+    /// The same with the separation that this map needs: of two lines that both lie on the frame but for its tolerance, on either
+    /// side of it, each could take the other's place there.
     pub(super) fn on(&self, map: &ContourMap) -> Self {
         let places = map.places().filter(|p| points::is_place(*p));
         let (min, max) = places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
-        let least = if min.x <= max.x { border::tolerance_of_box(min, max) } else { 0.0 };
+        let least = if min.x <= max.x { 2.0 * border::tolerance_of_box(min, max) } else { 0.0 };
         Self { separation: self.separation.max(least.min(WIDEST * self.separation)), ..*self }
     }
 }

@@ -110,8 +110,8 @@ fn on_a_large_map_lines_are_further_apart() {
         found
     };
     assert_eq!(findings(100.0, 2e-6, 1e-6), 0);
-    assert_ne!(findings(100_000.0, 2e-6, 1e-6), 0, "the frame is known to 0.1 mm");
-    assert_eq!(findings(100_000.0, 2e-4, 1e-6), 0);
+    assert_ne!(findings(100_000.0, 2e-6, 1e-6), 0, "the frame is known to 0.2 mm");
+    assert_eq!(findings(100_000.0, 3e-4, 1e-6), 0);
     assert_eq!(findings(100_000.0, 2e-6, 0.0), 0, "nothing but contact was asked for");
     assert_eq!(findings(1e12, 2e-3, 1e-6), 0, "however far away a single point is");
 }
