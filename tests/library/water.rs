@@ -203,6 +203,16 @@ fn water_that_contradicts_its_contours_is_left_out() {
     assert_eq!(findings.iter().map(|f| f.kind).collect::<Vec<_>>(), [FindingKind::LakeLeftOut]);
 }
 
+#[test]
+fn a_height_of_water_that_is_none_is_refused() {
+    for height in [f64::NAN, f64::INFINITY, -1e30] {
+        let map = clean(ContourMap { contours: hollow(), ..ContourMap::default() }, &CleanParams::default()).unwrap();
+        let water = flat(vec![lake(Some(height), &circle((0.0, 0.0), 100.0), &[])]);
+        let error = build(map.value, &SurfaceParams { water, ..SurfaceParams::default() }, &()).unwrap_err();
+        assert!(matches!(&error, Error::Data(m) if m.contains("the lake of feature 1 has the height")), "{error}");
+    }
+}
+
 /// Straight contours, rising to the north.
 fn slope() -> Vec<Contour> {
     let line = |k: u32| {

@@ -30,7 +30,7 @@ pub(super) fn is_place(p: DVec2) -> bool {
 }
 
 /// Whether a number is a height.
-pub(super) fn is_height(z: f64) -> bool {
+pub(crate) fn is_height(z: f64) -> bool {
     z.abs() <= LARGEST_ELEVATION
 }
 

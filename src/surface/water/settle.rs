@@ -11,6 +11,7 @@ use super::net::Net;
 use super::nodes::{Reach, conflict, node};
 use super::ponds::{Pond, Ponds, rounded};
 use crate::bits::bits;
+use crate::contour::clean::is_height;
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip, rings};
 use crate::error::{Error, Finding, FindingKind, Result};
 use crate::tin::{FrameRing, Link, Regions, Tin};
@@ -41,7 +42,7 @@ pub(in crate::surface) struct Shores<'a> {
 /// wherever a shore meets it.
 ///
 /// # Errors
-/// When the height of a lake is no number.
+/// When the height of a lake is none.
 pub(in crate::surface) fn settle(
     lakes: &[Lake],
     ground: &Shores,
@@ -139,8 +140,12 @@ fn height_of(lake: &Lake, ground: &Shores, net: &Net, near: f64) -> Result<Optio
     let Some(height) = lake.height else {
         return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, ground)));
     };
-    if !height.is_finite() {
-        return Err(Error::Data(format!("the lake of feature {} has the height {height}", lake.feature)));
+    if !is_height(height) {
+        let message = format!(
+            "the lake of feature {} has the height {height}, which cannot be: correct it, or leave it empty to have that of its shore",
+            lake.feature
+        );
+        return Err(Error::Data(message));
     }
     let levels = ground.map.contours.iter().map(|c| c.elevation);
     let nearest = levels.min_by(|a, b| (a - height).abs().total_cmp(&(b - height).abs()));
