@@ -29,7 +29,8 @@ pub(super) fn is_found(cdt: &Cdt, place: Point2<f64>, from: FixedVertexHandle) -
     let Some(mut edge) = nearest.out_edge() else { return true };
     let mut side = edge.side_query(place);
     let mut leftward = side.is_on_left_side_or_on_line();
-    for _ in 0..STEPS {
+    // spade itself takes no more steps than there are edges.
+    for _ in 0..STEPS.min(cdt.num_directed_edges()) {
         if edge.vertices().iter().any(|v| v.position() == place) {
             return true;
         }
