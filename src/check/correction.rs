@@ -38,6 +38,8 @@ pub struct Judged {
     pub findings: Vec<Finding>,
     /// The corrections that they propose.
     pub corrections: Vec<Correction>,
+    /// Numbers of the lines that the ground around contradicts without telling what their elevation should be, ascending.
+    pub doubted: Vec<u32>,
 }
 
 /// Makes the changes. The map needs cleaning after it: lines of one level may meet now, and the ends of new pieces lie on

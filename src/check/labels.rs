@@ -192,6 +192,7 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
             let message =
                 format!("the elevation {from} m of feature {feature} contradicts the contours around it{unless}");
             judged.findings.push(Finding::new(FindingKind::WrongLabel, place, message).about(feature, from));
+            judged.doubted.push(w.line);
             continue;
         };
         let others: Vec<String> = w.levels[1..].iter().take(2).map(|&y| format!("{}", grid.elevation(y))).collect();
@@ -215,6 +216,7 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         let finding = Finding::new(kind, place, message).about(feature, from);
         if w.or_another || w.is_open {
             judged.findings.push(finding);
+            judged.doubted.push(w.line);
             continue;
         }
         judged.findings.push(finding.proposing(Proposal::Relabel { from, to }));

@@ -43,6 +43,12 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || triangulated(prepared, params, progress),
     );
     let Triangulated { mut tiled, bridges, finer, findings } = found?;
+    // That took all labels for right. Only now it is known which are not.
+    let trusted = tiled.trusted();
+    let chosen = match &trusted {
+        Some(map) => chosen.map(|_| choose(&tiled.sheet_of(map), params)),
+        None => chosen,
+    };
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
@@ -57,7 +63,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
-        let errors = error_field(&tiled, params, chosen.as_ref(), working.as_ref());
+        let known = trusted.as_ref().map(|map| tiled.sheet_of(map));
+        let errors = error_field(&tiled, known, params, chosen.as_ref(), working.as_ref());
         progress.finish();
         errors
     });

@@ -12,6 +12,7 @@ mod sample;
 mod sheet;
 pub mod spline;
 mod tiling;
+mod trusted;
 mod uncertainty;
 mod water;
 

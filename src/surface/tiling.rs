@@ -41,6 +41,8 @@ pub struct Tiling {
     /// What would mend the faults that were found, for [`correct`](crate::check::correct). Their lines are those of the map as
     /// it came in where the frame is no polygon.
     pub corrections: Vec<Correction>,
+    /// As [`Judged::doubted`].
+    pub(super) doubted: Vec<u32>,
     /// What closes the gaps between open ends.
     pub(super) gaps: Gaps,
     parts: Parts,
@@ -159,14 +161,15 @@ impl Prepared {
             links: &parts.links,
             gaps: &gaps,
         };
-        let Judged { findings: of_labels, corrections } = judge(&ground);
+        let Judged { findings: of_labels, corrections, doubted } = judge(&ground);
         findings.extend(of_labels);
         findings.extend(contradicted_marks(&map, &tin, &sub_domains));
         let tin = with_frame_heights(tin, &sub_domains, None);
         progress.finish();
         let given = triangulation.input().len();
         let regions = sub_domains;
-        let tiling = Tiling { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given };
+        let tiling =
+            Tiling { map, tin, regions, frame, interval, corrections, doubted, gaps, parts, triangulation, given };
         Ok(Report { value: tiling, findings })
     }
 }
@@ -207,7 +210,7 @@ impl Tiling {
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
     pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
-        let Self { map, tin, regions, frame, interval, corrections, gaps, parts, given, .. } = self;
+        let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, parts, given, .. } = self;
         let kept = KeptBands::new(&tin, regions);
         let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
@@ -231,7 +234,7 @@ impl Tiling {
         };
         let tin = with_frame_heights(tin, &regions, working);
         let triangulation = Triangulation::default();
-        Self { map, tin, regions, frame, interval, corrections, gaps, parts, triangulation, given }
+        Self { map, tin, regions, frame, interval, corrections, doubted, gaps, parts, triangulation, given }
     }
 }
 

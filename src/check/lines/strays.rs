@@ -19,5 +19,5 @@ pub(super) fn find(map: &ContourMap) -> Judged {
         outlying_vertices(&contour.points).into_iter().map(of_vertex).collect::<Vec<_>>()
     };
     let (findings, corrections) = map.contours.par_iter().enumerate().flat_map_iter(of_line).unzip();
-    Judged { findings, corrections }
+    Judged { findings, corrections, ..Judged::default() }
 }

@@ -22,6 +22,8 @@ const VERTICES: f64 = 80e3;
 const SQUARES: usize = 4;
 /// Limits of the distance between levels at a place against the mean.
 const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
+/// Closed contours that are not so many cells long would fit into one; they tell nothing at the size of a trial's cells.
+const DOT: f64 = 4.0;
 /// The interval of the levels that are left may differ from twice the map's by this share.
 const INTERVAL_SHARE: f64 = 1e-3;
 
@@ -140,10 +142,11 @@ pub fn trial(
     resolution: Option<f64>,
     cell: f64,
 ) -> Option<Trial> {
+    // In the flats of a map with many knolls their few vertices would decide what the surface around them looks like.
+    let is_asked = |c: &&Contour| interval.is_level(c.elevation) && !(c.is_closed() && c.length() < DOT * cell);
     let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
-    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
-        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
+    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) = map.contours.iter().filter(is_asked).partition(is_left);
     let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
     let places = places
         .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })

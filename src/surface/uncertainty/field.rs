@@ -8,6 +8,7 @@ use super::places::seen;
 use super::sides::sides;
 use crate::contour::LineError;
 use crate::dem::{Dem, locate, rasterise};
+use crate::surface::sheet::Sheet;
 use crate::surface::spline::{Chosen, roughness, slopes, working_grid};
 use crate::surface::{Surface, SurfaceParams, Tiling, WorkingGrid};
 use crate::tin::{Region, Side};
@@ -33,8 +34,10 @@ pub struct ErrorField {
 }
 
 /// The expected error of a surface that was built from `tiled`; `working` and `chosen` are those of the smooth surface.
+/// Contours are hidden of `trusted`, if the labels of some are wrong.
 pub fn error_field(
     tiled: &Tiling,
+    trusted: Option<Sheet<'_>>,
     params: &SurfaceParams,
     chosen: Option<&Chosen>,
     working: Option<&WorkingGrid>,
@@ -42,7 +45,7 @@ pub fn error_field(
     let sheet = tiled.sheet();
     let gap = sheet.gap;
     let growth = roughness::growth(&sheet);
-    let seen = seen(&sheet, params, chosen.map(|c| c.knobs));
+    let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
     let model = ErrorModel::learn(&seen, growth, tiled.interval.step, gap);
     drop(seen);
     let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);

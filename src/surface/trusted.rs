@@ -1,0 +1,28 @@
+//! What of a map can be trusted where levels are hidden to learn from the rest: beside wrong labels all ground would look
+//! rough.
+
+use super::sheet::Sheet;
+use super::tiling::Tiling;
+use crate::check::{Correction, correct};
+use crate::contour::ContourMap;
+
+impl Tiling {
+    /// The map with the elevations that are proposed for wrong labels, without the lines whose label is wrong though none is
+    /// proposed; `None` if the ground around contradicts no label.
+    pub(super) fn trusted(&self) -> Option<ContourMap> {
+        let is_label = |c: &&Correction| matches!(c, Correction::Label { .. });
+        let labels: Vec<Correction> = self.corrections.iter().filter(is_label).cloned().collect();
+        if labels.is_empty() && self.doubted.is_empty() {
+            return None;
+        }
+        let mut map = correct(self.map.clone(), &labels).value;
+        let mut lines = 0u32..;
+        map.contours.retain(|_| lines.next().is_some_and(|line| self.doubted.binary_search(&line).is_err()));
+        Some(map)
+    }
+
+    /// Another map in the same frame.
+    pub(super) fn sheet_of<'a>(&'a self, map: &'a ContourMap) -> Sheet<'a> {
+        Sheet::new(map, &self.frame, self.interval)
+    }
+}
