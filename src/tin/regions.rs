@@ -12,6 +12,8 @@ use crate::rows::Rows;
 
 /// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
 const WIDE: f64 = 1.5;
+/// Share of a sub-domain's border that is most of it.
+const MOST: f64 = 0.75;
 
 /// The side of a level that ground lies on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -206,11 +208,22 @@ fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
 
 /// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
 ///
+/// Two are enough though other levels are on the border, if theirs is most of it: a line with a wrong elevation, or what is
+/// left of a missing contour, does not make the ground around it unknown.
+///
 /// For the others each level asks its known neighbours: crossing a contour changes the side, and the longer common border
 /// wins where they disagree. That is the rule for peaks and pits, and also for the ground where contours are missing.
 fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
-    let tells = |r: &Region| r.levels.len() >= 2 && r.gap() <= WIDE * interval.step;
-    let mut known: Vec<bool> = regions.iter().map(tells).collect();
+    let mut known: Vec<bool> = vec![false; regions.len()];
+    for (r, region) in regions.iter_mut().enumerate() {
+        let lower = main_pair(region, borders.of(r), interval);
+        known[r] = lower.is_some();
+        if let Some(lower) = lower {
+            for (k, (_, side)) in region.levels.iter_mut().enumerate() {
+                *side = if k <= lower { Side::Above } else { Side::Below };
+            }
+        }
+    }
     let mut frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
     while !frontier.is_empty() {
         let mut next: Vec<u32> = frontier
@@ -233,6 +246,30 @@ fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval
         let hi = if highest.1 == Side::Above { interval.next_above(highest.0) } else { highest.0 };
         region.band = Band { lo, hi };
     }
+}
+
+/// The lower one of the two neighbouring levels that tell a sub-domain's band, by its number; `None` if it has none.
+fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option<usize> {
+    let near = WIDE * interval.step;
+    if region.levels.len() < 2 {
+        return None;
+    }
+    if region.gap() <= near {
+        return Some(0);
+    }
+    let mut lengths = vec![0.0; region.levels.len()];
+    for border in borders {
+        if let Some(k) = region.number_of(border.level) {
+            lengths[k] += border.length;
+        }
+    }
+    let all: f64 = lengths.iter().sum();
+    let of_pair = |k: usize| lengths[k] + lengths[k + 1];
+    let is_pair = |&k: &usize| {
+        let apart = region.levels[k + 1].0 - region.levels[k].0;
+        apart <= near && lengths[k].min(lengths[k + 1]) > 0.0 && of_pair(k) > MOST * all
+    };
+    (0..lengths.len() - 1).filter(is_pair).max_by(|&j, &k| of_pair(j).total_cmp(&of_pair(k)))
 }
 
 /// The levels of a sub-domain with the sides that its known neighbours give; as they were where none does.
