@@ -346,4 +346,23 @@ mod tests {
         assert_eq!(band(40.0), Band { lo: 100.0, hi: 110.0 });
         assert_eq!(band(10.0), Band { lo: 90.0, hi: 100.0 });
     }
+
+    #[test]
+    fn small_wrong_rings_do_not_turn_a_hollow_into_a_hill() {
+        let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
+        let mut ring = |x: f64, h: f64, z: f64| {
+            let ring = [(-h, -h), (h, -h), (h, h), (-h, h), (-h, -h)].map(|(dx, dy)| DVec2::new(x + dx, dy));
+            input.push_line(&ring, z, VertexKind::Contour);
+        };
+        [(90.0, 120.0), (75.0, 110.0), (30.0, 100.0)].map(|(h, z)| ring(0.0, h, z));
+        // Knolls of 110 and 120 m.
+        ring(55.0, 2.0, 160.0);
+        ring(82.0, 2.0, 50.0);
+        let crater = triangulate(input).unwrap();
+        let found = regions(&crater, &TEN);
+        let band = |x: f64| band_at(&crater, &found, DVec2::new(x, 1.0));
+        assert_eq!(band(40.0), Band { lo: 100.0, hi: 160.0 });
+        assert_eq!(band(10.0), Band { lo: 90.0, hi: 100.0 }, "the floor");
+        assert_eq!(band(86.0), Band { lo: 50.0, hi: 120.0 });
+    }
 }

@@ -7,7 +7,7 @@ use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
 use tokosen::dem::{Grid, rasterise};
 use tokosen::error::{Finding, FindingKind};
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Reason, Surface, SurfaceParams, build, heights};
+use tokosen::surface::{Chosen, Reason, Surface, SurfaceParams, build, heights};
 use tokosen::tin::Frame;
 
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
@@ -174,6 +174,23 @@ fn cells_on_vertices_of_contours_have_their_level() {
             );
         }
     }
+}
+
+#[test]
+fn wrong_labels_do_not_change_how_the_surface_is_drawn() {
+    let to_map = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0 };
+    let mut contours: Vec<Contour> = crate::common::fractal(3, 120, 120).contours().into_iter().map(to_map).collect();
+    let chosen = |contours: &[Contour]| surface_of(contours.to_vec(), Vec::new(), Frame::Hull).0.chosen.unwrap();
+    let before = chosen(&contours);
+    contours.sort_by(|a, b| b.length().total_cmp(&a.length()));
+    for contour in contours.iter_mut().skip(3).step_by(9).take(4) {
+        contour.elevation += 30.0;
+    }
+    let after = chosen(&contours);
+    eprintln!("{before:?} {after:?}");
+    let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
+    assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.1, "{before:?} {after:?}");
+    assert!((after.knobs.tension / before.knobs.tension).ln().abs() < 0.2, "{before:?} {after:?}");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Ways out of pits: water runs off wherever the contours do not say that it stays.
 //!
 //! A surface through contours dams gullies between one contour and the next: strings of pits that nothing in the input
-//! speaks for. From each pit the lowest way to lower ground is searched, over the lowest pass, and cut so that it falls
-//! steadily (breaching, after Lindsay 2016).
+//! speaks for. From each pit the way to lower ground is searched on which least has to be cut away, and cut so that it falls
+//! steadily (least-cost breaching, after Lindsay 2016).
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -11,6 +11,9 @@ use super::lattice::Lattice;
 
 /// Nodes that are looked at for one way out; a pit that needs more stays.
 const MOST_VISITED: usize = 20_000;
+/// What a way's length costs, as a cut of such a share of the deepest one that is allowed: over ground as low as the pit the
+/// short way is taken.
+const LENGTH: f32 = 1e-3;
 
 /// What ways out of pits must not do.
 pub struct Limits<'a> {
@@ -59,59 +62,67 @@ fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<
         .map(move |(i, j)| (j * cols + i) as usize)
 }
 
-/// The nodes from a pit over the lowest pass to lower ground, both included. None where the floor of a band is in the way
-/// or the search grows too large.
+/// The nodes from a pit to lower ground, both included, by the way on which least is to be cut away. None where the floor of
+/// a band is in the way or the search grows too large.
 fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
     let goal = heights[pit as usize];
-    let mut from: HashMap<u32, u32> = HashMap::from([(pit, pit)]);
-    let mut open = BinaryHeap::from([Reverse((Key(goal), pit))]);
-    while let Some(Reverse((Key(pass), n))) = open.pop() {
-        if from.len() > MOST_VISITED {
+    // What is cut away to reach a node, and the node before it.
+    let mut best: HashMap<u32, (f32, u32)> = HashMap::from([(pit, (0.0, pit))]);
+    let mut open = BinaryHeap::from([Reverse((Key(0.0), pit))]);
+    while let Some(Reverse((Key(cost), n))) = open.pop() {
+        if best[&n].0 < cost {
+            continue;
+        }
+        let height = heights[n as usize];
+        if height < goal || height.is_nan() {
+            let mut way = vec![n];
+            let mut at = n;
+            while at != pit {
+                at = best[&at].1;
+                way.push(at);
+            }
+            way.reverse();
+            return Some(way);
+        }
+        if best.len() > MOST_VISITED {
             return None;
         }
         for m in neighbours(lattice, n as usize).map(|m| m as u32) {
-            if from.contains_key(&m) {
-                continue;
-            }
             let height = heights[m as usize];
             let lower = height < goal || height.is_nan();
             // Ground that may not be cut below the pit is no way out.
             if !lower && (limits.lo[m as usize] >= goal || height - goal >= limits.depth) {
                 continue;
             }
-            from.insert(m, n);
-            if lower {
-                let mut way = vec![m];
-                let mut at = m;
-                while at != pit {
-                    at = from[&at];
-                    way.push(at);
-                }
-                way.reverse();
-                return Some(way);
+            let depth = if lower { 0.0 } else { height - goal };
+            let cost = cost + (depth + LENGTH * limits.depth) * step(lattice, n, m) as f32;
+            if best.get(&m).is_none_or(|b| cost < b.0) {
+                best.insert(m, (cost, n));
+                open.push(Reverse((Key(cost), m)));
             }
-            open.push(Reverse((Key(pass.max(height)), m)));
         }
     }
     None
 }
 
+/// Distance between two nodes, map units.
+fn step(lattice: &Lattice, a: u32, b: u32) -> f64 {
+    let (a, b) = (a as usize, b as usize);
+    let dx = (a % lattice.cols).abs_diff(b % lattice.cols) as f64 * lattice.step.x;
+    let dy = (a / lattice.cols).abs_diff(b / lattice.cols) as f64 * lattice.step.y;
+    dx.hypot(dy)
+}
+
 /// Lowers the nodes between the ends of a way to a steady fall, where they are above it.
 fn cut(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
-    let step = |a: u32, b: u32| {
-        let (a, b) = (a as usize, b as usize);
-        let dx = (a % lattice.cols).abs_diff(b % lattice.cols) as f64 * lattice.step.x;
-        let dy = (a / lattice.cols).abs_diff(b / lattice.cols) as f64 * lattice.step.y;
-        dx.hypot(dy)
-    };
-    let length: f64 = way.windows(2).map(|w| step(w[0], w[1])).sum();
+    let length: f64 = way.windows(2).map(|w| step(lattice, w[0], w[1])).sum();
     let top = heights[way[0] as usize];
     let end = heights[way[way.len() - 1] as usize];
     // Off the frame: level ground that only just falls.
     let end = if end.is_nan() { top - f32::EPSILON * top.abs() * way.len() as f32 } else { end };
     let mut gone = 0.0;
     for w in way.windows(2) {
-        gone += step(w[0], w[1]);
+        gone += step(lattice, w[0], w[1]);
         let n = w[1] as usize;
         let fall = top + (end - top) * (gone / length) as f32;
         if heights[n] > fall {
@@ -173,6 +184,27 @@ mod tests {
         assert!(heights.iter().zip(&before).all(|(now, then)| now <= then));
         // Most ground is as it was.
         assert!(heights.iter().zip(&before).filter(|(now, then)| now != then).count() < 40);
+    }
+
+    #[test]
+    fn a_way_keeps_to_low_ground_behind_the_pass() {
+        let grid = grid(14, 13);
+        let at = |n: usize| {
+            let (i, j) = (n % 14, n / 14);
+            match i.abs_diff(3).max(j.abs_diff(6)) {
+                _ if i == 13 => 9.0,
+                0 => 10.0,
+                1 => 18.0,
+                _ if j == 9 => 10.5,
+                _ => 15.0,
+            }
+        };
+        let before: Vec<f32> = (0..14 * 13).map(at).collect();
+        let mut heights = before.clone();
+        breach(&mut heights, &grid, &Limits { lo: &[0.0; 14 * 13], depth: 20.0 }, |_| false);
+        assert_eq!(pits(&heights, &grid), 0);
+        let cut: f32 = before.iter().zip(&heights).map(|(then, now)| then - now).sum();
+        assert!(cut < 25.0, "{cut} m were cut away, not along the valley floor");
     }
 
     #[test]
