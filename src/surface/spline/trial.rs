@@ -73,7 +73,11 @@ pub struct Missed {
 /// The parts are small, so that each is one task.
 pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
     let cell = cell(sheet, params, 2);
-    let parts = parts(sheet, &params.frame, cell);
+    let mut parts = parts(sheet, &params.frame, cell);
+    for (map, _) in &mut parts {
+        // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
+        map.contours.retain(|c| !(c.is_closed() && c.length() < DOT * cell));
+    }
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
@@ -142,11 +146,10 @@ pub fn trial(
     resolution: Option<f64>,
     cell: f64,
 ) -> Option<Trial> {
-    // In the flats of a map with many knolls their few vertices would decide what the surface around them looks like.
-    let is_asked = |c: &&Contour| interval.is_level(c.elevation) && !(c.is_closed() && c.length() < DOT * cell);
     let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
-    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) = map.contours.iter().filter(is_asked).partition(is_left);
+    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
+        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
     let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
     let places = places
         .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
