@@ -354,7 +354,9 @@ mod tests {
             let ring = [(-h, -h), (h, -h), (h, h), (-h, h), (-h, -h)].map(|(dx, dy)| DVec2::new(x + dx, dy));
             input.push_line(&ring, z, VertexKind::Contour);
         };
-        [(90.0, 120.0), (75.0, 110.0), (30.0, 100.0)].map(|(h, z)| ring(0.0, h, z));
+        for (h, z) in [(90.0, 120.0), (75.0, 110.0), (30.0, 100.0)] {
+            ring(0.0, h, z);
+        }
         // Knolls of 110 and 120 m.
         ring(55.0, 2.0, 160.0);
         ring(82.0, 2.0, 50.0);
