@@ -788,8 +788,13 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let input = sample("caryville_20m.gpkg");
     let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
     let (chosen, _) = folder.succeeds(&dem);
-    for words in ["chosen by hiding every second level", "LE90", "an interval of 40 m", "with all contours, 20 m apart"]
-    {
+    for words in [
+        "and crease knee 0.",
+        "chosen by hiding every second level",
+        "LE90",
+        "an interval of 40 m",
+        "with all contours, 20 m apart",
+    ] {
         assert!(chosen.contains(words), "no {words:?} in {chosen}");
     }
     let (given, _) = folder.succeeds(&format!("{dem} --tension 5 --noise 1"));

@@ -113,6 +113,7 @@ pub fn surface(surface: &Surface, console: &Console) {
 fn chosen(chosen: &Chosen, console: &Console) {
     let why = match chosen.reason {
         Reason::Given => "as given",
+        Reason::Hidden if chosen.is_mended => "chosen by hiding every second level, with the wrong elevations mended",
         Reason::Hidden => "chosen by hiding every second level",
         Reason::FellBack => "the usual one: there are too few levels to hide some and choose by them",
     };
@@ -120,7 +121,11 @@ fn chosen(chosen: &Chosen, console: &Console) {
         noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
         _ => String::new(),
     };
-    console.say(&format!("tension    {:.2}, {why}{noise}", chosen.knobs.tension));
+    let knee = match chosen.reason {
+        Reason::Hidden => format!(" and crease knee {:.2}", chosen.knobs.crease_knee),
+        _ => String::new(),
+    };
+    console.say(&format!("tension    {:.2}{knee}, {why}{noise}", chosen.knobs.tension));
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
         "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, drawn from an interval of {} m",

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::nodes::{push_axis, with_nodes};
 use super::sheet::Sheet;
-use super::spline::{bytes_on, choose, draft, spline, working_grid};
+use super::spline::{Chosen, bytes_on, choose, draft, spline, working_grid};
 use super::tiling::{Prepared, Tiling, prepare};
 use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
@@ -46,7 +46,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     // That took all labels for right. Only now it is known which are not.
     let trusted = tiled.trusted();
     let chosen = match &trusted {
-        Some(map) => chosen.map(|_| choose(&tiled.sheet_of(map), params)),
+        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&tiled.sheet_of(map), params) }),
         None => chosen,
     };
     let mut break_lines = Vec::new();

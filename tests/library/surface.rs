@@ -187,6 +187,7 @@ fn wrong_labels_do_not_change_how_the_surface_is_drawn() {
         contour.elevation += 30.0;
     }
     let after = chosen(&contours);
+    assert!(!before.is_mended && after.is_mended);
     let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
     assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.1, "{before:?} {after:?}");
     assert!((after.knobs.tension / before.knobs.tension).ln().abs() < 0.2, "{before:?} {after:?}");

@@ -53,6 +53,9 @@ pub struct Chosen {
     pub knobs: Knobs,
     /// Why.
     pub reason: Reason,
+    /// Whether that was seen on the map without its wrong elevations: with those that are proposed for them, or without the
+    /// lines.
+    pub is_mended: bool,
     /// How well hidden contours were found; `None` if none were hidden.
     pub hidden: Option<Accuracy>,
     /// What that implies for the surface from all contours; `None` if none were hidden.
@@ -96,7 +99,8 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
     let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE };
-    let without = |tension, reason| Chosen { knobs: knobs(tension), reason, hidden: None, implied: None };
+    let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
+    let without = |tension, reason| chosen(knobs(tension), reason);
     if let Some(tension) = tension {
         return without(tension, Reason::Given);
     }
@@ -124,7 +128,7 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let share = OVER_BAND * 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
     let knobs = Knobs { crease_knee: crease_knee(&hidden), ..knobs((USUAL * best).sqrt()) };
-    Chosen { knobs, reason: Reason::Hidden, hidden: Some(hidden), implied: Some(implied) }
+    Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
 }
 
 /// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
