@@ -231,7 +231,7 @@ fn in_order(mut pairs: Vec<(Place, DVec2)>) -> Vec<(Place, DVec2)> {
 
 fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {
     Error::Data(format!(
-        "{} {} in {} has no place in {}; is that the right coordinate reference system? --crs names that of the input, \
+        "{:?} {:?} in {} has no place in {}; is that the right coordinate reference system? --crs names that of the input, \
          --work-crs another one to work in",
         p.x,
         p.y,
@@ -270,7 +270,7 @@ pub struct Bringer {
 
 impl Bringer {
     fn place(&self, p: DVec2) -> Result<DVec2> {
-        let wrong = || Error::Data(format!("{} {} is a place in only one of {}", p.x, p.y, self.names));
+        let wrong = || Error::Data(format!("{:?} {:?} is a place in only one of {}", p.x, p.y, self.names));
         let place = self.way.as_ref().map_or(Some(p), |way| way.forward(p)).ok_or_else(wrong)?;
         Ok(if self.in_steps { on_steps(place) } else { place })
     }

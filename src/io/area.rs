@@ -14,7 +14,7 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
 
 use super::table::{NO_GEOMETRY, Table};
-use crate::contour::clean::{Meeting, Segment, meeting, place};
+use crate::contour::clean::{Meeting, Segment, is_place, meeting, place};
 use crate::error::{Error, Result};
 
 const REMEDY: &str = "repair the polygon first, for instance in QGIS with Fix Geometries";
@@ -91,8 +91,8 @@ fn check_all(path: &Path, members: &[Member]) -> Result<()> {
 
 /// A closed ring around an area.
 fn ring(points: Vec<DVec2>) -> Result<LineString<f64>, String> {
-    if let Some(p) = points.iter().find(|p| !p.is_finite()) {
-        return Err(format!("a vertex of its boundary is at {} {}", p.x, p.y));
+    if let Some(p) = points.iter().find(|p| !is_place(**p)) {
+        return Err(format!("a vertex of its boundary is at {:?} {:?}, which is no place", p.x, p.y));
     }
     let mut ring: LineString<f64> = points.iter().map(|p| Coord { x: p.x, y: p.y }).collect();
     ring.close();

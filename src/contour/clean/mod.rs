@@ -30,7 +30,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
-pub(crate) use self::points::is_height;
+pub(crate) use self::points::{is_height, is_place};
 pub(crate) use self::segments::{Runs, Segment, Segments};
 
 use self::contacts::Contacts;

@@ -25,7 +25,7 @@ fn without_dust(x: f64) -> f64 {
 }
 
 /// Whether a point is a place.
-pub(super) fn is_place(p: DVec2) -> bool {
+pub(crate) fn is_place(p: DVec2) -> bool {
     p.x.abs() <= LARGEST_COORDINATE && p.y.abs() <= LARGEST_COORDINATE
 }
 

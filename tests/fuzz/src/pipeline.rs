@@ -18,6 +18,9 @@ const EXACT: f64 = 1e7;
 /// levels through those cross by rounding.
 const EXACT_UNITS: f64 = 1e8;
 
+/// Readers let no polygon pass with coordinates beyond that.
+const LARGEST: f64 = 1e50;
+
 /// The smooth surface is asked for on maps up to so many units of the small grid. With one line far from the others its
 /// working grid is large, as it must be, and nothing would be found in an hour.
 const SMOOTH: f64 = 64.0;
@@ -132,7 +135,11 @@ impl Bytes<'_> {
     }
 }
 
+/// The area within a ring that a reader would let pass.
 fn polygon(points: &[DVec2]) -> Option<Polygon<f64>> {
+    if points.iter().any(|p| p.abs().max_element() > LARGEST) {
+        return None;
+    }
     let ring: LineString<f64> = points.iter().map(|p| (p.x, p.y)).collect();
     let polygon = Polygon::new(ring, Vec::new());
     (points.len() >= 3 && polygon.is_valid()).then_some(polygon)
