@@ -65,6 +65,7 @@ pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
         base: params.base,
         crs: surface.map.crs.clone(),
     };
+    let ground = mesh.triangles.len();
     if let Some(base) = params.base {
         let lowest = mesh.vertices.iter().fold(f64::INFINITY, |m, v| m.min(v.z));
         if !base.is_finite() || base >= lowest {
@@ -77,7 +78,7 @@ pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
         }
         close(&mut mesh, base, &border);
     }
-    mesh.normals = normals(&mesh);
+    mesh.normals = normals(&mesh, ground);
     Ok(mesh)
 }
 
@@ -137,12 +138,16 @@ fn close(mesh: &mut Mesh, base: f64, border: &[[u32; 2]]) {
     }
 }
 
-/// Area-weighted normals; upwards where the triangles around a vertex leave no direction.
-fn normals(mesh: &Mesh) -> Vec<Vec3> {
+/// Area-weighted normals; upwards where the triangles around a vertex leave no direction. The first `ground` triangles look up,
+/// though rounding turns slivers far from zero over.
+fn normals(mesh: &Mesh, ground: usize) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; mesh.vertices.len()];
-    for t in &mesh.triangles {
+    for (n, t) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
-        let twice_area = (b - a).cross(c - a);
+        let mut twice_area = (b - a).cross(c - a);
+        if n < ground {
+            twice_area.z = twice_area.z.max(0.0);
+        }
         t.iter().for_each(|&v| sums[v as usize] += twice_area);
     }
     sums.into_iter().map(|sum| sum.try_normalize().unwrap_or(DVec3::Z).as_vec3()).collect()

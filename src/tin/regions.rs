@@ -11,7 +11,7 @@ use crate::contour::Interval;
 use crate::rows::Rows;
 
 /// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
-const WIDE: f64 = 1.5;
+pub(super) const WIDE: f64 = 1.5;
 /// Share of a sub-domain's border that is most of it.
 const MOST: f64 = 0.75;
 
