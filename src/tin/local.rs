@@ -50,3 +50,65 @@ fn corner_band(tin: &Tin, t: u32) -> Option<Band> {
     let band = levels.fold(none, |band, level| Band { lo: band.lo.min(level), hi: band.hi.max(level) });
     (band.lo < band.hi).then_some(band)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::contour::Interval;
+    use crate::tin::{TinInput, regions, triangulate};
+
+    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+
+    /// Points every 5 units along a square around a place.
+    fn ring(x: f64, half: f64) -> Vec<DVec2> {
+        let side = |from: DVec2, to: DVec2| {
+            let count = (from.distance(to) / 5.0).ceil() as usize;
+            (0..count).map(move |k| from.lerp(to, k as f64 / count as f64))
+        };
+        let corners = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)];
+        let corners = corners.map(|(u, v)| DVec2::new(x + u, v));
+        corners.windows(2).flat_map(|w| side(w[0], w[1])).chain([corners[0]]).collect()
+    }
+
+    /// The bands that lines give to places on the x-axis: those of their sub-domains, and those of their triangles.
+    fn bands(lines: &[(f64, Vec<DVec2>)], places: &[f64]) -> Vec<[Band; 2]> {
+        let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
+        lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
+        let tin = triangulate(input).unwrap();
+        let found = regions(&tin, &TEN);
+        let local = local_bands(&tin, &found);
+        let holds = |t: u32, p: DVec2| {
+            let [a, b, c] = tin.corners(t);
+            [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
+        };
+        let band = |x: &f64| {
+            let t = (0..tin.len() as u32).find(|&t| holds(t, DVec2::new(*x, 1.0))).unwrap();
+            let whole = found.region(t).unwrap().band;
+            [whole, local.get(&t).copied().unwrap_or(whole)]
+        };
+        places.iter().map(band).collect()
+    }
+
+    #[test]
+    fn a_broken_contour_tells_the_bands_on_both_its_sides_but_in_the_gap() {
+        let mut broken = ring(0.0, 60.0);
+        let gap = broken.iter().position(|p| p.x == 60.0 && p.y > -45.0).unwrap()
+            ..broken.iter().position(|p| p.x == 60.0 && p.y > 45.0).unwrap();
+        let rest = broken.split_off(gap.end);
+        broken.truncate(gap.start);
+        let lines = [(100.0, ring(0.0, 90.0)), (110.0, broken), (110.0, rest), (120.0, ring(0.0, 30.0))];
+        let whole = Band { lo: 100.0, hi: 120.0 };
+        let expected = [Band { lo: 100.0, hi: 110.0 }, Band { lo: 110.0, hi: 120.0 }, whole].map(|band| [whole, band]);
+        assert_eq!(bands(&lines, &[-75.0, -45.0, 60.0]), expected);
+    }
+
+    #[test]
+    fn a_wrong_elevation_widens_the_band_beside_it_alone() {
+        let lines = [(100.0, ring(0.0, 95.0)), (110.0, ring(0.0, 20.0)), (160.0, ring(60.0, 3.0))];
+        let whole = Band { lo: 100.0, hi: 160.0 };
+        let expected = [Band { lo: 100.0, hi: 110.0 }, Band { lo: 110.0, hi: 160.0 }].map(|band| [whole, band]);
+        assert_eq!(bands(&lines, &[-60.0, 40.0]), expected);
+    }
+}
