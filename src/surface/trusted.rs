@@ -1,5 +1,5 @@
-//! What of a map can be trusted where levels are hidden to learn from the rest: beside wrong labels all ground would look
-//! rough.
+//! What of a map can be trusted to learn from. Beside wrong labels all ground looks rough where levels are hidden, and bands are
+//! those of other ground.
 
 use super::sheet::Sheet;
 use super::tiling::Tiling;
@@ -19,6 +19,16 @@ impl Tiling {
         let mut lines = 0u32..;
         map.contours.retain(|_| lines.next().is_some_and(|line| self.doubted.binary_search(&line).is_err()));
         Some(map)
+    }
+
+    /// Numbers of the lines whose label the ground around contradicts, ascending.
+    pub(super) fn wrong_lines(&self) -> Vec<u32> {
+        let label = |c: &Correction| if let Correction::Label { line, .. } = c { Some(*line) } else { None };
+        let mut lines: Vec<u32> =
+            self.corrections.iter().filter_map(label).chain(self.doubted.iter().copied()).collect();
+        lines.sort_unstable();
+        lines.dedup();
+        lines
     }
 
     /// Another map in the same frame.

@@ -13,7 +13,8 @@ use super::{Band, Regions, Tin, VertexKind};
 
 /// The bands of the triangles of all sub-domains whose band is wider than one interval, as far as they are narrower than that:
 /// between the levels at the corners, or those of the triangle with corners on two levels that is the fewest triangles away.
-pub fn local_bands(tin: &Tin, regions: &Regions) -> HashMap<u32, Band> {
+/// Triangles with a corner that `is_wrong`, a vertex of a line with a wrong elevation, keep that of the sub-domain.
+pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool + Sync) -> HashMap<u32, Band> {
     let near = WIDE * regions.interval.step;
     let is_wide = |t: u32| {
         tin.is_inside(t)
@@ -21,13 +22,14 @@ pub fn local_bands(tin: &Tin, regions: &Regions) -> HashMap<u32, Band> {
                 .region(t)
                 .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
     };
+    let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
     let told = |t: u32| Some((t, corner_band(tin, t)?));
-    let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t));
+    let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t) && !is_beside_wrong(t));
     let told: Vec<(u32, Band)> = wide.filter_map(told).collect();
     let mut bands: HashMap<u32, Band> = told.iter().copied().collect();
     let mut open: VecDeque<(u32, Band)> = told.into();
     while let Some((t, band)) = open.pop_front() {
-        for n in (0..3).filter_map(|i| tin.across(t, i)) {
+        for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong(n)) {
             bands.entry(n).or_insert_with(|| {
                 open.push_back((n, band));
                 band
@@ -78,7 +80,8 @@ mod tests {
         lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &TEN);
-        let local = local_bands(&tin, &found);
+        let wrong = |v: u32| tin.heights[v as usize] == 160.0;
+        let local = local_bands(&tin, &found, wrong);
         let holds = |t: u32, p: DVec2| {
             let [a, b, c] = tin.corners(t);
             [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
@@ -108,7 +111,7 @@ mod tests {
     fn a_wrong_elevation_widens_the_band_beside_it_alone() {
         let lines = [(100.0, ring(0.0, 95.0)), (110.0, ring(0.0, 20.0)), (160.0, ring(60.0, 3.0))];
         let whole = Band { lo: 100.0, hi: 160.0 };
-        let expected = [Band { lo: 100.0, hi: 110.0 }, Band { lo: 110.0, hi: 160.0 }].map(|band| [whole, band]);
+        let expected = [Band { lo: 100.0, hi: 110.0 }, whole].map(|band| [whole, band]);
         assert_eq!(bands(&lines, &[-60.0, 40.0]), expected);
     }
 }

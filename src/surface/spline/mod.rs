@@ -42,7 +42,7 @@ use crate::contour::ContourMap;
 use crate::dem::{Grid, heights_at};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
-use crate::tin::{NONE, Side, local_bands};
+use crate::tin::{NONE, Side, line_at, line_starts, local_bands};
 use energy::CrossingWeight;
 use lattice::Crossing;
 use pits::{Limits, breach};
@@ -120,7 +120,11 @@ pub struct Knobs {
 /// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
 /// those that the nodes lie in.
 pub(super) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &Grid, triangles: &[u32]) -> Draft<'a> {
-    let local = local_bands(&tiled.tin, &tiled.regions);
+    let (wrong, starts) = (tiled.wrong_lines(), line_starts(&tiled.map));
+    let is_wrong = |v: u32| {
+        !wrong.is_empty() && line_at(&tiled.tin, &starts, v).is_some_and(|line| wrong.binary_search(&line).is_ok())
+    };
+    let local = local_bands(&tiled.tin, &tiled.regions, is_wrong);
     let of_region = |t: u32| tiled.regions.region(t).map(|r| r.band);
     let band = |&t: &u32| if t == NONE { None } else { local.get(&t).copied().or_else(|| of_region(t)) };
     let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
