@@ -279,6 +279,18 @@ fn a_lake_as_narrow_as_a_line_is_left_out_with_a_finding() {
 }
 
 #[test]
+fn a_lake_without_width_is_left_out_with_a_finding() {
+    let needle: Vec<DVec2> = [(500.0, 510.0), (500.0, 590.0), (500.0 + 1e-9, 590.0)].map(DVec2::from).into();
+    let lakes = vec![lake(None, &circle((500.0, 550.0), 30.0), &[]), lake(None, &needle, &[])];
+    for kind in KINDS {
+        let (surface, findings) = surface_with(slope(), flat(lakes.clone()), kind);
+        let told: Vec<_> = findings.iter().filter(|f| f.kind == FindingKind::LakeLeftOut).collect();
+        assert!(matches!(&told[..], [f] if f.message.contains("no width")), "{findings:?}");
+        check(&surface, 1.0, "needle");
+    }
+}
+
+#[test]
 fn lakes_that_meet_are_one_or_apart() {
     for kind in KINDS {
         let pair = |b: f64| {

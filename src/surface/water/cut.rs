@@ -97,7 +97,11 @@ pub(super) fn cut_from_water(
         corners.any(|corner| border.edge_at(corner).is_some())
     };
     let meet = area.intersects(other) || touches(area, &borders[1]) || touches(other, &borders[0]);
-    meet.then(|| with_own_vertices(area.difference(&other.buffer(distance)), area))
+    // An arm without width has no place in what is around the other's area.
+    let shore = MultiLineString::new(rings(other).cloned().collect());
+    let around =
+        |area: &MultiPolygon<f64>| area.difference(&other.buffer(distance)).difference(&shore.buffer(distance));
+    meet.then(|| with_own_vertices(around(area), area))
 }
 
 /// Two pieces of water of one height as one; none if they do not meet.
@@ -126,6 +130,15 @@ mod tests {
     use geo::{Area, polygon};
 
     use super::*;
+
+    #[test]
+    fn water_is_cut_back_from_an_arm_without_width() {
+        let area =
+            MultiPolygon::from(polygon![(x: 0.0, y: 0.0), (x: 40.0, y: 0.0), (x: 40.0, y: 20.0), (x: 0.0, y: 20.0)]);
+        let arm = MultiPolygon::from(polygon![(x: 5.0, y: -9.0), (x: 5.0 + 1e-9, y: 15.0), (x: 5.0, y: 15.0)]);
+        let rest = cut_from_water(&area, &arm, 0.5).unwrap();
+        assert!((area.unsigned_area() - rest.unsigned_area() - 15.4).abs() < 0.1, "{}", rest.unsigned_area());
+    }
 
     #[test]
     fn water_apart_by_rounding_is_cut_back() {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use geo::{Area, BoundingRect, MultiPolygon};
+use geo::{Area, BoundingRect, Euclidean, Length, MultiPolygon, Polygon};
 use glam::DVec2;
 
 use super::cut::{Clash, cut_back, cut_from_water, joined};
@@ -61,6 +61,11 @@ pub(in crate::surface) fn settle(
         let (area, clashes) = cut_back(area, height, &net, BACK * spacing);
         findings.extend(clashes.iter().map(|clash| crossed(lake.feature, height, clash)));
         for part in area {
+            if width(&part) <= ground.frame.tolerance() {
+                let place = first_vertex(&part.into());
+                findings.push(left_out(lake.feature, Some(height), place, "has no width but for rounding"));
+                continue;
+            }
             let pond = Pond { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
             add(&mut ponds, pond, BACK * spacing, findings);
         }
@@ -119,6 +124,11 @@ pub(in crate::surface) fn settle(
     let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
     let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
     Ok((Ponds { ponds, nodes: net.nodes }, frame))
+}
+
+/// Mean width of an area, as of a long rectangle.
+fn width(area: &Polygon<f64>) -> f64 {
+    2.0 * area.unsigned_area() / Euclidean.length(area.exterior())
 }
 
 /// Takes lakes out that no triangle lies in: their vertices moved further than they are wide, and their shores part nothing.
