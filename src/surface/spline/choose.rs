@@ -98,7 +98,7 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
     let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
-    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE };
+    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0 };
     let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
     let without = |tension, reason| chosen(knobs(tension), reason);
     if let Some(tension) = tension {
@@ -125,9 +125,11 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
         interval: 2.0 * step,
         count: missed[nearest].len(),
     };
-    let share = OVER_BAND * 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
+    let half_way = 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
+    let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
-    let knobs = Knobs { crease_knee: crease_knee(&hidden), ..knobs((USUAL * best).sqrt()) };
+    let half_way = half_way * hidden.rmse;
+    let knobs = Knobs { crease_knee: crease_knee(&hidden), half_way, ..knobs((USUAL * best).sqrt()) };
     Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
 }
 

@@ -11,10 +11,12 @@
 //!
 //! `stages` finds it from coarse to fine lattices (`lattice`), each by conjugate gradients between bounds
 //! (`minimise`, `tile`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
-//! Last, ways out of pits are cut (`pits`).
+//! Then heights are drawn away from the levels, as far as the error at hidden contours tells (`expected`), and last, ways out
+//! of pits are cut (`pits`).
 
 mod choose;
 mod energy;
+mod expected;
 mod grid;
 mod lattice;
 mod minimise;
@@ -29,6 +31,7 @@ pub(super) mod trial;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
+pub(super) use expected::left;
 pub(super) use grid::{bytes_on, working_grid};
 pub(super) use lattice::Lattice;
 
@@ -115,6 +118,9 @@ pub struct Knobs {
     /// The bending across ridge and canyon lines from which on it counts with its size, not its square, as a share of that
     /// elsewhere: less of it, and they are sharper.
     pub crease_knee: f64,
+    /// Standard error half-way between two contours, metres, as hidden ones tell; 0 where it is not known. Heights are drawn
+    /// from the levels towards the middle between them for it.
+    pub half_way: f64,
 }
 
 /// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
@@ -162,6 +168,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
     let moved = |bound: &'a [f32], by: f32| -> Cow<'a, [f32]> {
         if by == 0.0 { Cow::Borrowed(bound) } else { bound.iter().map(|b| b + by).collect() }
     };
+    let closeness = closeness(guide, grid, *gap, interval);
     let problem = Problem {
         lattice,
         contours,
@@ -170,7 +177,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
         crease_knee: knobs.crease_knee,
         bounds: [moved(lo, -slack), moved(hi, slack)],
         guide,
-        tension: tension(guide, grid, *gap, interval, knobs.tension),
+        tension: tension(&closeness, grid, *gap, knobs.tension),
         contour_weight: contour_weight(knobs.noise, grid, *gap),
         interval,
         hollows,
@@ -189,6 +196,10 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
     });
+    if knobs.half_way > 0.0 {
+        let variances = expected::variances(knobs.half_way, &closeness, *gap, lo, &lattice, &problem.spots);
+        expected::draw_in(&mut heights, [lo, hi], &variances);
+    }
     let limits = Limits { lo, depth: interval as f32 };
     breach(&mut heights, &lattice, &limits, |n| hollows[n]);
     WorkingGrid { grid: *grid, heights }
@@ -207,10 +218,8 @@ fn contour_weight(noise: f64, grid: &Grid, gap: f64) -> CrossingWeight {
     CONTOUR_WEIGHT.map(|weight| noisy.min(weight))
 }
 
-/// Tension at each node, per square of the eastward step: `k / (mean gap · local gap)`, the local gap being the interval
-/// over the guide's slope.
-fn tension(guide: &[f32], grid: &Grid, gap: f64, interval: f64, k: f64) -> Vec<f32> {
-    let whole = k * (grid.cell.x / gap).powi(2);
+/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope.
+fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64) -> Vec<f32> {
     let slopes = slopes(guide, grid);
     let relative = |s: &f32| {
         let gaps = f64::from(*s) * gap / interval;
@@ -222,7 +231,13 @@ fn tension(guide: &[f32], grid: &Grid, gap: f64, interval: f64, k: f64) -> Vec<f
             (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0
         });
     }
-    factor.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
+    factor
+}
+
+/// Tension at each node, per square of the eastward step: `k / (mean gap · local gap)`.
+fn tension(closeness: &[f32], grid: &Grid, gap: f64, k: f64) -> Vec<f32> {
+    let whole = k * (grid.cell.x / gap).powi(2);
+    closeness.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
 }
 
 /// A new value for every node that has all its neighbours.

@@ -48,7 +48,8 @@ fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen>
     let sides = sides(tiled, grid, &triangles);
     let draft = draft(tiled, break_lines, grid, &triangles);
     let surface = match knobs {
-        Some(knobs) if kind == SurfaceKind::Spline => spline(&draft, &knobs, &()),
+        // Hidden contours all lie half-way, where heights are drawn to.
+        Some(knobs) if kind == SurfaceKind::Spline => spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()),
         _ => WorkingGrid { grid: *grid, heights: draft.guide },
     };
     let ask = |place: &crate::surface::spline::trial::Place| {

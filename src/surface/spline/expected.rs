@@ -1,0 +1,169 @@
+//! Draws heights from the levels of contours towards the middle between them: what is to be expected where the surface may be off.
+//!
+//! Of ground between two levels about as much lies at each height. Where a surface that is off by chance comes close to a
+//! level, it is therefore more often too close than not close enough, for beyond the level there is other ground. With
+//! heights even over a band of height H and errors with the variance s², the mean of the true heights where the surface
+//! has the height z is, to the first order, z + 12 s² / H² · (m - z), m being the middle of the band (linear regression
+//! on z; the variance of even heights is H² / 12).
+//!
+//! The contours themselves are known. So s² rises from 0 at one level to that half-way and falls to 0 at the other, as
+//! 4 t (1 - t) with t the share of the band below z, which is how it does for a path that is free between fixed ends (a
+//! Brownian bridge). Hidden contours tell it half-way; like that of such a path, it grows with the distance between the contours.
+//! Where one height is drawn upwards at a contour, that beyond the contour is drawn downwards as much, so the
+//! surface goes on meeting it.
+
+use rayon::prelude::*;
+
+use super::lattice::{Crossing, Lattice};
+
+/// Variance of heights that are even over a band, as a share of the square of its height.
+const EVEN: f32 = 1.0 / 12.0;
+/// Most of the variance of the error against that: heights are drawn in by half of their distance from the middle at most.
+const MOST: f32 = 0.5;
+/// Where as few nodes lie between two contours, half of the variance is left: so many edges between nodes are crossed by contours
+/// that little is left open.
+const FEW: f32 = 5.0;
+/// How far a spot height is known around, as a share of the distance between contours there, and at most, mean distances.
+const AROUND: (f64, f64) = (0.5, 2.0);
+
+/// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
+/// mean. `closeness` is the mean gap over the local one; `inside` is NaN outside the frame.
+pub fn variances(
+    half_way: f64,
+    closeness: &[f32],
+    gap: f64,
+    inside: &[f32],
+    lattice: &Lattice,
+    spots: &[(Crossing, f64)],
+) -> Vec<f32> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (closeness, _) in closeness.iter().zip(inside).filter(|(_, inside)| !inside.is_nan()) {
+        sum += 1.0 / f64::from(*closeness);
+        count += 1.0;
+    }
+    let whole = (half_way * half_way * count / sum) as f32;
+    let nodes = (gap / (lattice.step.x * lattice.step.y).sqrt()) as f32;
+    let of = |c: &f32| whole / c / (1.0 + (FEW * c / nodes).powi(3));
+    let mut variances: Vec<f32> = closeness.par_iter().map(of).collect();
+    for (crossing, _) in spots {
+        let node = crossing.node as usize;
+        let reach = gap * (AROUND.0 / f64::from(closeness[node])).min(AROUND.1);
+        around(lattice, node, reach, |n, share| variances[n] *= share);
+    }
+    variances
+}
+
+/// Calls `at` for the nodes that are nearer than `reach` to a node, with a share that grows from 0 there to 1.
+fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, f32)) {
+    let (col, row) = (node % lattice.cols, node / lattice.cols);
+    let [across, down] = [reach / lattice.step.x, reach / lattice.step.y].map(|nodes| nodes as usize);
+    for j in row.saturating_sub(down)..(row + down + 1).min(lattice.rows) {
+        for i in col.saturating_sub(across)..(col + across + 1).min(lattice.cols) {
+            let [x, y] = [i.abs_diff(col) as f64 * lattice.step.x, j.abs_diff(row) as f64 * lattice.step.y];
+            let left = 1.0 - (x * x + y * y) / (reach * reach);
+            if left > 0.0 {
+                at(j * lattice.cols + i, (1.0 - left * left) as f32);
+            }
+        }
+    }
+}
+
+/// Draws heights between `bounds` towards the middle.
+pub fn draw_in(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32]) {
+    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+        let (lo, height) = (bounds[0][n], bounds[1][n] - bounds[0][n]);
+        if height > 0.0 {
+            let t = ((*z - lo) / height).clamp(0.0, 1.0);
+            let by = share(variances[n] / (height * height)) * 4.0 * t * (1.0 - t) * (0.5 - t);
+            *z = (*z + height * by).clamp(lo, bounds[1][n]);
+        }
+    });
+}
+
+/// The share of their distance from the middle that heights are drawn in by, for a variance against the square of the band.
+fn share(variance: f32) -> f32 {
+    (variance / EVEN).min(MOST)
+}
+
+/// What is left of a standard error where heights were drawn in, in a band of a height.
+pub fn left(error: f64, height: f64) -> f64 {
+    let share = if height > 0.0 { share((error / height).powi(2) as f32) } else { 0.0 };
+    error * (1.0 - f64::from(share)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 40, rows: 40 };
+
+    #[test]
+    fn levels_and_the_middle_stay_and_heights_keep_their_order() {
+        let count = 101;
+        for variance in [1.0, 20.0, 1e9] {
+            let mut z: Vec<f32> = (0..count).map(|k| 200.0 + 20.0 * k as f32 / 100.0).collect();
+            let before = z.clone();
+            let bounds = [vec![200.0; count], vec![220.0; count]];
+            draw_in(&mut z, [&bounds[0], &bounds[1]], &vec![variance; count]);
+            assert_eq!([z[0], z[50], z[100]], [200.0, 210.0, 220.0]);
+            assert!(z.windows(2).all(|w| w[0] < w[1]), "{variance}: {z:?}");
+            for k in 1..50 {
+                assert!(z[k] > before[k] && (z[k] + z[100 - k] - 420.0).abs() < 1e-3, "{variance} {k}");
+            }
+        }
+        // 12 · 1 / 400 of 5 m, three quarters of it because t is a quarter.
+        let mut quarter = [205.0];
+        draw_in(&mut quarter, [&[200.0], &[220.0]], &[1.0]);
+        assert!((quarter[0] - 205.0 - 0.75 * 12.0 / 400.0 * 5.0).abs() < 1e-4, "{quarter:?}");
+        let mut water = [7.0, f32::NAN];
+        draw_in(&mut water, [&[7.0, f32::NAN], &[7.0, f32::NAN]], &[1.0, 1.0]);
+        assert!(water[0] == 7.0 && water[1].is_nan());
+    }
+
+    #[test]
+    fn an_estimate_of_even_heights_is_nearer_to_them_when_drawn_in() {
+        // Heights even over a band, and errors that end at its levels.
+        let next = |state: &mut u64| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let mut state = 7;
+        let (mut before, mut after, deviation) = (0.0, 0.0, 1.5f32);
+        for _ in 0..20_000 {
+            let truth = 10.0 * next(&mut state);
+            let wide = (truth / 10.0 * (1.0 - truth / 10.0) * 4.0).sqrt() * deviation * 3.0f32.sqrt();
+            let mut z = [(truth + wide * (2.0 * next(&mut state) - 1.0)).clamp(0.0, 10.0)];
+            before += (z[0] - truth).powi(2);
+            draw_in(&mut z, [&[0.0], &[10.0]], &[deviation * deviation]);
+            after += (z[0] - truth).powi(2);
+        }
+        assert!(after < 0.95 * before, "{after} {before}");
+    }
+
+    #[test]
+    fn the_variance_is_that_of_hidden_contours_in_the_mean_and_none_at_a_spot_height() {
+        let (count, middle) = (LATTICE.len(), 20 * 40 + 20);
+        let spot = Crossing { node: middle as u32, along: 0.0, at_vertex: false };
+        // Contours thrice as close in the west as in the east.
+        let closeness: Vec<f32> = (0..count).map(|n| if n % 40 < 20 { 1.5 } else { 0.5 }).collect();
+        let inside = vec![0.0; count];
+        let found = |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &closeness, gap, &inside, &LATTICE, spots);
+        let far = found(1e4, &[]);
+        assert!((far.iter().sum::<f32>() / count as f32 - 4.0).abs() < 1e-3);
+        assert!((far[middle] / far[0] - 3.0).abs() < 1e-3);
+        // Where hardly a node lies between contours there is hardly an error.
+        assert!(found(1.0, &[])[0] < 0.01 * far[0]);
+        let (known, free) = (found(6.0, &[(spot, 5.0)]), found(6.0, &[]));
+        assert_eq!((known[middle], known[middle + 7]), (0.0, free[middle + 7]));
+        assert!(known[middle + 2] > 0.0 && known[middle + 2] < free[middle + 2]);
+    }
+
+    #[test]
+    fn less_is_left_of_errors_that_are_large_for_the_band() {
+        assert_eq!((left(0.0, 10.0), left(1.0, 0.0)), (0.0, 1.0));
+        assert!((left(1.0, 10.0) - 0.88f64.sqrt()).abs() < 1e-6);
+        assert!((left(9.0, 10.0) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
+    }
+}
