@@ -14,6 +14,7 @@
 
 use rayon::prelude::*;
 
+use super::blur::blurred;
 use super::lattice::{Crossing, Lattice};
 
 /// Variance of heights that are even over a band, as a share of the square of its height.
@@ -23,11 +24,15 @@ const MOST: f32 = 0.5;
 /// Where as few nodes lie between two contours, half of the variance is left: so many edges between nodes are crossed by contours
 /// that little is left open.
 const FEW: f32 = 5.0;
+/// How far distances between contours are averaged, as a share of the mean one, and how often: the surface would show where they
+/// change.
+const REACH: f64 = 0.5;
+const SMOOTHING: usize = 2;
 /// How far a spot height is known around, as a share of the distance between contours there, and at most, mean distances.
 const AROUND: (f64, f64) = (0.5, 2.0);
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
-/// mean. `closeness` is the mean gap over the local one; `inside` is NaN outside the frame.
+/// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `inside` is NaN outside the frame.
 pub fn variances(
     half_way: f64,
     closeness: &[f32],
@@ -41,10 +46,18 @@ pub fn variances(
         sum += 1.0 / f64::from(*closeness);
         count += 1.0;
     }
-    let whole = (half_way * half_way * count / sum) as f32;
-    let nodes = (gap / (lattice.step.x * lattice.step.y).sqrt()) as f32;
-    let of = |c: &f32| whole / c / (1.0 + (FEW * c / nodes).powi(3));
-    let mut variances: Vec<f32> = closeness.par_iter().map(of).collect();
+    let mean = sum / count;
+    let nodes = gap / (lattice.step.x * lattice.step.y).sqrt();
+    // Outside the frame there are no gaps.
+    let gaps = |(closeness, inside): (&f32, &f32)| if inside.is_nan() { mean as f32 } else { 1.0 / closeness };
+    let mut gaps: Vec<f32> = closeness.par_iter().zip(inside).map(gaps).collect();
+    for _ in 0..SMOOTHING {
+        gaps = blurred(&gaps, lattice.cols, (REACH * nodes) as usize);
+    }
+    let whole = (half_way * half_way / mean) as f32;
+    let of = |gap: f32| whole * gap / (1.0 + (FEW / (nodes as f32 * gap)).powi(3));
+    let mut variances = gaps;
+    variances.par_iter_mut().for_each(|v| *v = of(*v));
     for (crossing, _) in spots {
         let node = crossing.node as usize;
         let reach = gap * (AROUND.0 / f64::from(closeness[node])).min(AROUND.1);

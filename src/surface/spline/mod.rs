@@ -14,6 +14,7 @@
 //! Then heights are drawn away from the levels, as far as the error at hidden contours tells (`expected`), and last, ways out
 //! of pits are cut (`pits`).
 
+mod blur;
 mod choose;
 mod energy;
 mod expected;
@@ -46,6 +47,7 @@ use crate::dem::{Grid, heights_at};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
 use crate::tin::{NONE, Side, line_at, line_starts, local_bands};
+use blur::blurred;
 use energy::CrossingWeight;
 use lattice::Crossing;
 use pits::{Limits, breach};
@@ -272,18 +274,8 @@ fn shelves(heights: &[f32], guide: &[f32], grid: &Grid) -> Vec<f32> {
         let less = 1.0 - own / other.max(f32::MIN_POSITIVE);
         if less.is_nan() { 0.0 } else { SHELF_SHARE * less.clamp(0.0, 1.0) }
     };
-    let mut shares: Vec<f32> = own.par_iter().zip(&other).map(share).collect();
-    let reach = 2 * SHELF_REACH + 1;
-    for step in [1, grid.cols] {
-        let before = shares.clone();
-        shares.par_iter_mut().enumerate().for_each(|(n, share)| {
-            let (place, count) = if step == 1 { (n % grid.cols, grid.cols) } else { (n / grid.cols, grid.rows) };
-            if place >= SHELF_REACH && place + SHELF_REACH < count {
-                *share = (0..reach).map(|k| before[n + k * step - SHELF_REACH * step]).sum::<f32>() / reach as f32;
-            }
-        });
-    }
-    shares
+    let shares: Vec<f32> = own.par_iter().zip(&other).map(share).collect();
+    blurred(&shares, grid.cols, SHELF_REACH)
 }
 
 /// Spot heights, carried to the four nodes around each along the guide.
