@@ -13,7 +13,8 @@
 //! levels are few and their errors noisy: the choice is half-way, on a logarithmic scale, between the tension that is best
 //! for them and the one that suits most terrain.
 //!
-//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours.
+//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, and how far the
+//! surface may be off half-way between them.
 
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
