@@ -28,8 +28,8 @@ const FEW: f32 = 5.0;
 /// change.
 const REACH: f64 = 0.5;
 const SMOOTHING: usize = 2;
-/// How far a spot height is known around, as a share of the distance between contours there, and at most, mean distances.
-const AROUND: (f64, f64) = (0.5, 2.0);
+/// How far around a spot height tells the ground, as a share of the distance between contours there.
+const AROUND: f64 = 0.5;
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
 /// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `inside` is NaN outside the frame.
@@ -47,7 +47,8 @@ pub fn variances(
         count += 1.0;
     }
     let mean = sum / count;
-    let nodes = gap / (lattice.step.x * lattice.step.y).sqrt();
+    let step = (lattice.step.x * lattice.step.y).sqrt();
+    let nodes = gap / step;
     // Outside the frame there are no gaps.
     let gaps = |(closeness, inside): (&f32, &f32)| if inside.is_nan() { mean as f32 } else { 1.0 / closeness };
     let mut gaps: Vec<f32> = closeness.par_iter().zip(inside).map(gaps).collect();
@@ -58,9 +59,11 @@ pub fn variances(
     let of = |gap: f32| whole * gap / (1.0 + (FEW / (nodes as f32 * gap)).powi(3));
     let mut variances = gaps;
     variances.par_iter_mut().for_each(|v| *v = of(*v));
+    // No further than they are from each other, in the mean: else many would be much work.
+    let apart = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
         let node = crossing.node as usize;
-        let reach = gap * (AROUND.0 / f64::from(closeness[node])).min(AROUND.1);
+        let reach = (gap * AROUND / f64::from(closeness[node])).min(apart);
         around(lattice, node, reach, |n, share| variances[n] *= share);
     }
     variances
