@@ -411,8 +411,8 @@ fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(u
 }
 
 /// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
-/// corner has the height of the nearest vertex that it shares a triangle with. Where two parts of the frame touch, the
-/// height lies in the bands of both. Where `working` has heights, a corner has one of those.
+/// corner has the height of the nearest vertex that it shares a triangle with, or the middle of the band. Where two parts
+/// of the frame touch, the height lies in the bands of both. Where `working` has heights, a corner has one of those.
 fn with_frame_heights(tin: Tin, regions: &Regions, working: Option<&WorkingGrid>) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
     let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();
@@ -438,8 +438,10 @@ fn with_frame_heights(tin: Tin, regions: &Regions, working: Option<&WorkingGrid>
     let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
     let found = axis_heights(&tin, regions, &points);
     let mut heights = tin.heights.clone();
-    for (&v, height) in corners.iter().zip(found) {
-        let fallback = || nearest.get(&v).map_or(f64::NAN, |n| n.1);
+    for ((&v, height), region) in corners.iter().zip(found).zip(points.iter().map(|p| p.region)) {
+        let band = regions.regions[region as usize].band;
+        // Among other corners alone nothing tells more than the band.
+        let fallback = || nearest.get(&v).map_or((band.lo + band.hi) / 2.0, |n| n.1);
         let smooth = working.map_or(f64::NAN, |w| f64::from(w.at(tin.point(v).truncate())));
         let choice = [smooth, height].into_iter().find(|h| !h.is_nan());
         heights[v as usize] = choice.unwrap_or_else(fallback);
