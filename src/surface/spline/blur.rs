@@ -2,6 +2,9 @@
 
 use rayon::prelude::*;
 
+/// Rows that are one task; sums begin anew with each, so that the means are the same for any number of threads.
+const STRIP: usize = 128;
+
 /// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let rows = values.len() / cols.max(1);
@@ -14,14 +17,22 @@ pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
             out[i] = (sum / count(i, reach, cols)) as f32;
         }
     });
-    let row = |j: usize| &along[j * cols..(j + 1) * cols];
+    let mut all = vec![0.0f32; values.len()];
+    all.par_chunks_mut((STRIP * cols).max(1))
+        .enumerate()
+        .for_each(|(k, strip)| down(&along, cols, reach, k * STRIP, strip));
+    all
+}
+
+/// The mean of the rows at most `reach` away from each, for the rows of a strip from `first` on.
+fn down(values: &[f32], cols: usize, reach: usize, first: usize, strip: &mut [f32]) {
+    let rows = values.len() / cols;
     let mut sums = vec![0.0f64; cols];
     let add = |sums: &mut [f64], j: usize, sign: f64| {
-        sums.iter_mut().zip(row(j)).for_each(|(sum, v)| *sum += sign * f64::from(*v));
+        sums.iter_mut().zip(&values[j * cols..(j + 1) * cols]).for_each(|(sum, v)| *sum += sign * f64::from(*v));
     };
-    (0..reach.min(rows)).for_each(|j| add(&mut sums, j, 1.0));
-    let mut all = Vec::with_capacity(values.len());
-    for j in 0..rows {
+    (first.saturating_sub(reach + 1)..(first + reach).min(rows)).for_each(|j| add(&mut sums, j, 1.0));
+    for (j, out) in (first..).zip(strip.chunks_mut(cols)) {
         if j + reach < rows {
             add(&mut sums, j + reach, 1.0);
         }
@@ -29,9 +40,8 @@ pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
             add(&mut sums, j - reach - 1, -1.0);
         }
         let count = count(j, reach, rows);
-        all.extend(sums.iter().map(|sum| (sum / count) as f32));
+        out.iter_mut().zip(&sums).for_each(|(out, sum)| *out = (sum / count) as f32);
     }
-    all
 }
 
 /// Number of places at most `reach` from the `i`-th of `count`.
@@ -45,7 +55,7 @@ mod tests {
 
     #[test]
     fn means_are_those_of_the_nodes_around() {
-        let (cols, rows) = (7, 5);
+        let (cols, rows) = (7, 300);
         let values: Vec<f32> = (0..cols * rows).map(|n| ((n * 37) % 11) as f32).collect();
         for reach in [0, 1, 2, 6, 40] {
             let found = blurred(&values, cols, reach);

@@ -8,7 +8,8 @@
 //!
 //! The contours themselves are known. So s² rises from 0 at one level to that half-way and falls to 0 at the other, as
 //! 4 t (1 - t) with t the share of the band below z, which is how it does for a path that is free between fixed ends (a
-//! Brownian bridge). Hidden contours tell it half-way; like that of such a path, it grows with the distance between the contours.
+//! Brownian bridge). Hidden contours tell it half-way in the mean. It is larger where contours are far apart and where the
+//! ground is uneven; on even slopes the way between contours is hardly open, and heights drawn in would be seen as waves.
 //! Where one height is drawn upwards at a contour, that beyond the contour is drawn downwards as much, so the
 //! surface goes on meeting it.
 
@@ -16,6 +17,7 @@ use rayon::prelude::*;
 
 use super::blur::blurred;
 use super::lattice::{Crossing, Lattice};
+use super::unevenness::unevenness;
 
 /// Variance of heights that are even over a band, as a share of the square of its height.
 const EVEN: f32 = 1.0 / 12.0;
@@ -28,37 +30,42 @@ const FEW: f32 = 5.0;
 /// change.
 const REACH: f64 = 0.5;
 const SMOOTHING: usize = 2;
+/// Distance from a node to which ground tells how uneven it is there, as a share of the mean distance between contours.
+const UNEVEN_REACH: f64 = 1.0;
+/// The power of distance times unevenness that the variance grows with.
+const POWER: f32 = 0.7;
 /// How far around a spot height tells the ground, as a share of the distance between contours there.
 const AROUND: f64 = 0.5;
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
-/// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `inside` is NaN outside the frame.
+/// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.
 pub fn variances(
     half_way: f64,
+    heights: &[f32],
     closeness: &[f32],
     gap: f64,
-    inside: &[f32],
     lattice: &Lattice,
     spots: &[(Crossing, f64)],
 ) -> Vec<f32> {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (closeness, _) in closeness.iter().zip(inside).filter(|(_, inside)| !inside.is_nan()) {
-        sum += 1.0 / f64::from(*closeness);
-        count += 1.0;
-    }
-    let mean = sum / count;
     let step = (lattice.step.x * lattice.step.y).sqrt();
     let nodes = gap / step;
+    let of_inside = |values: &[f32]| {
+        let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
+        (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
+    };
+    let mut gaps: Vec<f32> = closeness.par_iter().map(|closeness| 1.0 / closeness).collect();
+    let (sum, count) = of_inside(&gaps);
     // Outside the frame there are no gaps.
-    let gaps = |(closeness, inside): (&f32, &f32)| if inside.is_nan() { mean as f32 } else { 1.0 / closeness };
-    let mut gaps: Vec<f32> = closeness.par_iter().zip(inside).map(gaps).collect();
+    gaps.par_iter_mut().zip(heights).filter(|(_, z)| z.is_nan()).for_each(|(gap, _)| *gap = (sum / count) as f32);
     for _ in 0..SMOOTHING {
         gaps = blurred(&gaps, lattice.cols, (REACH * nodes) as usize);
     }
-    let whole = (half_way * half_way / mean) as f32;
-    let of = |gap: f32| whole * gap / (1.0 + (FEW / (nodes as f32 * gap)).powi(3));
-    let mut variances = gaps;
-    variances.par_iter_mut().for_each(|v| *v = of(*v));
+    let mut variances = unevenness(heights, lattice, (UNEVEN_REACH * nodes).max(1.0) as usize);
+    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v = (*v * gap).powf(POWER));
+    let sum = of_inside(&variances).0;
+    let whole = if sum > 0.0 { (half_way * half_way * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
+    let known = |gap: f32| 1.0 + (FEW / (nodes as f32 * gap)).powi(3);
+    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v *= whole / known(*gap));
     // No further than they are from each other, in the mean: else many would be much work.
     let apart = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
@@ -164,11 +171,12 @@ mod tests {
         let spot = Crossing { node: east as u32, along: 0.0, at_vertex: false };
         // Contours thrice as close in the west as in the east.
         let closeness: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
-        let inside = vec![0.0; count];
-        let found = |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &closeness, gap, &inside, &LATTICE, spots);
+        // Level ground has no slope to be even.
+        let level = vec![0.0; count];
+        let found = |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &level, &closeness, gap, &LATTICE, spots);
         let free = found(30.0, &[]);
         assert!((free.iter().sum::<f32>() / count as f32 - 4.0).abs() < 0.05);
-        assert!((free[east] / free[0] - 3.0).abs() < 0.05);
+        assert!((free[east] / free[0] - 3f32.powf(POWER)).abs() < 0.05);
         // From one to the other without a step.
         assert!(free.windows(2).take(cols - 1).all(|w| (w[1] - w[0]).abs() < 0.1 * free[east]));
         // Where hardly a node lies between contours there is hardly an error.
@@ -176,6 +184,20 @@ mod tests {
         let known = found(30.0, &[(spot, 5.0)]);
         assert_eq!((known[east], known[east + 31]), (0.0, free[east + 31]));
         assert!(known[east + 9] > 0.0 && known[east + 9] < free[east + 9]);
+    }
+
+    #[test]
+    fn even_slopes_have_hardly_any_of_the_variance() {
+        let cols = LATTICE.cols;
+        // A plane in the west, hills in the east.
+        let hills = |i: f32, j: f32| if i < 200.0 { 0.3 * i } else { 60.0 + 9.0 * (i / 5.0).sin() * (j / 5.0).cos() };
+        let heights: Vec<f32> = (0..LATTICE.len()).map(|n| hills((n % cols) as f32, (n / cols) as f32)).collect();
+        let found = variances(2.0, &heights, &vec![1.0; heights.len()], 30.0, &LATTICE, &[]);
+        assert!((found.iter().sum::<f32>() / found.len() as f32 - 4.0).abs() < 0.05);
+        assert!(found[30 * cols + 100] < 0.01 && found[30 * cols + 300] > 5.0);
+        let plane: Vec<f32> = (0..LATTICE.len()).map(|n| (n % cols) as f32).collect();
+        let found = variances(2.0, &plane, &vec![1.0; plane.len()], 30.0, &LATTICE, &[]);
+        assert!(found.iter().all(|v| v.is_finite()));
     }
 
     #[test]

@@ -29,6 +29,7 @@ mod stages;
 mod stencil;
 mod tile;
 pub(super) mod trial;
+mod unevenness;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
@@ -199,7 +200,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
     });
     if knobs.half_way > 0.0 {
-        let variances = expected::variances(knobs.half_way, &closeness, *gap, lo, &lattice, &problem.spots);
+        let variances = expected::variances(knobs.half_way, &heights, &closeness, *gap, &lattice, &problem.spots);
         expected::draw_in(&mut heights, [lo, hi], &variances);
     }
     let limits = Limits { lo, depth: interval as f32 };

@@ -1,0 +1,63 @@
+//! How uneven ground is: what share of its slope is not that of the ground around.
+
+use rayon::prelude::*;
+
+use super::blur::blurred;
+use super::lattice::Lattice;
+
+/// Sums are taken over a square, so often: the result then has no edges where a node enters it.
+const SMOOTHING: usize = 2;
+
+/// At each node 1 - |mean slope|² / mean of |slope|², the slopes (vectors, rise over run) being those at most `reach` nodes
+/// around: 0 on a plane, 1 where as much goes up as down in every direction. 1 outside the frame, where heights are NaN.
+pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> {
+    let cols = lattice.cols;
+    let [east, south] = lattice.step.as_vec2().to_array();
+    let slope = |n: usize| {
+        if (n + 1) % cols == 0 || n + cols >= heights.len() {
+            return None;
+        }
+        let slope = [(heights[n + 1] - heights[n]) / east, (heights[n + cols] - heights[n]) / south];
+        slope.iter().all(|s| s.is_finite()).then_some(slope)
+    };
+    let around = |of: fn([f32; 2]) -> f32| {
+        let mut mean: Vec<f32> = (0..heights.len()).into_par_iter().map(|n| slope(n).map_or(0.0, of)).collect();
+        for _ in 0..SMOOTHING {
+            mean = blurred(&mean, cols, reach);
+        }
+        mean
+    };
+    let (x, y) = (around(|[x, _]| x), around(|[_, y]| y));
+    // Without the share of the nodes that have a slope, ground beside the frame would look uneven.
+    let (square, count) = (around(|[x, y]| x * x + y * y), around(|_| 1.0));
+    let at = |n: usize| {
+        let common = (x[n] * x[n] + y[n] * y[n]) / (square[n] * count[n]);
+        if common.is_nan() { 1.0 } else { (1.0 - common).clamp(0.0, 1.0) }
+    };
+    (0..heights.len()).into_par_iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    #[test]
+    fn planes_are_even_and_roofs_are_not() {
+        let lattice = Lattice { first: DVec2::ZERO, step: DVec2::new(2.0, 3.0), cols: 60, rows: 50 };
+        let find = |height: fn(f32, f32) -> f32| {
+            let z: Vec<f32> = (0..lattice.len()).map(|n| height((n % 60) as f32, (n / 60) as f32)).collect();
+            (unevenness(&z, &lattice, 4), z)
+        };
+        let (plane, _) = find(|i, j| 3000.0 + 0.4 * i - 0.3 * j);
+        assert!(plane.iter().all(|u| *u < 1e-3));
+        let (cut, z) = find(|i, j| if i + j < 40.0 { f32::NAN } else { 0.4 * i - 0.3 * j });
+        assert!(cut.iter().zip(&z).all(|(u, z)| z.is_nan() || *u < 1e-3 || *u == 1.0));
+        assert!(cut[0] == 1.0 && cut[25 * 60 + 17] < 1e-3);
+        let (roof, _) = find(|i, _| (i - 30.0).abs());
+        assert!(roof[25 * 60 + 30] > 0.95 && roof[25 * 60 + 10] < 1e-3 && roof[25 * 60 + 50] < 1e-3);
+        assert!(roof[25 * 60 + 21] < roof[25 * 60 + 25] && roof[25 * 60 + 25] < roof[25 * 60 + 30]);
+        assert!(find(|_, _| 7.0).0.iter().all(|u| *u == 1.0));
+    }
+}
