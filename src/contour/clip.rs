@@ -50,8 +50,7 @@ pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
     let (lines, area) = with_meetings(map.contours.iter_mut().map(|c| std::mem::take(&mut c.points)).collect(), area);
     let border = Border::new(&area);
     let corners: HashSet<[u64; 2]> = rings(&area).flatten_points().map(bits).collect();
-    let contours: Vec<Vec<Contour>> = map
-        .contours
+    let contours: Vec<Vec<Contour>> = std::mem::take(&mut map.contours)
         .into_par_iter()
         .zip(lines)
         .map(|(contour, line)| {
@@ -60,13 +59,13 @@ pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
             kept_pieces(line.into_iter().map(node).collect(), &border).into_iter().map(of).collect()
         })
         .collect();
-    let spots = map.spots.into_iter().filter(|s| {
+    let spots = std::mem::take(&mut map.spots).into_iter().filter(|s| {
         let place = s.truncate();
         border.contains(place) || border.edge_at(place).is_some()
     });
-    let spots = spots.collect();
-    let contours = contours.into_iter().flatten().collect();
-    Clipped { map: ContourMap { contours, spots, depressions: map.depressions, crs: map.crs }, area }
+    map.spots = spots.collect();
+    map.contours = contours.into_iter().flatten().collect();
+    Clipped { map, area }
 }
 
 /// A vertex of a contour, old or new.

@@ -67,6 +67,9 @@ pub struct ContourMap {
     /// Features, by their number, that the input marks as depression contours (true) or as none (false). Only checked
     /// against what the contours tell.
     pub depressions: BTreeMap<u64, bool>,
+    /// Places where cleaning left a piece of a line out because it met another line or itself: what is left there need not
+    /// be where the line was meant to be, and nothing is learnt from the ground around.
+    pub mended: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
 }

@@ -110,6 +110,9 @@ impl Places {
         for spot in &mut map.spots {
             *spot = place(spot.truncate())?.extend(spot.z);
         }
+        for mended in &mut map.mended {
+            *mended = place(*mended)?;
+        }
         let mut findings = Vec::new();
         if !crowded.is_empty() {
             for (k, original) in &mut originals {

@@ -164,7 +164,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
     }
     findings.extend(spot_findings);
-    Ok(Report { value: ContourMap { contours, spots, depressions, crs: table.crs }, findings })
+    Ok(Report { value: ContourMap { contours, spots, depressions, crs: table.crs, ..ContourMap::default() }, findings })
 }
 
 /// The points of a table as spot heights.

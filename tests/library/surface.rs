@@ -194,6 +194,25 @@ fn wrong_labels_do_not_change_how_the_surface_is_drawn() {
 }
 
 #[test]
+fn a_patch_of_broken_lines_does_not_change_how_the_surface_is_drawn() {
+    let chosen = |contours: Vec<Contour>| surface_of(contours, Vec::new(), Frame::Hull).0.chosen.unwrap();
+    let before = chosen(bowl(9));
+    let mut contours = bowl(9);
+    for (k, contour) in contours.iter_mut().enumerate() {
+        for (j, p) in contour.points.iter_mut().enumerate().skip(1).take(12).step_by(2) {
+            *p *= if (j / 2 + k) % 2 == 0 { 1.13 } else { 0.87 };
+        }
+    }
+    let map = ContourMap { contours: contours.clone(), ..ContourMap::default() };
+    let mended = clean(map, &CleanParams::default()).unwrap().value.mended;
+    assert!(mended.len() > 20 && mended.iter().all(|p| p.x > 0.0 && p.y.abs() < 90.0), "{mended:?}");
+    let after = chosen(contours);
+    let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
+    assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.2, "{before:?} {after:?}");
+    assert!((after.knobs.tension / before.knobs.tension).ln().abs() < 0.2, "{before:?} {after:?}");
+}
+
+#[test]
 fn few_levels_do_not_choose() {
     let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();

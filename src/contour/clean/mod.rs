@@ -102,16 +102,17 @@ impl CleanParams {
 /// # Errors
 /// [`Error::Parameter`] for distances that are negative or no numbers. [`Error::Data`] if lines meet so often that they
 /// cannot be contour lines, or if there are more than 2³² vertices.
-pub fn clean(map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
+pub fn clean(mut map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;
     let params = &params.on(&map);
-    let ContourMap { contours, spots, depressions, crs } = map;
-    let lines = clean_lines(contours, params)?;
+    let lines = clean_lines(std::mem::take(&mut map.contours), params)?;
     let mut findings = lines.findings;
     findings.extend(lines.removed.iter().filter_map(Removed::finding));
+    map.mended.extend(lines.faults.iter().filter_map(|fault| fault.place));
     findings.extend(lines.faults);
-    let spots = spots::clean(spots, &lines.contours, params.separation)?.collect(&mut findings);
-    Ok(Report { value: ContourMap { contours: lines.contours, spots, depressions, crs }, findings })
+    map.spots = spots::clean(map.spots, &lines.contours, params.separation)?.collect(&mut findings);
+    map.contours = lines.contours;
+    Ok(Report { value: map, findings })
 }
 
 /// Checks what [`clean`](fn@clean) promises of a map's lines and that its spot heights are finite.

@@ -130,7 +130,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     let vertices_before = map.vertex_count();
     let contours = clean::in_standard_order(states.into_iter().map(|s| s.line).collect());
     let Report { value: spots, findings } = clean::spots_off_contours(map.spots, &contours, near)?;
-    let map = ContourMap { contours, spots, depressions: map.depressions, crs: map.crs };
+    let map = ContourMap { contours, spots, ..map };
     clean::validate(&map, near)?;
     let vertices_after = map.vertex_count();
     let value = Fitted { map, control_points, deviation, vertices_before, vertices_after, narrowed, unchanged };

@@ -85,11 +85,12 @@ pub struct Sampled {
 /// # Errors
 /// [`Error::Parameter`] for a ratio that is not between 0 and 1, a lower limit that is not above 0, and if more points than
 /// `most` would arise. [`Error::Data`] if the map is not clean.
-pub fn sample(map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
+pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
     params.check()?;
     clean::validate(&map, near)?;
     let near = &near.on(&map);
-    let ContourMap { contours, spots, crs, depressions } = map;
+    let contours = std::mem::take(&mut map.contours);
+    let spots = std::mem::take(&mut map.spots);
     let Plan { mut cuts, least, held } = plan(&contours, params)?;
     let mut whole = 0;
     let mut round = 0;
@@ -120,7 +121,7 @@ pub fn sample(map: ContourMap, params: &SampleParams, near: &CleanParams) -> Res
             (value, findings)
         }
     };
-    let map = ContourMap { contours: lines, spots, crs, depressions };
+    let map = ContourMap { contours: lines, spots, ..map };
     Ok(Report { value: Sampled { map, added, least, held, whole }, findings })
 }
 

@@ -7,7 +7,6 @@ const STRIP: usize = 128;
 
 /// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
-    let rows = values.len() / cols.max(1);
     let mut along = vec![0.0f32; values.len()];
     along.par_chunks_mut(cols.max(1)).zip(values.par_chunks(cols.max(1))).for_each(|(out, row)| {
         let mut sum: f64 = row.iter().take(reach).map(|v| f64::from(*v)).sum();

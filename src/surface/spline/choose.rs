@@ -12,6 +12,7 @@
 //! from half of the levels bridges twice the distance, over which ground is rougher and wants more tension, while hidden
 //! levels are few and their errors noisy: the choice is half-way, on a logarithmic scale, between the tension that is best
 //! for them and the one that suits most terrain.
+//! Beside places where lines crossed and were mended nothing is asked: a patch of broken lines would decide for all of the map.
 //!
 //! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, and how far the
 //! surface may be off half-way between them.

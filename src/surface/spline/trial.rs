@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 use rayon::prelude::*;
+use rstar::RTree;
 
 use super::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
 use crate::contour::{Contour, ContourMap, Interval, clip};
@@ -130,7 +131,8 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
         a.cmple(hi).all() && b.cmpge(lo).all()
     };
     let contours = map.contours.iter().filter(touches).cloned().collect();
-    let map = ContourMap { contours, spots: map.spots.clone(), ..ContourMap::default() };
+    let (spots, mended) = (map.spots.clone(), map.mended.clone());
+    let map = ContourMap { contours, spots, mended, ..ContourMap::default() };
     let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
     let cut = clip(map, &area);
     (cut.map, Frame::Polygon(cut.area))
@@ -154,6 +156,7 @@ pub fn trial(
     let places = places
         .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
         .collect();
+    let mended = &map.mended;
     let map = ContourMap {
         contours: known.into_iter().cloned().collect(),
         spots: map.spots.clone(),
@@ -163,6 +166,7 @@ pub fn trial(
     if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
+    let places = sound(places, mended, tiled.sheet().gap);
     let (tiled, break_lines) = match resolution {
         None => (tiled, Vec::new()),
         Some(resolution) => {
@@ -174,6 +178,21 @@ pub fn trial(
     };
     let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
     Some(Trial { tiled, break_lines, places, grid })
+}
+
+/// Places without those that are nearer to a mended one than contours are to each other in the mean: what lines that were broken
+/// are off by says nothing about ground where they are not. All of them, where only a minority is sound.
+fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
+    let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
+    let is_sound = |place: &Place| {
+        mended.nearest_neighbor(&place.at.to_array()).is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= gap)
+    };
+    let total = places.len();
+    let keep: Vec<bool> = places.par_iter().map(is_sound).collect();
+    if 2 * keep.iter().filter(|keep| **keep).count() < total {
+        return places;
+    }
+    places.into_iter().zip(keep).filter_map(|(place, keep)| keep.then_some(place)).collect()
 }
 
 impl Trial {

@@ -14,7 +14,7 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
     let cols = lattice.cols;
     let [east, south] = lattice.step.as_vec2().to_array();
     let slope = |n: usize| {
-        if (n + 1) % cols == 0 || n + cols >= heights.len() {
+        if (n + 1).is_multiple_of(cols) || n + cols >= heights.len() {
             return None;
         }
         let slope = [(heights[n + 1] - heights[n]) / east, (heights[n + cols] - heights[n]) / south];

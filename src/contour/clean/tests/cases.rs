@@ -300,6 +300,7 @@ fn crossing_levels_lose_one_segment() {
     );
     assert_eq!(kinds(&report), [FindingKind::LevelsCross]);
     assert_eq!(report.findings[0].place, Some(DVec2::ZERO));
+    assert_eq!(report.value.mended, [DVec2::ZERO]);
     let message = &report.findings[0].message;
     let parts = ["10 m (feature 1) crosses the contour 20 m (feature 2)", "one segment of it, 4.000 map units long"];
     assert!(parts.iter().all(|part| message.contains(part)), "{message}");
