@@ -2,11 +2,14 @@
 
 use rayon::prelude::*;
 
-/// Rows that are one task; sums begin anew with each, so that the means are the same for any number of threads.
+/// Rows that are one task, or twice the reach if that is more; sums begin anew with each, so that the means are the same for any
+/// number of threads.
 const STRIP: usize = 128;
 
 /// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
+    // However far contours are apart.
+    let reach = reach.min(values.len());
     let mut along = vec![0.0f32; values.len()];
     along.par_chunks_mut(cols.max(1)).zip(values.par_chunks(cols.max(1))).for_each(|(out, row)| {
         let mut sum: f64 = row.iter().take(reach).map(|v| f64::from(*v)).sum();
@@ -17,9 +20,9 @@ pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
         }
     });
     let mut all = vec![0.0f32; values.len()];
-    all.par_chunks_mut((STRIP * cols).max(1))
-        .enumerate()
-        .for_each(|(k, strip)| down(&along, cols, reach, k * STRIP, strip));
+    let strip = STRIP.max(2 * reach);
+    let strips = all.par_chunks_mut((strip * cols).max(1)).enumerate();
+    strips.for_each(|(k, rows)| down(&along, cols, reach, k * strip, rows));
     all
 }
 
@@ -56,7 +59,7 @@ mod tests {
     fn means_are_those_of_the_nodes_around() {
         let (cols, rows) = (7, 300);
         let values: Vec<f32> = (0..cols * rows).map(|n| ((n * 37) % 11) as f32).collect();
-        for reach in [0, 1, 2, 6, 40] {
+        for reach in [0, 1, 2, 6, 40, 90, usize::MAX] {
             let found = blurred(&values, cols, reach);
             for (n, found) in found.iter().enumerate() {
                 let near = |m: &usize| (m % cols).abs_diff(n % cols) <= reach && (m / cols).abs_diff(n / cols) <= reach;
