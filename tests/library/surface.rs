@@ -213,6 +213,17 @@ fn a_patch_of_broken_lines_does_not_change_how_the_surface_is_drawn() {
 }
 
 #[test]
+fn levels_that_are_left_in_a_sliver_of_the_map_teach_nothing() {
+    // Without 0, 20 and 40 m the map is as narrow as a rounding error. A grid as fine as that would hold millions of nodes.
+    let others =
+        [0.0, 20.0, 40.0].map(|z| line(z, &[(0.0, z / 10.0 + 2.0), (4.0, z / 10.0 + 2.5), (8.0, z / 10.0 + 2.0)]));
+    let sliver = [line(10.0, &[(1e-8, 0.0), (0.0, 1e-8), (1.0, 1e-8)]), line(30.0, &[(8.0, 0.0), (7.0, 3e-9)])];
+    let contours = others.into_iter().chain(sliver).collect();
+    let (surface, _) = surface_of(contours, vec![], Frame::Hull);
+    assert_eq!(surface.chosen.unwrap().reason, Reason::FellBack);
+}
+
+#[test]
 fn few_levels_do_not_choose() {
     let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();

@@ -15,6 +15,9 @@ use crate::tin::{Frame, NONE};
 
 /// Most nodes of one grid of the whole map, and most vertices; above that, squares are cut out.
 const WHOLE: f64 = 150e3;
+/// Most nodes of the grid of a trial. Levels that are left may lie in a sliver of the map whose gaps ask for far smaller cells
+/// than the trial's.
+const MOST_NODES: usize = 1_500_000;
 /// Nodes of a square at most,
 const SQUARE: f64 = 40e3;
 /// ... and vertices, in the mean of all squares.
@@ -177,6 +180,9 @@ pub fn trial(
         }
     };
     let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
+    if grid.len() > MOST_NODES {
+        return None;
+    }
     Some(Trial { tiled, break_lines, places, grid })
 }
 
