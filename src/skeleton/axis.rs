@@ -104,7 +104,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     // Water is level, and so is ground between a shore and a contour of one height.
     let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
     let narrow = narrow(tin);
-    let has_room = |t: u32| width(tin, t) > narrow;
+    let has_room = |t: u32| tin.width(t) > narrow;
     let triangles = || (0..tin.len() as u32).into_par_iter().filter(|&t| is_land(t) && has_room(t));
     let chords = triangles().flat_map_iter(|t| {
         (0..3).filter(move |&i| is_chord(tin, t, i) && has_room(tin.neighbours[t as usize][i])).map(move |i| (t, i))
@@ -142,18 +142,11 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
 }
 
 /// The width, map units, that a triangle must have more of to hold points.
-fn narrow(tin: &Tin) -> f64 {
+pub(crate) fn narrow(tin: &Tin) -> f64 {
     let extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (lo, hi) = tin.positions.iter().fold(extent, |(lo, hi), &p| (lo.min(p), hi.max(p)));
     let farthest = (lo + tin.origin).abs().max((hi + tin.origin).abs()).max_element();
     (NARROW * lo.distance(hi)).max(NARROW_STEPS * f64::EPSILON * farthest)
-}
-
-/// The least altitude of a triangle, map units.
-fn width(tin: &Tin, t: u32) -> f64 {
-    let [a, b, c] = tin.corners(t);
-    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-    (b - a).perp_dot(c - a).abs() / longest.sqrt()
 }
 
 /// The pieces in a triangle with all corners on one level.

@@ -15,6 +15,7 @@ mod joins;
 mod lines;
 mod sight;
 
+pub(crate) use axis::narrow;
 pub use axis::{Axis, AxisPoint, End, axis};
 pub use caps::Cap;
 pub use edges::{JunctionEdge, junction_edges};

@@ -8,6 +8,7 @@
 mod build;
 mod depressions;
 mod nodes;
+mod parted;
 mod sample;
 mod sheet;
 pub mod spline;

@@ -10,12 +10,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::WorkingGrid;
+use super::parted::{PartedPiece, part_long_pieces};
 use super::spline::Lattice;
 use super::tiling::Tiling;
 use crate::contour::source_raster;
 use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
-use crate::tin::{InnerPoint, NONE, TinInput, VertexKind};
+use crate::tin::{InnerPoint, NONE, PartedEdge, TinInput, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
@@ -40,12 +41,14 @@ pub(super) fn with_nodes(
     triangles: &[u32],
 ) -> Result<(Tiling, Vec<BreakLine>)> {
     let lattice = Lattice::of_grid(&working.grid);
-    let (vertices, heights) = smooth_heights(&tiled, &mut axis, working);
+    let (vertices, mut heights) = smooth_heights(&tiled, &mut axis, working);
+    let step = lattice.step.max_element();
+    let stride = (tiled.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
+    let spacing = stride as f64 * step;
+    let parted = part_long_pieces(&tiled, &mut axis, (&vertices, &mut heights), working, spacing);
     let flow = flow(&tiled.tin, &tiled.regions, &axis, heights);
     let lines = break_lines(&tiled.tin, &tiled.regions, &axis, &flow);
 
-    let step = lattice.step.max_element();
-    let stride = (tiled.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
     let coarse = Strided { lattice, stride };
     let is_source = source_raster(&tiled.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
     let clearance = if is_source { CLEARANCE_OF_SOURCE } else { CLEARANCE };
@@ -57,13 +60,22 @@ pub(super) fn with_nodes(
         let position = working.grid.center(node % lattice.cols, node / lattice.cols) - tiled.tin.origin;
         InnerPoint { region, position, height: band.strictly_inside(f64::from(working.heights[node])) }
     };
-    let points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
+    let mut points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
+    let edges: Vec<PartedEdge> = parted
+        .into_iter()
+        .map(|PartedPiece { edge, points: between }| {
+            let first = points.len();
+            let each = axis.points[between.clone()].iter().zip(&flow.heights[between]);
+            points.extend(each.map(|(p, &height)| InnerPoint { region: p.region, position: p.position, height }));
+            PartedEdge { edge, points: first..points.len() }
+        })
+        .collect();
     for (&v, &height) in vertices.iter().zip(&flow.heights) {
         tiled.tin.heights[v as usize] = height;
     }
     drop((regions, axis, flow));
-    let tin = tiled.tin.refined(&tiled.regions.of_triangle, &points)?;
-    drop(points);
+    let tin = tiled.tin.refined(&tiled.regions.of_triangle, &points, &edges)?;
+    drop((points, edges));
     Ok((tiled.retriangulated(tin, Some(working)), lines))
 }
 
@@ -83,9 +95,6 @@ pub(super) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heigh
 
 /// The vertices of the axis points in `tiled` and their heights on the smooth surface; `axis` gets the sub-domains and
 /// triangles of `tiled`, and those points that are no vertex of their own are left out.
-///
-/// The grid does not know what lies between its nodes: the nearer a point is to a contour, the more it keeps of the height
-/// that it has in the triangulation.
 fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
     let tin = &tiled.tin;
     let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
@@ -119,9 +128,7 @@ fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Ve
         point.triangle = t;
         point.region = tiled.regions.of_triangle[t as usize];
         let before = tin.heights[v as usize];
-        let smooth = f64::from(working.at(point.position + tin.origin));
-        let share = (contour_distance[v as usize] / working.grid.cell.max_element()).min(1.0);
-        let height = if smooth.is_nan() { before } else { before + share * (smooth - before) };
+        let height = smooth_height(working, point.position + tin.origin, before, contour_distance[v as usize]);
         vertices.push(v);
         heights.push(tiled.regions.regions[point.region as usize].band.strictly_inside(height));
     }
@@ -140,6 +147,14 @@ fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Ve
         }
     }
     (vertices, heights)
+}
+
+/// The height of an axis point on the smooth surface, from the one that it has in the triangulation. The grid does not know
+/// what lies between its nodes: the nearer a point is to a contour, the more it keeps of that.
+pub(super) fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
+    let smooth = f64::from(working.at(place));
+    let share = (contour_distance / working.grid.cell.max_element()).min(1.0);
+    if smooth.is_nan() { before } else { before + share * (smooth - before) }
 }
 
 /// Every `stride`th node of a lattice in both directions.

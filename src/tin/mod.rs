@@ -34,7 +34,7 @@ pub use local::local_bands;
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
 pub use outline::Outline;
-pub use refine::InnerPoint;
+pub use refine::{InnerPoint, PartedEdge};
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub use touch::agreeing_at_corners;
 pub use waters::{contradicted_lakes, with_water};
@@ -120,6 +120,13 @@ impl Tin {
     pub fn edge_length(&self, t: u32, i: usize) -> f64 {
         let [u, v] = self.edge(t, i);
         self.positions[u as usize].distance(self.positions[v as usize])
+    }
+
+    /// The least altitude of triangle `t`, map units.
+    pub fn width(&self, t: u32) -> f64 {
+        let [a, b, c] = self.corners(t);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        (b - a).perp_dot(c - a).abs() / longest.sqrt()
     }
 
     /// Whether edge `i` of triangle `t` is a constraint (contour, link, bridge, gate, frame or break line).

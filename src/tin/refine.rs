@@ -3,6 +3,10 @@
 //! Sub-domains are bounded by edges that stay edges, so that each can be triangulated on its own. Neighbouring ones make up
 //! parts, which are triangulated side by side and then joined.
 
+use std::collections::HashMap;
+use std::iter::once;
+use std::ops::Range;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -25,19 +29,35 @@ pub struct InnerPoint {
     pub height: f64,
 }
 
+/// An edge that is parted by some of the points to be added.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartedEdge {
+    /// Its ends: an edge that the triangulation must hold, inside one sub-domain.
+    pub edge: [u32; 2],
+    /// The points on it, by their numbers, from the first end to the second.
+    pub points: Range<usize>,
+}
+
 impl Tin {
     /// The constrained Delaunay triangulation of the same vertices and edges and of `points`, which come last and are of kind
-    /// [`VertexKind::Axis`]. Triangles outside the frame stay as they are.
+    /// [`VertexKind::Axis`]. Of the `parted` edges it holds the parts. Triangles outside the frame stay as they are.
     ///
     /// `of_triangle` is the sub-domain of each triangle, [`NONE`] outside.
     ///
     /// # Errors
     /// As [`triangulate`](super::triangulate).
-    pub fn refined(&self, of_triangle: &[u32], points: &[InnerPoint]) -> Result<Self> {
-        self.refined_in_parts(of_triangle, points, PART)
+    pub fn refined(&self, of_triangle: &[u32], points: &[InnerPoint], parted: &[PartedEdge]) -> Result<Self> {
+        self.refined_in_parts(of_triangle, (points, parted), PART)
     }
 
-    fn refined_in_parts(&self, of_triangle: &[u32], points: &[InnerPoint], enough: usize) -> Result<Self> {
+    fn refined_in_parts(
+        &self,
+        of_triangle: &[u32],
+        (points, parted): (&[InnerPoint], &[PartedEdge]),
+        enough: usize,
+    ) -> Result<Self> {
+        let parted = parted.iter().map(|parted| (sorted(parted.edge), parted));
+        let parted: HashMap<[u32; 2], &PartedEdge> = parted.collect();
         let part_of_region = parts(self, of_triangle, points, enough);
         let part = |t: u32| part_of_region.get(of_triangle[t as usize] as usize).copied().unwrap_or(NONE);
         let count = part_of_region.iter().max().map_or(0, |&last| last as usize + 1);
@@ -48,7 +68,7 @@ impl Tin {
             each.map(|(k, point)| (part_of_region[point.region as usize] as usize, k as u32))
         });
         let each = (0..count).into_par_iter().map(|p| {
-            let part = Part { tin: self, is_own: |t| part(t) == p as u32, triangles: triangles.of(p) };
+            let part = Part { tin: self, is_own: |t| part(t) == p as u32, triangles: triangles.of(p), parted: &parted };
             part.triangulated(inner.of(p), points)
         });
         let mut faces: Vec<Face> = Vec::with_capacity(self.len() + 2 * points.len());
@@ -88,6 +108,10 @@ impl Tin {
         refined.set_faces(&faces);
         Ok(refined)
     }
+}
+
+fn sorted([u, v]: [u32; 2]) -> [u32; 2] {
+    [u.min(v), u.max(v)]
 }
 
 /// The part of each sub-domain: neighbours together, until they have `enough` triangles and points.
@@ -131,19 +155,20 @@ struct Part<'a, F> {
     tin: &'a Tin,
     is_own: F,
     triangles: &'a [u32],
+    parted: &'a HashMap<[u32; 2], &'a PartedEdge>,
 }
 
 impl<F: Fn(u32) -> bool> Part<'_, F> {
-    /// Its triangles with more points, those of `points` with these numbers.
+    /// Its triangles with more points, those of `points` with these numbers, ascending.
     fn triangulated(&self, numbers: &[u32], points: &[InnerPoint]) -> Result<Vec<Face>> {
         let tin = self.tin;
         let mut vertices: Vec<u32> = self.triangles.iter().flat_map(|&t| tin.triangles[t as usize]).collect();
         vertices.sort_unstable();
         vertices.dedup();
         let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+        let added = |k: usize| (vertices.len() + numbers.partition_point(|&n| (n as usize) < k)) as u32;
         let kept = vertices.iter().map(|&v| tin.positions[v as usize]);
-        let added = numbers.iter().map(|&k| points[k as usize].position);
-        let mut input = TinInput::local(kept.chain(added));
+        let mut input = TinInput::local(kept.chain(numbers.iter().map(|&k| points[k as usize].position)));
         // The outline with the part on its left, and whether it is a constraint.
         let mut outline: Vec<([u32; 2], bool)> = Vec::new();
         for &t in self.triangles {
@@ -154,7 +179,13 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
                 if !(is_outline || is_constraint && t < n) {
                     continue;
                 }
-                let edge = tin.edge(t, i).map(local);
+                let edge = tin.edge(t, i);
+                if let Some(PartedEdge { edge: [u, v], points }) = self.parted.get(&sorted(edge)) {
+                    let chain: Vec<u32> = once(local(*u)).chain(points.clone().map(added)).chain([local(*v)]).collect();
+                    chain.windows(2).for_each(|pair| input.push_edge(pair[0], pair[1]));
+                    continue;
+                }
+                let edge = edge.map(local);
                 input.push_edge(edge[0], edge[1]);
                 if is_outline {
                     outline.push((edge, is_constraint));
@@ -239,23 +270,33 @@ mod tests {
     fn parts_joined_are_the_triangulation_of_all() {
         for (open, enough) in [(0, 1), (0, 12), (0, 1000), (3, 1), (3, 30)] {
             let mut input = nested(open);
-            let tin = triangulate(input.clone()).unwrap();
+            let ends = [-5.0, 5.0].map(|y| input.push_local(DVec2::new(-8.0, y) - input.origin, 5.0, VertexKind::Axis));
+            let mut with_edge = input.clone();
+            with_edge.push_edge(ends[0], ends[1]);
+            let tin = triangulate(with_edge).unwrap();
             let of_triangle = regions(&tin, &Interval { step: 10.0, base: 0.0 }).of_triangle;
             let place = |k: u32, seed: f64| 23.9 * (f64::from(k) * seed).fract() - 11.95;
-            let points: Vec<InnerPoint> = (1..200)
-                .filter_map(|k| {
-                    let position = DVec2::new(place(k, 0.618_034), place(k, 0.754_878)) - tin.origin;
+            let scattered = (1..200).map(|k| DVec2::new(place(k, 0.618_034), place(k, 0.754_878)));
+            let between = [2.5, 0.0, -3.0].map(|y| DVec2::new(-8.0, y));
+            let points: Vec<InnerPoint> = between
+                .into_iter()
+                .chain(scattered)
+                .filter_map(|position| {
+                    let position = position - tin.origin;
                     let t = tin.locate(0, position)?;
                     let region = of_triangle[t as usize];
                     (region != NONE).then_some(InnerPoint { region, position, height: 5.0 })
                 })
                 .collect();
             assert!(points.len() > 100, "{open} {}", points.len());
-            let refined = tin.refined_in_parts(&of_triangle, &points, enough).unwrap();
+            let vertex = |source: u32| tin.source.iter().position(|&s| s == source).unwrap() as u32;
+            let parted = PartedEdge { edge: [vertex(ends[1]), vertex(ends[0])], points: 0..between.len() };
+            let refined = tin.refined_in_parts(&of_triangle, (&points, &[parted]), enough).unwrap();
             refined.validate().unwrap();
-            for p in &points {
-                input.push_local(p.position, p.height, VertexKind::Axis);
-            }
+            let added = points.iter().map(|p| input.push_local(p.position, p.height, VertexKind::Axis));
+            let added: Vec<u32> = added.collect();
+            let chain = [&[ends[1]], &added[..between.len()], &[ends[0]]].concat();
+            chain.windows(2).for_each(|pair| input.push_edge(pair[0], pair[1]));
             let whole = triangulate(input).unwrap();
             assert_eq!(refined.positions, whole.positions);
             assert_eq!(refined.kinds, whole.kinds);

@@ -224,6 +224,25 @@ fn levels_that_are_left_in_a_sliver_of_the_map_teach_nothing() {
 }
 
 #[test]
+fn triangles_follow_the_surface_along_a_canyon_between_distant_vertices() {
+    // A valley that opens into a plain, its contours drawn with a few long segments: so are the pieces of the canyon line.
+    let bend = |k: usize| {
+        let (tip, half) = (300.0 * k as f64, 400.0 - 40.0 * k as f64);
+        line(
+            10.0 * k as f64,
+            &[(2000.0, half), (tip + 250.0, half / 2.0), (tip, 0.0), (tip + 250.0, -half / 2.0), (2000.0, -half)],
+        )
+    };
+    let (surface, _) = surface_of((0..5).map(bend).collect(), vec![], Frame::Hull);
+    let grid = Grid { corner: DVec2::new(300.0, 50.0), cell: DVec2::splat(10.0), cols: 160, rows: 10 };
+    let on_triangles = rasterise(&surface.tin, &grid, None, &()).values;
+    let smooth = heights(&surface, &grid, &()).values;
+    let off = on_triangles.iter().zip(&smooth).map(|(a, b)| (a - b).abs());
+    let most = off.filter(|d| d.is_finite()).fold(0.0, f32::max);
+    assert!(most < 0.5, "{most}");
+}
+
+#[test]
 fn few_levels_do_not_choose() {
     let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();

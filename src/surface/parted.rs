@@ -1,0 +1,89 @@
+//! Points between the ends of long pieces of ridge and canyon lines.
+//!
+//! A piece is an edge of the triangulation, straight from one end to the other. Where contours are far apart it is longer
+//! than the nodes are from each other, and the surface beside it is anything but straight: a slice would run along such an
+//! edge and back again on its other side, a needle.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::WorkingGrid;
+use super::nodes::smooth_height;
+use super::tiling::Tiling;
+use crate::skeleton::{Axis, AxisPoint, End, narrow};
+use crate::tin::{Tin, VertexKind};
+
+/// An edge of the triangulation and the axis points on it, from its first end to its second.
+pub(super) struct PartedPiece {
+    pub edge: [u32; 2],
+    pub points: Range<usize>,
+}
+
+/// Parts pieces of `axis` that are edges of `tiled`, at most so that the parts are `spacing` long, map units. Points are added
+/// to `axis`, and their heights on the smooth surface to `heights`.
+///
+/// `vertices` are those of the axis points.
+pub(super) fn part_long_pieces(
+    tiled: &Tiling,
+    axis: &mut Axis,
+    (vertices, heights): (&[u32], &mut Vec<f64>),
+    working: &WorkingGrid,
+    spacing: f64,
+) -> Vec<PartedPiece> {
+    let tin = &tiled.tin;
+    let narrow = narrow(tin);
+    let mut long: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for i in (0..3).filter(|&i| tin.is_constraint(t, i) && tin.edge_length(t, i) >= 2.0 * spacing) {
+            if let Some(n) = tin.across(t, i) {
+                let [u, v] = tin.edge(t, i);
+                long.entry([u.min(v), u.max(v)]).or_insert([t, n]);
+            }
+        }
+    }
+    let mut parted = Vec::new();
+    let mut pieces = Vec::with_capacity(axis.pieces.len());
+    for &piece in &axis.pieces {
+        let edge = piece.map(|end| match end {
+            End::Axis(p) => vertices[p as usize],
+            End::Vertex(v) => v,
+        });
+        let [u, v] = edge.map(|v| v as usize);
+        let ([End::Axis(first), _], Some(sides)) = (piece, long.get(&[edge[0].min(edge[1]), edge[0].max(edge[1])]))
+        else {
+            pieces.push(piece);
+            continue;
+        };
+        // Points would lie beside the edge by rounding, and must not come near another one by that.
+        let width = sides.map(|t| tin.width(t)).into_iter().fold(f64::INFINITY, f64::min);
+        let length = tin.positions[u].distance(tin.positions[v]);
+        let parts = (length / spacing).min(width / narrow) as usize;
+        let level = axis.points[first as usize].level;
+        let from = axis.points.len();
+        for part in 1..parts {
+            let share = part as f64 / parts as f64;
+            let position = tin.positions[u].lerp(tin.positions[v], share);
+            let before = tin.heights[u] + share * (tin.heights[v] - tin.heights[u]);
+            let height = smooth_height(working, position + tin.origin, before, contour_distance(tin, sides, position));
+            let (triangle, region) = (sides[0], tiled.regions.of_triangle[sides[0] as usize]);
+            axis.points.push(AxisPoint { position, level, triangle, region });
+            heights.push(tiled.regions.regions[region as usize].band.strictly_inside(height));
+        }
+        let points = from..axis.points.len();
+        let between = points.clone().map(|p| End::Axis(p as u32));
+        let ends: Vec<End> = std::iter::once(piece[0]).chain(between).chain([piece[1]]).collect();
+        pieces.extend(ends.windows(2).map(|pair| [pair[0], pair[1]]));
+        parted.push(PartedPiece { edge, points });
+    }
+    axis.pieces = pieces;
+    parted
+}
+
+/// Distance to the nearest corner of two triangles that lies on a contour.
+fn contour_distance(tin: &Tin, triangles: &[u32; 2], position: DVec2) -> f64 {
+    let corners = triangles.iter().flat_map(|&t| tin.triangles[t as usize]);
+    let on_contours = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour);
+    on_contours.map(|v| position.distance(tin.positions[v as usize])).fold(f64::INFINITY, f64::min)
+}
