@@ -13,6 +13,7 @@ use tokosen::progress::Progress;
 pub struct Console {
     quiet: bool,
     pub verbose: bool,
+    started: Instant,
     places: OnceLock<Places>,
     state: Mutex<State>,
 }
@@ -25,7 +26,7 @@ struct State {
 
 impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, places: OnceLock::new(), state: Mutex::default() }
+        Self { quiet, verbose, started: Instant::now(), places: OnceLock::new(), state: Mutex::default() }
     }
 
     /// From now on places in findings are on a plane, and told in the input's coordinates.
@@ -74,6 +75,11 @@ impl Console {
         let result = work();
         self.finish();
         result
+    }
+
+    /// The time since the program started, steps or not.
+    pub fn elapsed(&self) -> Duration {
+        self.started.elapsed()
     }
 
     /// The steps so far and the time each took; steps of one name together.

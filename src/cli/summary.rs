@@ -155,8 +155,7 @@ pub fn close(findings: usize, console: &Console) {
 }
 
 fn times(console: &Console) {
-    let times = console.times();
-    let total: f64 = times.iter().map(|(_, t)| t.as_secs_f64()).sum();
-    let steps: Vec<String> = times.iter().map(|(name, t)| format!("{name} {:.2}", t.as_secs_f64())).collect();
+    let total = console.elapsed().as_secs_f64();
+    let steps: Vec<String> = console.times().iter().map(|(name, t)| format!("{name} {:.2}", t.as_secs_f64())).collect();
     console.say(&format!("time       {total:.2} s ({})", steps.join(", ")));
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::nodes::{push_axis, with_nodes};
 use super::sheet::Sheet;
-use super::spline::{Chosen, bytes_on, choose, draft, spline, working_grid};
+use super::spline::{self, Chosen, bytes_on, choose, draft, spline, working_grid};
 use super::tiling::{Prepared, Tiling, prepare};
 use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
@@ -56,9 +56,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
+        progress.start(spline::STEP, 0);
         let grid = working_grid(&tiled.sheet(), params.spline.wanted);
         let triangles = locate(&tiled.tin, &grid, &());
         let draft = draft(&tiled, &break_lines, &grid, &triangles);
+        progress.finish();
         (Some(spline(&draft, &chosen.knobs, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {

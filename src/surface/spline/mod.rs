@@ -68,6 +68,9 @@ const SHELF_SHARE: f32 = 0.3;
 /// Rows and columns on each side over which that share is averaged.
 const SHELF_REACH: usize = 2;
 
+/// What this step is called where progress is told.
+pub(super) const STEP: &str = "smooth surface";
+
 /// Heights at the nodes of a working grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkingGrid {
@@ -186,6 +189,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
         hollows,
     };
     let z = solve(&problem, progress);
+    progress.start(STEP, 0);
     let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
     let share = shelves(&heights, guide, grid);
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
@@ -205,6 +209,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
     }
     let limits = Limits { lo, depth: interval as f32 };
     breach(&mut heights, &lattice, &limits, |n| hollows[n]);
+    progress.finish();
     WorkingGrid { grid: *grid, heights }
 }
 

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::STEP;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
@@ -80,7 +81,7 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
         stages.push(coarse);
     }
     let all: usize = stages.iter().map(|s| s.lattice.len()).sum();
-    progress.start("smooth surface", all as u64);
+    progress.start(STEP, all as u64);
     let levels = problem.contours.iter().map(|c| c.0);
     let mean = levels.clone().sum::<f64>() / levels.count().max(1) as f64;
     let mut coarse: Option<(Lattice, Vec<f64>, Vec<f32>)> = None;
