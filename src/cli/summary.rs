@@ -118,7 +118,7 @@ fn chosen(chosen: &Chosen, console: &Console) {
         Reason::FellBack => "the usual one: there are too few levels to hide some and choose by them",
     };
     let noise = match chosen.knobs.noise {
-        noise if noise > 0.0 => format!("; noise {noise:.2}: contours jitter and are smoothed before they are met"),
+        noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
         _ => String::new(),
     };
     let knee = match chosen.reason {

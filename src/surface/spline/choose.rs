@@ -17,7 +17,7 @@
 //! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, and how far the
 //! surface may be off half-way between them.
 
-use super::roughness::{self, ROUGH, growth};
+use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
 use super::{Knobs, SplineParams};
 use crate::surface::SurfaceParams;
@@ -25,6 +25,8 @@ use crate::surface::sheet::Sheet;
 
 /// Tension that suits most terrain; taken where the contours do not tell.
 const USUAL: f64 = 3.5;
+/// Noise of contours that are rough.
+const JITTER: f64 = 1.0;
 /// Knee of creases that suits most terrain; taken where the contours do not tell.
 const CREASE_KNEE: f64 = 0.1;
 /// Its limits.
@@ -97,7 +99,7 @@ pub struct Accuracy {
 pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
     let growth = growth(sheet);
-    let noise = noise.unwrap_or(growth.map_or(0.0, roughness::noise));
+    let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
     let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0 };
     let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
     let without = |tension, reason| chosen(knobs(tension), reason);

@@ -98,7 +98,7 @@ pub struct SplineParams {
     /// contours. More of it, and the surface is nearer to the one with ridge and canyon lines. `None`: chosen from the data.
     pub tension: Option<f64>,
     /// How much the contours jitter: 0 for smooth ones, 1 for those of unsmoothed lidar. The surface is first found with
-    /// less regard for them, then moved to meet them. `None`: as rough as the contours look.
+    /// less regard for them, then moved to meet them. `None`: 0 or 1, as the contours look.
     pub noise: Option<f64>,
 }
 

@@ -15,8 +15,6 @@ use crate::surface::sheet::Sheet;
 
 /// Exponent below which contours are rough.
 pub const ROUGH: f64 = 1.5;
-/// Exponent of contours whose noise is 1.
-const NOISY: f64 = 1.0;
 /// Lengths of stretches from end to middle against the mean gap.
 const REACHES: [f64; 2] = [0.25, 0.5];
 /// Fewest stretches.
@@ -28,12 +26,6 @@ const MOST: f64 = 1e6;
 pub fn growth(sheet: &Sheet<'_>) -> Option<f64> {
     let lines: Vec<Vec<DVec2>> = sheet.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
     exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap)
-}
-
-/// The noise of contours whose offsets from their chords grow with this exponent: 0 for smooth ones, 1 for those of unsmoothed
-/// lidar, up to 3 where stretches of any length are off as much.
-pub fn noise(growth: f64) -> f64 {
-    ((ROUGH - growth) / (ROUGH - NOISY)).clamp(0.0, ROUGH / (ROUGH - NOISY))
 }
 
 fn exponent(lines: &[&[DVec2]], gap: f64) -> Option<f64> {
@@ -101,11 +93,6 @@ mod tests {
             (0..=600).map(|j| (10.0 * k as f64 + jitter * random()) * corner(j)).collect()
         };
         (5..10).map(&mut ring).collect()
-    }
-
-    #[test]
-    fn the_rougher_the_more_noise() {
-        assert_eq!([2.0, 1.5, 1.25, 1.0, 0.0, -1.0].map(noise), [0.0, 0.0, 0.5, 1.0, 3.0, 3.0]);
     }
 
     #[test]
