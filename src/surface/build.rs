@@ -119,7 +119,7 @@ pub(super) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution
     let input = triangulation.input();
     tiled.push_borders(input);
     push_axis(input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
-    Ok((skeleton, triangulation.tin()?))
+    Ok((skeleton, triangulation.into_tin()?))
 }
 
 /// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.

@@ -67,6 +67,21 @@ impl Triangulation {
     pub fn tin(&mut self) -> Result<Tin> {
         self.grow()?;
         let faces = self.faces()?;
+        Ok(self.numbered(&faces))
+    }
+
+    /// The triangles of what does not grow any more: spade's own, a good part of the memory, go before they are numbered.
+    ///
+    /// # Errors
+    /// As [`tin`](Self::tin).
+    pub fn into_tin(mut self) -> Result<Tin> {
+        self.grow()?;
+        let faces = self.faces()?;
+        self.cdt = Cdt::new();
+        Ok(self.numbered(&faces))
+    }
+
+    fn numbered(&self, faces: &[Face]) -> Tin {
         let Self { input, source, .. } = self;
         let pick = |i: &u32| *i as usize;
         let mut tin = Tin {
@@ -77,9 +92,9 @@ impl Triangulation {
             source: source.clone(),
             ..Tin::default()
         };
-        tin.set_faces(&faces);
+        tin.set_faces(faces);
         peel_flat_border(&mut tin, input.border_tolerance);
-        Ok(tin)
+        tin
     }
 
     /// The triangles in no order of their own.
@@ -216,7 +231,7 @@ impl Tin {
 /// # Errors
 /// As [`Triangulation::tin`].
 pub fn triangulate(input: TinInput) -> Result<Tin> {
-    Triangulation::new(input)?.tin()
+    Triangulation::new(input)?.into_tin()
 }
 
 /// Triangulates points and edges, for triangles alone: in no order of their own, with the points of the input as corners, of those

@@ -4,6 +4,9 @@
 //! differences of the surface z and of a guide g, `+ Σ λ (z at crossing - level)²` over the crossings of contours with
 //! edges of the lattice, where z is linear along the edge, `+ Σ p z²`. It is quadratic in the heights.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -11,6 +14,9 @@ use super::lattice::{Crossing, Lattice};
 
 /// Rows that one task works on.
 const BLOCK: usize = 32;
+/// So many nodes lie between those whose places among the terms are known.
+const STRIDE: usize = 32;
+
 /// Weight of a crossing against a second difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingWeight {
@@ -47,11 +53,12 @@ pub struct EdgeTerm {
     q: f64,
 }
 
-/// The terms of all eastward or all southward edges, one an edge, by the rows of their first nodes.
+/// The terms of all eastward or all southward edges, one an edge, in the order of their first nodes.
 #[derive(Debug, Clone, Default)]
 pub struct EdgeTerms {
     terms: Vec<EdgeTerm>,
-    row_start: Vec<usize>,
+    /// How many start before every [`STRIDE`]th node.
+    before: Vec<u32>,
 }
 
 impl EdgeTerms {
@@ -76,13 +83,12 @@ impl EdgeTerms {
                 term.q += weight * v * level;
             }
         }
-        let start = |row: usize| terms.partition_point(|t| (t.node as usize) < row * lattice.cols);
-        let row_start = (0..=lattice.rows).map(start).collect();
-        Self { terms, row_start }
-    }
-
-    fn of_row(&self, row: usize) -> &[EdgeTerm] {
-        &self.terms[self.row_start[row]..self.row_start[row + 1]]
+        let mut before = vec![0; lattice.len() / STRIDE + 2];
+        terms.iter().for_each(|t| before[t.node as usize / STRIDE + 1] += 1);
+        for k in 1..before.len() {
+            before[k] += before[k - 1];
+        }
+        Self { terms, before }
     }
 
     /// Those of the edges that contours cross, in the order of their first nodes.
@@ -91,15 +97,19 @@ impl EdgeTerms {
     }
 
     /// ... whose first nodes lie in a range.
-    pub fn starting_in(&self, nodes: std::ops::Range<usize>) -> &[EdgeTerm] {
-        let place = |node: usize| self.terms.partition_point(|t| (t.node as usize) < node);
-        &self.terms[place(nodes.start)..place(nodes.end)]
+    pub fn starting_in(&self, nodes: Range<usize>) -> &[EdgeTerm] {
+        &self.terms[self.place(nodes.start)..self.place(nodes.end)]
+    }
+
+    fn place(&self, node: usize) -> usize {
+        let near = self.before[node / STRIDE] as usize;
+        near + self.terms[near..].iter().take_while(|t| (t.node as usize) < node).count()
     }
 }
 
 /// The energy's coefficients. A weight of zero switches a difference off.
 #[derive(Debug, Clone)]
-pub struct Energy {
+pub struct Energy<'a> {
     /// Columns and rows of the lattice.
     pub size: [usize; 2],
     /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western one.
@@ -107,22 +117,23 @@ pub struct Energy {
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],
     /// Heights whose first differences the surface is drawn to; level ground where NaN.
-    pub guide: Vec<f32>,
+    pub guide: Cow<'a, [f32]>,
     /// Crossings on eastward and on southward edges.
     pub contours: [EdgeTerms; 2],
     /// Weight of the squared height itself at every node: draws the surface to 0.
     pub pull: f32,
 }
 
-impl Energy {
+impl Energy<'_> {
     /// Half the energy's gradient at `z`, downhill.
     ///
     /// Differences come first, so that nothing is lost where large heights nearly cancel.
-    pub fn downhill(&self, z: &[f64]) -> Vec<f64> {
-        let mut out = self.constant();
+    pub fn downhill(&self, z: &[f64], out: &mut [f64]) {
         let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
-        blocks.for_each(|(k, out)| Arch::new().dispatch(|| self.downhill_block(z, k * BLOCK, out)));
-        out
+        blocks.for_each(|(k, out)| {
+            self.constant(k * BLOCK, out);
+            Arch::new().dispatch(|| self.downhill_block(z, k * BLOCK, out));
+        });
     }
 
     /// ... for some rows. Differences are formed once a row and kept while a row below needs them; a row of them has a 0 at
@@ -191,17 +202,17 @@ impl Energy {
                 let twist = b1[i] - b0[i] - a1[i] + a0[i];
                 out[i] = bend + twist + s1[i] - s0[i] + e1[i] - e0[i] + pull * m[i];
             }
-            for e in self.contours[0].of_row(j) {
+            for e in self.contours[0].starting_in(row_of(j)) {
                 let i = e.node as usize - j * cols;
                 out[i] += f64::from(e.a) * m[i] + f64::from(e.b) * m[i + 1];
                 out[i + 1] += f64::from(e.b) * m[i] + f64::from(e.c) * m[i + 1];
             }
-            for e in self.contours[1].of_row(j) {
+            for e in self.contours[1].starting_in(row_of(j)) {
                 let i = e.node as usize - j * cols;
                 out[i] += f64::from(e.a) * m[i] + f64::from(e.b) * z[e.node as usize + cols];
             }
             if j > 0 {
-                for e in self.contours[1].of_row(j - 1) {
+                for e in self.contours[1].starting_in(row_of(j - 1)) {
                     let i = e.node as usize - (j - 1) * cols;
                     out[i] += f64::from(e.b) * z[e.node as usize] + f64::from(e.c) * m[i];
                 }
@@ -213,8 +224,8 @@ impl Energy {
         }
     }
 
-    /// The part of half the gradient, downhill, that no height changes.
-    fn constant(&self) -> Vec<f64> {
+    /// The part of half the gradient, downhill, that no height changes, for the rows from `first` on.
+    fn constant(&self, first: usize, out: &mut [f64]) {
         let cols = self.size[0];
         let pull = |side: usize, n: usize, step: usize| {
             let weight = self.tension[side][n];
@@ -224,14 +235,20 @@ impl Energy {
         // A difference that would leave the lattice has no weight, so that neighbours in the row before do no harm.
         let back = |side: usize, n: usize, step: usize| n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
         let of_node = |n: usize| pull(0, n, 1) - back(0, n, 1) + pull(1, n, cols) - back(1, n, cols);
-        let mut constant: Vec<f64> = (0..self.guide.len()).into_par_iter().map(of_node).collect();
-        for (side, step) in [1, cols].into_iter().enumerate() {
-            for e in &self.contours[side].terms {
-                constant[e.node as usize] += e.p;
-                constant[e.node as usize + step] += e.q;
-            }
+        let start = first * cols;
+        out.iter_mut().enumerate().for_each(|(i, out)| *out = of_node(start + i));
+        let [eastward, southward] = &self.contours;
+        let nodes = start..start + out.len();
+        for e in eastward.starting_in(nodes.clone()) {
+            out[e.node as usize - start] += e.p;
+            out[e.node as usize + 1 - start] += e.q;
         }
-        constant
+        for e in southward.starting_in(nodes.clone()) {
+            out[e.node as usize - start] += e.p;
+        }
+        for e in southward.starting_in(start.saturating_sub(cols)..nodes.end - cols) {
+            out[e.node as usize + cols - start] += e.q;
+        }
     }
 
     /// The second difference of `z` that a bending weight at `node` belongs to; the weight must not be 0.
@@ -249,11 +266,11 @@ impl Energy {
 pub(super) mod tests {
     use glam::DVec2;
 
-    use super::super::stencil::Stencil;
+    use super::super::stencil::{LANES, REACH, Stencil};
     use super::*;
 
     /// Coefficients without pattern on a small lattice; weights are 0 where their difference would leave it.
-    pub fn energy(cols: usize, rows: usize) -> Energy {
+    pub fn energy(cols: usize, rows: usize) -> Energy<'static> {
         let mut state = 7u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -268,7 +285,7 @@ pub(super) mod tests {
             weights(&|i, j| i + 1 < cols && j + 1 < rows),
         ];
         let tension = [weights(&|i, _| i + 1 < cols), weights(&|_, j| j + 1 < rows)];
-        let guide = weights(&|_, _| true);
+        let guide = weights(&|_, _| true).into();
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
         let crossing =
             |node: usize, along: f64| (Crossing { node: node as u32, along, at_vertex: false }, 100.0 * along);
@@ -284,7 +301,7 @@ pub(super) mod tests {
     }
 
     /// The energy by its definition.
-    fn value(e: &Energy, z: &[f64]) -> f64 {
+    fn value(e: &Energy<'_>, z: &[f64]) -> f64 {
         let cols = e.size[0];
         let mut sum = 0.0;
         for n in 0..z.len() {
@@ -317,11 +334,19 @@ pub(super) mod tests {
         let (cols, rows) = (5, BLOCK + 3);
         let e = energy(cols, rows);
         let z: Vec<f64> = (0..cols * rows).map(|n| ((n * 37) % 23) as f64).collect();
-        let downhill = e.downhill(&z);
-        let stencil = Stencil::new(&e);
-        let pad = stencil.pad();
-        let mut padded = vec![0.0; z.len() + 2 * pad];
-        let mut image = vec![0.0; z.len()];
+        let (mut downhill, mut constant) = (vec![0.0; z.len()], vec![0.0; z.len()]);
+        e.downhill(&z, &mut downhill);
+        e.constant(0, &mut constant);
+        // A window as large as the lattice.
+        let mut stencil = Stencil::default();
+        let size = [cols + 2 * REACH, rows + 2 * REACH];
+        stencil.take(&e, [0, 0], size);
+        let place = |n: usize| (n / cols + REACH) * size[0] + n % cols + REACH;
+        let (count, pad) = ((size[0] * size[1]).next_multiple_of(LANES), stencil.pad());
+        let mut padded = vec![0.0; count + 2 * pad];
+        z.iter().enumerate().for_each(|(n, z)| padded[pad + place(n)] = *z as f32);
+        let mut image = vec![0.0; count];
+        stencil.apply(&padded, &mut image);
         for n in 0..z.len() {
             let at = |step: f64| {
                 let mut moved = z.clone();
@@ -332,16 +357,9 @@ pub(super) mod tests {
             let slope = (at(1.0) - at(-1.0)) / 4.0;
             let curve = (at(1.0) - 2.0 * at(0.0) + at(-1.0)) / 2.0;
             assert!((slope + downhill[n]).abs() < 1e-6 * slope.abs().max(100.0), "node {n}");
-            assert!((curve / f64::from(stencil.diagonal()[n]) - 1.0).abs() < 1e-4, "node {n}: {curve}");
-        }
-        for (to, from) in padded[pad..].iter_mut().zip(&z) {
-            *to = *from as f32;
-        }
-        stencil.apply(&padded, &mut image);
-        let constant = e.constant();
-        for n in 0..z.len() {
+            assert!((curve / f64::from(stencil.diagonal()[place(n)]) - 1.0).abs() < 1e-4, "node {n}: {curve}");
             let slope = constant[n] - downhill[n];
-            assert!((f64::from(image[n]) - slope).abs() < 1e-4 * slope.abs().max(100.0), "node {n}");
+            assert!((f64::from(image[place(n)]) - slope).abs() < 1e-4 * slope.abs().max(100.0), "node {n}");
         }
     }
 }

@@ -21,7 +21,7 @@ const COARSER: f64 = 2.0;
 const MOST_NODES: f64 = 40e6;
 /// Bytes that each takes while the surface is found, with the crossings of contours on a map where these are no more than the
 /// nodes.
-const BYTES_A_NODE: f64 = 150.0;
+const BYTES_A_NODE: f64 = 120.0;
 /// Bytes that each further crossing of a contour with an edge between nodes takes.
 const BYTES_A_CROSSING: f64 = 100.0;
 
@@ -147,7 +147,7 @@ mod tests {
     fn contours_closer_than_nodes_count_by_their_crossings() {
         let grid = Grid { corner: DVec2::ZERO, cell: DVec2::splat(10.0), cols: 1_000, rows: 1_000 };
         let lines = |gap: f64| bytes_on(&grid, 1e8 / gap);
-        assert_eq!(lines(60.0), 1.5e8);
+        assert_eq!(lines(60.0), 1.2e8);
         assert!(lines(0.01) > 1e11, "a thousand lines between two nodes");
     }
 }

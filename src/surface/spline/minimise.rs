@@ -8,7 +8,6 @@
 use rayon::prelude::*;
 
 use super::energy::Energy;
-use super::stencil::Stencil;
 use super::tile::{Tile, Whole};
 
 /// Rows and columns of a tile.
@@ -29,66 +28,47 @@ pub struct Effort {
     pub tolerance: f64,
 }
 
-/// Minimises energies on one lattice, one after the other: what it works with is large and kept.
+/// Minimises energies on one lattice, one after the other.
+#[derive(Default)]
 pub struct Minimiser {
-    stencil: Stencil,
-    /// What a sweep adds to the heights, padded.
-    change: Vec<f32>,
-    /// The matrix times that.
-    image: Vec<f32>,
     /// Sweeps so far.
     sweeps: usize,
 }
 
 impl Minimiser {
-    /// For energies on the lattice of this one.
-    pub fn new(energy: &Energy) -> Self {
-        let n = energy.size[0] * energy.size[1];
-        let stencil = Stencil::new(energy);
-        let change = vec![0.0; n + 2 * stencil.pad()];
-        Self { stencil, change, image: vec![0.0; n], sweeps: 0 }
-    }
-
-    /// Goes from `z` towards the heights of least energy with `lo <= z <= hi`. The energy is the one that was [set](Self::set)
-    /// last.
+    /// Goes from `z` towards the heights of least energy with `lo <= z <= hi`; NaN is no bound.
     ///
-    /// Heights and gradient are double precision, what a sweep changes is single: the gradient changes by what the heights
-    /// have changed by, so that errors do not add up.
-    pub fn minimise(&mut self, energy: &Energy, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
-        let Self { stencil, change, image, sweeps } = self;
-        let (n, pad) = (z.len(), stencil.pad());
+    /// Heights and gradient are double precision, what a sweep changes is single.
+    pub fn minimise(&mut self, energy: &Energy<'_>, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
         let limits = lo.par_iter().zip(hi);
-        z.par_iter_mut().zip(limits).for_each(|(z, (&lo, &hi))| *z = z.clamp(f64::from(lo), f64::from(hi)));
-        let mut downhill = energy.downhill(z);
+        z.par_iter_mut().zip(limits).for_each(|(z, (&lo, &hi))| *z = bounded(*z, lo, hi));
+        let (mut downhill, mut change) = (vec![0.0; z.len()], vec![0.0f32; z.len()]);
         for done in (0..effort.steps).step_by(SWEEP) {
-            let whole = Whole { stencil, downhill: &downhill, z, lo, hi };
-            let steps = SWEEP.min(effort.steps - done);
-            sweep(&whole, energy.size, *sweeps, steps, &mut change[pad..pad + n]);
-            *sweeps += 1;
-            let moves = z.par_iter_mut().zip(&mut change[pad..pad + n]).zip(lo.par_iter().zip(hi));
+            energy.downhill(z, &mut downhill);
+            let whole = Whole { energy, downhill: &downhill, z, lo, hi };
+            sweep(&whole, self.sweeps, SWEEP.min(effort.steps - done), &mut change);
+            self.sweeps += 1;
+            let moves = z.par_iter_mut().zip(&change).zip(lo.par_iter().zip(hi));
             let moved = moves.map(|((z, change), (&lo, &hi))| {
-                let to = (*z + f64::from(*change)).clamp(f64::from(lo), f64::from(hi));
-                *change = (to - *z) as f32;
-                *z = to;
-                change.abs()
+                let before = *z;
+                *z = bounded(before + f64::from(*change), lo, hi);
+                (*z - before).abs()
             });
-            let largest = moved.reduce(|| 0.0, f32::max);
-            if f64::from(largest) < effort.tolerance || done + SWEEP >= effort.steps {
+            if moved.reduce(|| 0.0, f64::max) < effort.tolerance {
                 break;
             }
-            stencil.apply(change, image);
-            downhill.par_iter_mut().zip(&*image).for_each(|(downhill, by)| *downhill -= f64::from(*by));
         }
-    }
-
-    /// Takes another energy on the same lattice.
-    pub fn set(&mut self, energy: &Energy) {
-        self.stencil.set(energy);
     }
 }
 
+/// The nearest height between bounds that are not NaN.
+fn bounded(z: f64, lo: f32, hi: f32) -> f64 {
+    z.max(f64::from(lo)).min(f64::from(hi))
+}
+
 /// Lets every tile of sweep `number` take so many steps, and gives by how much they change the heights.
-fn sweep(whole: &Whole<'_>, [cols, rows]: [usize; 2], number: usize, steps: usize, change: &mut [f32]) {
+fn sweep(whole: &Whole<'_>, number: usize, steps: usize, change: &mut [f32]) {
+    let [cols, rows] = whole.energy.size;
     let is_one = cols * rows <= ONE_TILE;
     let side = if is_one { cols.max(rows) } else { TILE };
     // The first row and column of tiles are as wide as the shift leaves them.
@@ -129,9 +109,9 @@ mod tests {
             })
             .unzip();
         let mut z: Vec<f64> = (0..n).map(|i| ((i * 37) % 23) as f64).collect();
-        let mut minimiser = Minimiser::new(&energy);
-        minimiser.minimise(&energy, &lo, &hi, &mut z, Effort { steps: 1_000, tolerance: 1e-7 });
-        let downhill = energy.downhill(&z);
+        Minimiser::default().minimise(&energy, &lo, &hi, &mut z, Effort { steps: 1_000, tolerance: 1e-7 });
+        let mut downhill = vec![0.0; n];
+        energy.downhill(&z, &mut downhill);
         for (i, (&z, &downhill)) in z.iter().zip(&downhill).enumerate() {
             let (lo, hi) = (f64::from(lo[i]), f64::from(hi[i]));
             assert!((lo..=hi).contains(&z), "node {i}: {z}");

@@ -48,13 +48,13 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         size: [cols, rows],
         bending: [nothing(), nothing(), nothing()],
         tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
-        guide: vec![f32::NAN; count],
+        guide: vec![f32::NAN; count].into(),
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (REACH * REACH),
     };
     let mut missing = vec![0.0; count];
-    let (lo, hi) = (vec![f32::NEG_INFINITY; count], vec![f32::INFINITY; count]);
+    let no_bound = vec![f32::NAN; count];
     let effort = Effort { steps: STEPS, tolerance: TOLERANCE * problem.interval };
-    Minimiser::new(&energy).minimise(&energy, &lo, &hi, &mut missing, effort);
+    Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut missing, effort);
     heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
 }

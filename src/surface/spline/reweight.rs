@@ -21,13 +21,13 @@ const AT_BOUND: f64 = 1e-3;
 ///
 /// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
 /// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
-/// (iteratively reweighted least squares). `weights` are those before, `creases` marks differences across ridge and canyon lines,
-/// which have their knee `share` of the others'.
-pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<bool>; 3], share: f64, z: &[f64]) {
-    for kind in 0..3 {
+/// (iteratively reweighted least squares). `creases` marks differences across ridge and canyon lines, which have their knee
+/// `share` of the others'.
+pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], share: f64, z: &[f64]) {
+    for (kind, creases) in creases.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Added up in this order whatever the number of threads.
-        let sums = weights[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
+        let sums = energy.bending[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
             let bent = (0..weights.len()).filter(|&i| weights[i] > 0.0).map(|i| difference(k * CHUNK + i));
             bent.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0))
         });
@@ -37,17 +37,19 @@ pub fn let_crease(energy: &mut Energy, weights: &[Vec<f32>; 3], creases: &[Vec<b
             continue;
         }
         let mean: f64 = sum / count;
-        let all = weights[kind].par_iter().zip(&creases[kind]).enumerate();
-        let bent = all.map(|(n, (&before, &crease))| {
+        let mut bending = std::mem::take(&mut energy.bending[kind]);
+        let bent = bending.par_iter_mut().zip(creases).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
+        bent.for_each(|(n, (weight, &crease))| {
             let knee = mean * if crease { KNEE * share } else { KNEE };
-            if before > 0.0 { before / (1.0 + (difference(n) / knee).powi(2)).sqrt() as f32 } else { 0.0 }
+            let difference = energy.second_difference(kind, n, z).abs();
+            *weight /= (1.0 + (difference / knee).powi(2)).sqrt() as f32;
         });
-        energy.bending[kind] = bent.collect();
+        energy.bending[kind] = bending;
     }
 }
 
 /// The nodes at edges that contours cross, and their neighbours.
-pub fn near_contours(energy: &Energy) -> Vec<bool> {
+pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
     let [cols, rows] = energy.size;
     let mut near = vec![false; cols * rows];
     for (side, step) in [1, cols].into_iter().enumerate() {

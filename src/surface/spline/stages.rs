@@ -130,52 +130,47 @@ impl Stage<'_> {
 
     /// Improves `z`, and `factors` on the tension. Without rounds the weights follow `z` as it is.
     fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32], rounds: usize) {
-        let open = |values: &[f32], free: f32| -> Vec<f32> {
-            values.par_iter().map(|v| if v.is_nan() { free } else { *v }).collect()
-        };
-        let lo = open(&self.bounds[0], f32::NEG_INFINITY);
-        let hi = open(&self.bounds[1], f32::INFINITY);
+        let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
         let (mut energy, creases) = self.energy(problem);
         let effort = Effort { steps: STEPS[self.kind()], tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
-        let weights = energy.bending.clone();
-        let tension = energy.tension.clone();
-        apply(&mut energy, &tension, factors);
-        let near_contours = near_contours(&energy);
-        if rounds == 0 {
-            let_crease(&mut energy, &weights, &creases, problem.crease_knee, z);
+        // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
+        let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
+        scale(&mut energy, factors);
+        if first.is_none() {
+            let_crease(&mut energy, &creases, problem.crease_knee, z);
         }
-        let mut minimiser = Minimiser::new(&energy);
-        minimiser.minimise(&energy, &lo, &hi, z, effort);
-        for _ in 0..rounds {
-            let_crease(&mut energy, &weights, &creases, problem.crease_knee, z);
-            tighten(factors, &near_contours, [&lo, &hi], z, self.lattice.cols, problem.interval);
-            apply(&mut energy, &tension, factors);
-            minimiser.set(&energy);
-            minimiser.minimise(&energy, &lo, &hi, z, later);
+        let mut minimiser = Minimiser::default();
+        minimiser.minimise(&energy, lo, hi, z, effort);
+        for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
+            energy.bending.clone_from(bending);
+            let_crease(&mut energy, &creases, problem.crease_knee, z);
+            tighten(factors, near_contours, [lo, hi], z, self.lattice.cols, problem.interval);
+            energy.tension.clone_from(tension);
+            scale(&mut energy, factors);
+            minimiser.minimise(&energy, lo, hi, z, later);
         }
         if self.depth == 0 {
-            let upper = self.drained(problem, [&lo, &hi], z);
-            minimiser.minimise(&energy, &lo, &upper, z, later);
+            let upper = self.drained(problem, [lo, hi], z);
+            minimiser.minimise(&energy, lo, &upper, z, later);
         }
     }
 
     /// Upper bounds with ways out of pits cut into them: the ground beside a cut falls towards it.
     fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
         let mut upper = hi.to_vec();
-        let before: Vec<f32> =
-            z.par_iter().zip(&*self.bounds[0]).map(|(z, b)| if b.is_nan() { f32::NAN } else { *z as f32 }).collect();
-        let mut after = before.clone();
+        let mut after: Vec<f32> =
+            z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let limits = Limits { lo, depth: problem.interval as f32 };
         breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
-        for n in (0..z.len()).filter(|&n| after[n] < before[n]) {
+        for n in (0..z.len()).filter(|&n| after[n] < z[n] as f32) {
             upper[n] = upper[n].min(after[n]).max(lo[n]);
         }
         upper
     }
 
     /// The energy with its first weights, and which second differences are across ridge and canyon lines.
-    fn energy(&self, problem: &Problem<'_>) -> (Energy, [Vec<bool>; 3]) {
+    fn energy(&self, problem: &Problem<'_>) -> (Energy<'_>, [Vec<bool>; 3]) {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
         let crossings = |&(level, points): &(f64, &[DVec2])| {
@@ -186,9 +181,12 @@ impl Stage<'_> {
         let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
         let weight = problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT)));
         let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
-        let terms = |mut found: Vec<Vec<_>>, more: &[_]| {
-            found.push(more.to_vec());
-            EdgeTerms::new(&found.concat(), weight, lattice)
+        // Those of a line are let go when they were copied: together they are large.
+        let terms = |found: Vec<Vec<_>>, more: &[_]| {
+            let mut all = Vec::with_capacity(found.iter().map(Vec::len).sum::<usize>() + more.len());
+            found.into_iter().for_each(|of_line| all.extend(of_line));
+            all.extend_from_slice(more);
+            EdgeTerms::new(&all, weight, lattice)
         };
         let (east, south) = rayon::join(|| terms(east, spots), || terms(south, &[]));
         let contours = [east, south];
@@ -202,64 +200,59 @@ impl Stage<'_> {
         let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
         // Cells that are not square: second differences over squared steps, the mixed one over their product.
         let ratio = (lattice.step.y / lattice.step.x) as f32;
-        let bending = |n: usize| {
+        let is_bent = |kind: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
-            let xx = i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]);
-            let yy = j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]);
-            let xy = i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]);
+            match kind {
+                0 => i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]),
+                1 => j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]),
+                _ => i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]),
+            }
+        };
+        let is_crease = |kind: usize, n: usize| {
             let [east, south] = &cut;
-            let crease = [
-                xx && (east[n - 1] || east[n]),
-                yy && (south[n - cols] || south[n]),
-                xy && (east[n] || south[n] || south[n + 1] || east[n + cols]),
-            ];
-            let weight = [(xx, ratio * ratio), (yy, 1.0 / (ratio * ratio)), (xy, 2.0)];
-            let weight = std::array::from_fn::<f32, 3, _>(|k| match weight[k] {
-                (false, _) => 0.0,
-                (true, w) => {
-                    if crease[k] {
-                        CREASE * w
-                    } else {
-                        w
-                    }
+            is_bent(kind, n)
+                && match kind {
+                    0 => east[n - 1] || east[n],
+                    1 => south[n - cols] || south[n],
+                    _ => east[n] || south[n] || south[n + 1] || east[n + cols],
                 }
-            });
-            (weight, crease)
         };
-        let tension = |n: usize| {
+        let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
+        let bending = |kind: usize, n: usize| match (is_bent(kind, n), is_crease(kind, n)) {
+            (false, _) => 0.0,
+            (true, false) => weights[kind],
+            (true, true) => CREASE * weights[kind],
+        };
+        let tension = |side: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
-            let here = self.tension[n];
-            let mean = |m: usize| {
-                let product = here * self.tension[m];
-                if product.is_nan() { 0.0 } else { product.sqrt() }
-            };
-            let east = if i + 1 < cols && all_inside(&[n, n + 1]) { mean(n + 1) * ratio } else { 0.0 };
-            let south = if j + 1 < rows && all_inside(&[n, n + cols]) { mean(n + cols) / ratio } else { 0.0 };
-            [east, south]
+            let (has_next, next, per) =
+                if side == 0 { (i + 1 < cols, n + 1, ratio) } else { (j + 1 < rows, n + cols, 1.0 / ratio) };
+            if !has_next || !all_inside(&[n, next]) {
+                return 0.0;
+            }
+            let product = self.tension[n] * self.tension[next];
+            if product.is_nan() { 0.0 } else { product.sqrt() * per }
         };
-        let (weights, creases): (Vec<[f32; 3]>, Vec<[bool; 3]>) = (0..count).into_par_iter().map(bending).unzip();
-        let tensions: Vec<[f32; 2]> = (0..count).into_par_iter().map(tension).collect();
+        let creases =
+            std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect::<Vec<bool>>());
         let energy = Energy {
             size: [cols, rows],
-            bending: std::array::from_fn(|k| weights.par_iter().map(|w| w[k]).collect()),
-            tension: std::array::from_fn(|k| tensions.par_iter().map(|t| t[k]).collect()),
-            guide: self.guide.to_vec(),
+            bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
+            tension: std::array::from_fn(|side| (0..count).into_par_iter().map(|n| tension(side, n)).collect()),
+            guide: Cow::Borrowed(&self.guide),
             contours,
             pull: 0.0,
         };
-        (energy, std::array::from_fn(|k| creases.par_iter().map(|c| c[k]).collect()))
+        (energy, creases)
     }
 }
 
-/// Sets the tension to `tension` times the factors of both ends.
-fn apply(energy: &mut Energy, tension: &[Vec<f32>; 2], factors: &[f32]) {
+/// Multiplies the tension by the factors of both ends.
+fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
     let steps = [1, energy.size[0]];
     for (side, step) in steps.into_iter().enumerate() {
-        energy.tension[side].par_iter_mut().enumerate().for_each(|(n, now)| {
-            let before = tension[side][n];
-            if before > 0.0 {
-                *now = before * (factors[n] * factors[n + step]).sqrt();
-            }
+        energy.tension[side].par_iter_mut().enumerate().filter(|(_, t)| **t > 0.0).for_each(|(n, tension)| {
+            *tension *= (factors[n] * factors[n + step]).sqrt();
         });
     }
 }

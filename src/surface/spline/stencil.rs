@@ -1,21 +1,21 @@
 //! The matrix of an energy: what a height at each node adds to the gradient at the nodes around.
 //!
 //! It is symmetric and reaches two nodes far, so that each node has a coefficient of its own and six for the nodes that come
-//! after it. Steps of conjugate gradients multiply by it, hundreds of times for an energy.
+//! after it. Steps of conjugate gradients multiply by it.
 
 use std::borrow::Cow;
 
-use pulp::Arch;
-use rayon::prelude::*;
-
 use super::energy::Energy;
 
-/// Nodes that one task works on.
-const CHUNK: usize = 1 << 13;
 /// Rows and columns that the matrix reaches.
 pub const REACH: usize = 2;
+/// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
+pub const LANES: usize = 8;
 
-/// The coefficients of a symmetric matrix over a lattice. Those that would leave the lattice are 0.
+/// The coefficients of a symmetric matrix in a window of a lattice. Those that would leave the lattice are 0.
+///
+/// It is made for a window when that is worked on, every time: to keep the matrix of a large lattice takes most of the memory,
+/// and reading it from there about as long as making it.
 #[derive(Default)]
 pub struct Stencil {
     cols: usize,
@@ -24,21 +24,23 @@ pub struct Stencil {
 }
 
 impl Stencil {
-    /// The matrix of an energy.
-    pub fn new(energy: &Energy) -> Self {
-        let [cols, rows] = energy.size;
-        let pad = REACH * cols + REACH;
-        let mut stencil = Self { cols, of: std::array::from_fn(|_| vec![0.0; pad + cols * rows]) };
-        stencil.set(energy);
-        stencil
-    }
-
-    /// Takes the matrix of an energy on the same lattice.
-    pub fn set(&mut self, energy: &Energy) {
-        let pad = self.pad();
+    /// Takes the matrix of an energy in a window, which begins [`REACH`] columns and rows before the node in `col` and `row`.
+    #[inline(always)]
+    pub fn take(&mut self, energy: &Energy<'_>, [col, row]: [usize; 2], [cols, rows]: [usize; 2]) {
+        self.cols = cols;
+        let first = self.pad();
+        // Columns and rows of the window that lie before the lattice, and how many lie on it.
+        let before = [REACH.saturating_sub(col), REACH.saturating_sub(row)];
+        let [west, north] = [col + before[0] - REACH, row + before[1] - REACH];
+        let width = (cols - before[0]).min(energy.size[0] - west);
+        let height = (rows - before[1]).min(energy.size[1] - north);
         for (k, of) in self.of.iter_mut().enumerate() {
-            let chunks = of[pad..].par_chunks_mut(CHUNK).enumerate();
-            chunks.for_each(|(chunk, out)| coefficients(energy, k, chunk * CHUNK, out));
+            of.clear();
+            of.resize(first + (cols * rows).next_multiple_of(LANES), 0.0);
+            for j in 0..height {
+                let out = &mut of[first + (before[1] + j) * cols + before[0]..][..width];
+                coefficients(energy, k, [west, north + j], out);
+            }
         }
     }
 
@@ -53,46 +55,23 @@ impl Stencil {
         &self.of[0][self.pad()..]
     }
 
-    /// Number of columns of the lattice.
-    pub fn cols(&self) -> usize {
-        self.cols
-    }
-
-    /// Takes the coefficients of a window of another lattice, for heights in units of their own.
-    ///
-    /// The window begins [`REACH`] columns and rows before the node in `col` and `row`. Coefficients beyond the lattice are 0.
-    pub fn cut(&mut self, from: &Self, [col, row]: [usize; 2], [cols, rows]: [usize; 2], unit: &[f32]) {
-        self.cols = cols;
-        let pad = self.pad();
-        // Columns of the window that lie west of the lattice, and the first one that does not.
-        let beyond = REACH.saturating_sub(col);
-        let first = col + beyond - REACH;
-        let width = (cols - beyond).min(from.cols - first);
-        let after = [0, 1, 2, cols, 2 * cols, cols + 1, cols - 1];
-        for ((to, all), after) in self.of.iter_mut().zip(&from.of).zip(after) {
-            to.clear();
-            to.resize(pad + unit.len(), 0.0);
-            for k in REACH.saturating_sub(row)..rows {
-                let start = from.pad() + (row + k - REACH) * from.cols + first;
-                let Some(all) = all.get(start..start + width) else { break };
-                let n = k * cols + beyond;
-                let Some(other) = unit.get(n + after..) else { break };
-                let units = unit[n..].iter().zip(other);
-                to[pad + n..].iter_mut().zip(all).zip(units).for_each(|((to, of), (u, v))| *to = of * u * v);
+    /// Goes over to heights in units of their own.
+    #[inline(always)]
+    pub fn scale(&mut self, unit: &[f32]) {
+        let (first, cols) = (self.pad(), self.cols);
+        for (of, after) in self.of.iter_mut().zip([0, 1, 2, cols, 2 * cols, cols + 1, cols - 1]) {
+            let (inside, beyond) = of[first..].split_at_mut(unit.len() - after);
+            for (of, (u, v)) in inside.iter_mut().zip(unit.iter().zip(&unit[after..])) {
+                *of *= u * v;
             }
+            beyond.fill(0.0);
         }
     }
 
-    /// Multiplies `z`, which is padded.
-    pub fn apply(&self, z: &[f32], out: &mut [f32]) {
-        let chunks = out.par_chunks_mut(CHUNK).enumerate();
-        chunks.for_each(|(k, out)| Arch::new().dispatch(|| self.apply_from(z, self.pad() + k * CHUNK, out)));
-    }
-
-    /// ... for the nodes from `first` on, padding counted. All is cut to the same length first: the loop has no branch.
+    /// Multiplies `direction`, which is padded. All is cut to the same length first: the loop has no branch.
     #[inline(always)]
-    pub fn apply_from(&self, z: &[f32], first: usize, out: &mut [f32]) {
-        let (n, cols, len) = (first, self.cols, out.len());
+    pub fn apply(&self, direction: &[f32], out: &mut [f32]) {
+        let (z, n, cols, len) = (direction, self.pad(), self.cols, out.len());
         let [own, e, ee, s, ss, se, sw] = &self.of;
         let row = &z[n - 2..n + len + 2];
         let (north, south) = (&z[n - cols - 1..n - cols + len + 1], &z[n + cols - 1..n + cols + len + 1]);
@@ -111,52 +90,67 @@ impl Stencil {
     }
 }
 
-/// The coefficients of kind `k`, in the order of [`Stencil::of`], of the nodes from `first` on.
-fn coefficients(energy: &Energy, k: usize, first: usize, out: &mut [f32]) {
+/// The coefficients of kind `k`, in the order of [`Stencil::of`], of nodes in a row, the first one's column and row given.
+#[inline(always)]
+fn coefficients(energy: &Energy<'_>, k: usize, [col, row]: [usize; 2], out: &mut [f32]) {
     let cols = energy.size[0];
+    let first = row * cols + col;
     let ([xx, yy, xy], [east, south]) = (&energy.bending, &energy.tension);
-    let back = |weights, by: usize| shifted(weights, first as isize - by as isize, out.len());
-    let next = |weights, by: usize| shifted(weights, (first + by) as isize, out.len());
+    let len = out.len();
+    let back = |weights, by: usize| shifted(weights, first as isize - by as isize, len);
+    let next = |weights, by: usize| shifted(weights, (first + by) as isize, len);
     let here = |weights| next(weights, 0);
     // Each second difference once for every pair of its nodes, each first one alike.
-    let parts: &[(f32, Cow<[f32]>)] = match k {
-        0 => &[
-            (1.0, back(xx, 1)),
-            (4.0, here(xx)),
-            (1.0, next(xx, 1)),
-            (1.0, back(yy, cols)),
-            (4.0, here(yy)),
-            (1.0, next(yy, cols)),
-            (1.0, here(xy)),
-            (1.0, back(xy, 1)),
-            (1.0, back(xy, cols)),
-            (1.0, back(xy, cols + 1)),
-            (1.0, here(east)),
-            (1.0, back(east, 1)),
-            (1.0, here(south)),
-            (1.0, back(south, cols)),
-        ],
-        1 => &[(-2.0, here(xx)), (-2.0, next(xx, 1)), (-1.0, here(xy)), (-1.0, back(xy, cols)), (-1.0, here(east))],
-        2 => &[(1.0, next(xx, 1))],
-        3 => &[(-2.0, here(yy)), (-2.0, next(yy, cols)), (-1.0, here(xy)), (-1.0, back(xy, 1)), (-1.0, here(south))],
-        4 => &[(1.0, next(yy, cols))],
-        5 => &[(1.0, here(xy))],
-        _ => &[(1.0, back(xy, 1))],
-    };
-    out.fill(if k == 0 { energy.pull } else { 0.0 });
-    for (factor, weights) in parts {
-        out.iter_mut().zip(&**weights).for_each(|(out, weight)| *out += factor * weight);
-    }
-    for (terms, step, along) in [(&energy.contours[0], 1, 1), (&energy.contours[1], cols, 3)] {
-        let here = terms.starting_in(first..first + out.len());
-        if k == 0 {
-            here.iter().for_each(|t| out[t.node as usize - first] += t.a);
-            let before = first.saturating_sub(step)..(first + out.len()).saturating_sub(step);
-            let ending = terms.starting_in(before).iter().filter(|t| t.node as usize + step >= first);
-            ending.for_each(|t| out[t.node as usize + step - first] += t.c);
-        } else if k == along {
-            here.iter().for_each(|t| out[t.node as usize - first] += t.b);
+    match k {
+        0 => {
+            let along = [(1.0, back(xx, 1)), (4.0, here(xx)), (1.0, next(xx, 1))];
+            let across = [(1.0, back(yy, cols)), (4.0, here(yy)), (1.0, next(yy, cols))];
+            let mixed = [here(xy), back(xy, 1), back(xy, cols), back(xy, cols + 1)].map(|weights| (1.0, weights));
+            let first = [here(east), back(east, 1), here(south), back(south, cols)].map(|weights| (1.0, weights));
+            out.fill(energy.pull);
+            add(along, out);
+            add(across, out);
+            add(mixed, out);
+            add(first, out);
         }
+        1 => add(
+            [(-2.0, here(xx)), (-2.0, next(xx, 1)), (-1.0, here(xy)), (-1.0, back(xy, cols)), (-1.0, here(east))],
+            out,
+        ),
+        2 => out.copy_from_slice(&next(xx, 1)),
+        3 => add(
+            [(-2.0, here(yy)), (-2.0, next(yy, cols)), (-1.0, here(xy)), (-1.0, back(xy, 1)), (-1.0, here(south))],
+            out,
+        ),
+        4 => out.copy_from_slice(&next(yy, cols)),
+        5 => out.copy_from_slice(&here(xy)),
+        _ => out.copy_from_slice(&back(xy, 1)),
+    }
+    let [eastward, southward] = &energy.contours;
+    let nodes = first..first + out.len();
+    match k {
+        0 => {
+            let starting = [eastward, southward].map(|terms| terms.starting_in(nodes.clone()));
+            starting.into_iter().flatten().for_each(|t| out[t.node as usize - first] += t.a);
+            let ending = eastward.starting_in(nodes.start.saturating_sub(1)..nodes.end - 1);
+            ending.iter().for_each(|t| out[t.node as usize + 1 - first] += t.c);
+            if row > 0 {
+                let ending = southward.starting_in(nodes.start - cols..nodes.end - cols);
+                ending.iter().for_each(|t| out[t.node as usize + cols - first] += t.c);
+            }
+        }
+        1 => eastward.starting_in(nodes).iter().for_each(|t| out[t.node as usize - first] += t.b),
+        3 => southward.starting_in(nodes).iter().for_each(|t| out[t.node as usize - first] += t.b),
+        _ => {}
+    }
+}
+
+/// Adds weights times factors.
+#[inline(always)]
+fn add<const N: usize>(parts: [(f32, Cow<'_, [f32]>); N], out: &mut [f32]) {
+    let parts = parts.each_ref().map(|(factor, weights)| (*factor, &weights[..out.len()]));
+    for i in 0..out.len() {
+        out[i] += parts.iter().fold(0.0, |sum, (factor, weights)| sum + factor * weights[i]);
     }
 }
 

@@ -8,15 +8,13 @@ use std::ops::Range;
 
 use pulp::Arch;
 
-use super::stencil::{REACH, Stencil};
-
-/// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
-const LANES: usize = 8;
+use super::energy::Energy;
+use super::stencil::{LANES, REACH, Stencil};
 
 /// A lattice, and the heights there.
 pub struct Whole<'a> {
-    /// The matrix.
-    pub stencil: &'a Stencil,
+    /// What is to be least.
+    pub energy: &'a Energy<'a>,
     /// Half the energy's gradient, downhill.
     pub downhill: &'a [f64],
     /// Heights.
@@ -47,7 +45,7 @@ pub struct Tile {
 impl Tile {
     /// Takes up to so many steps of conjugate gradients on a part of a lattice.
     pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
-        self.cut(whole, rows, cols);
+        Arch::new().dispatch(|| self.cut(whole, rows, cols));
         Arch::new().dispatch(|| self.steps(steps));
     }
 
@@ -61,7 +59,7 @@ impl Tile {
             if rho <= 0.0 || !rho.is_finite() {
                 break;
             }
-            stencil.apply_from(direction, pad, image);
+            stencil.apply(direction, image);
             let direction = &mut direction[pad..pad + image.len()];
             let curvature = product(direction, image);
             if curvature <= 0.0 {
@@ -82,19 +80,21 @@ impl Tile {
     }
 
     /// Takes a part of a lattice, and sees which nodes are held.
+    #[inline(always)]
     fn cut(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>) {
         let size = [cols.len() + 2 * REACH, rows.len() + 2 * REACH];
         let n = (size[0] * size[1]).next_multiple_of(LANES);
         self.cols = size[0];
+        self.stencil.take(whole.energy, [cols.start, rows.start], size);
         for values in [&mut self.unit, &mut self.change, &mut self.residual, &mut self.image] {
             values.clear();
             values.resize(n, 0.0);
         }
         for (k, row) in rows.clone().enumerate() {
-            let from = row * whole.stencil.cols() + cols.start..row * whole.stencil.cols() + cols.end;
+            let from = row * whole.energy.size[0] + cols.start..row * whole.energy.size[0] + cols.end;
             let first = (k + REACH) * size[0] + REACH;
             let to = first..first + cols.len();
-            let given = whole.downhill[from.clone()].iter().zip(&whole.stencil.diagonal()[from.clone()]);
+            let given = whole.downhill[from.clone()].iter().zip(&self.stencil.diagonal()[to.clone()]);
             let heights = whole.z[from.clone()].iter().zip(&whole.lo[from.clone()]).zip(&whole.hi[from]);
             let taken = self.residual[to.clone()].iter_mut().zip(&mut self.unit[to]);
             for (((residual, unit), (&r, &diagonal)), ((&z, &lo), &hi)) in taken.zip(given).zip(heights) {
@@ -106,7 +106,7 @@ impl Tile {
                 }
             }
         }
-        self.stencil.cut(whole.stencil, [cols.start, rows.start], size, &self.unit);
+        self.stencil.scale(&self.unit);
         let pad = self.stencil.pad();
         self.direction.clear();
         self.direction.resize(pad, 0.0);
