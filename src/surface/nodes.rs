@@ -10,7 +10,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::WorkingGrid;
-use super::parted::{PartedPiece, part_long_pieces};
+use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
 use super::spline::Lattice;
 use super::tiling::Tiling;
 use crate::contour::source_raster;
@@ -58,18 +58,26 @@ pub(super) fn with_nodes(
         let (region, node) = (regions[k], coarse.node(k));
         let band = tiled.regions.regions[region as usize].band;
         let position = working.grid.center(node % lattice.cols, node / lattice.cols) - tiled.tin.origin;
-        InnerPoint { region, position, height: band.strictly_inside(f64::from(working.heights[node])) }
+        InnerPoint {
+            region,
+            kind: VertexKind::Axis,
+            position,
+            height: band.strictly_inside(f64::from(working.heights[node])),
+        }
     };
     let mut points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
-    let edges: Vec<PartedEdge> = parted
-        .into_iter()
-        .map(|PartedPiece { edge, points: between }| {
-            let first = points.len();
-            let each = axis.points[between.clone()].iter().zip(&flow.heights[between]);
-            points.extend(each.map(|(p, &height)| InnerPoint { region: p.region, position: p.position, height }));
-            PartedEdge { edge, points: first..points.len() }
-        })
-        .collect();
+    let mut edges = part_long_borders(&tiled, spacing, &mut points);
+    for PartedPiece { edge, points: between } in parted {
+        let first = points.len();
+        let each = axis.points[between.clone()].iter().zip(&flow.heights[between]);
+        points.extend(each.map(|(p, &height)| InnerPoint {
+            region: p.region,
+            kind: VertexKind::Axis,
+            position: p.position,
+            height,
+        }));
+        edges.push(PartedEdge { edge, points: first..points.len() });
+    }
     for (&v, &height) in vertices.iter().zip(&flow.heights) {
         tiled.tin.heights[v as usize] = height;
     }

@@ -1,8 +1,9 @@
-//! Points between the ends of long pieces of ridge and canyon lines.
+//! Points between the ends of long pieces of ridge and canyon lines, and of long edges of the frame.
 //!
 //! A piece is an edge of the triangulation, straight from one end to the other. Where contours are far apart it is longer
 //! than the nodes are from each other, and the surface beside it is anything but straight: a slice would run along such an
-//! edge and back again on its other side, a needle.
+//! edge and back again on its other side, a needle. So is an edge of the frame, from the end of one contour to that of the
+//! next: the ground would fall from the surface to it as a cliff.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,7 +14,7 @@ use super::WorkingGrid;
 use super::nodes::smooth_height;
 use super::tiling::Tiling;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
-use crate::tin::{Tin, VertexKind};
+use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
 /// An edge of the triangulation and the axis points on it, from its first end to its second.
 pub(super) struct PartedPiece {
@@ -56,10 +57,8 @@ pub(super) fn part_long_pieces(
             pieces.push(piece);
             continue;
         };
-        // Points would lie beside the edge by rounding, and must not come near another one by that.
         let width = sides.map(|t| tin.width(t)).into_iter().fold(f64::INFINITY, f64::min);
-        let length = tin.positions[u].distance(tin.positions[v]);
-        let parts = (length / spacing).min(width / narrow) as usize;
+        let parts = parts(tin, edge, spacing, width / narrow);
         let level = axis.points[first as usize].level;
         let from = axis.points.len();
         for part in 1..parts {
@@ -79,6 +78,40 @@ pub(super) fn part_long_pieces(
     }
     axis.pieces = pieces;
     parted
+}
+
+/// Parts edges of `tiled` at the outer border that are no contours, at most so that the parts are `spacing` long, map units.
+/// The points are added to `points`; like corners of the frame they have no heights yet.
+///
+/// Edges with something beyond them stay: a polygon that is not convex, and contours that end beside a straight border.
+pub(super) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<InnerPoint>) -> Vec<PartedEdge> {
+    let tin = &tiled.tin;
+    let narrow = narrow(tin);
+    let mut parted = Vec::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let region = tiled.regions.of_triangle[t as usize];
+        let is_dry = tiled.regions.region(t).is_some_and(|r| r.water.is_none());
+        let is_border = |i: &usize| tin.neighbours[t as usize][*i] == NONE && tin.contour_level(t, *i).is_none();
+        for i in (0..3).filter(|i| is_dry && is_border(i) && tin.edge_length(t, *i) >= 2.0 * spacing) {
+            let edge = tin.edge(t, i);
+            let [u, v] = edge.map(|v| tin.positions[v as usize]);
+            let parts = parts(tin, edge, spacing, tin.width(t) / narrow);
+            let first = points.len();
+            points.extend((1..parts).map(|part| {
+                let position = u.lerp(v, part as f64 / parts as f64);
+                InnerPoint { region, kind: VertexKind::Frame, position, height: f64::NAN }
+            }));
+            parted.push(PartedEdge { edge, points: first..points.len() });
+        }
+    }
+    parted
+}
+
+/// Into how many parts of `spacing` or more an edge is parted, at most. Points would lie beside the edge by rounding, and
+/// must not come near another one by that.
+fn parts(tin: &Tin, edge: [u32; 2], spacing: f64, most: f64) -> usize {
+    let [u, v] = edge.map(|v| tin.positions[v as usize]);
+    (u.distance(v) / spacing).min(most) as usize
 }
 
 /// Distance to the nearest corner of two triangles that lies on a contour.

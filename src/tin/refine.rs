@@ -4,7 +4,6 @@
 //! parts, which are triangulated side by side and then joined.
 
 use std::collections::HashMap;
-use std::iter::once;
 use std::ops::Range;
 
 use glam::DVec2;
@@ -21,26 +20,28 @@ const PART: usize = 1 << 18;
 /// A point to be added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InnerPoint {
-    /// The sub-domain that it lies in, off its edges.
+    /// The sub-domain that it lies in, off its edges unless it parts one.
     pub region: u32,
+    /// What it stands for.
+    pub kind: VertexKind,
     /// Position relative to the origin.
     pub position: DVec2,
-    /// Height, metres.
+    /// Height, metres; NaN if it has none yet, as [`Tin::heights`] may be.
     pub height: f64,
 }
 
 /// An edge that is parted by some of the points to be added.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartedEdge {
-    /// Its ends: an edge that the triangulation must hold, inside one sub-domain.
+    /// Its ends: an edge that the triangulation must hold, inside one sub-domain or at the outer border.
     pub edge: [u32; 2],
     /// The points on it, by their numbers, from the first end to the second.
     pub points: Range<usize>,
 }
 
 impl Tin {
-    /// The constrained Delaunay triangulation of the same vertices and edges and of `points`, which come last and are of kind
-    /// [`VertexKind::Axis`]. Of the `parted` edges it holds the parts. Triangles outside the frame stay as they are.
+    /// The constrained Delaunay triangulation of the same vertices and edges and of `points`, which come last. Of the `parted`
+    /// edges it holds the parts. Triangles outside the frame stay as they are.
     ///
     /// `of_triangle` is the sub-domain of each triangle, [`NONE`] outside.
     ///
@@ -101,7 +102,7 @@ impl Tin {
             origin: self.origin,
             positions: self.positions.iter().copied().chain(points.iter().map(|p| p.position)).collect(),
             heights: self.heights.iter().copied().chain(points.iter().map(|p| p.height)).collect(),
-            kinds: self.kinds.iter().copied().chain(points.iter().map(|_| VertexKind::Axis)).collect(),
+            kinds: self.kinds.iter().copied().chain(points.iter().map(|p| p.kind)).collect(),
             source: self.source.iter().copied().chain((first..).take(points.len())).collect(),
             ..Self::default()
         };
@@ -180,24 +181,26 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
                     continue;
                 }
                 let edge = tin.edge(t, i);
-                if let Some(PartedEdge { edge: [u, v], points }) = self.parted.get(&sorted(edge)) {
-                    let chain: Vec<u32> = once(local(*u)).chain(points.clone().map(added)).chain([local(*v)]).collect();
-                    chain.windows(2).for_each(|pair| input.push_edge(pair[0], pair[1]));
-                    continue;
+                let [mut from, last] = edge.map(local);
+                let mut hold = |to: u32| {
+                    input.push_edge(from, to);
+                    if is_outline {
+                        outline.push(([from, to], is_constraint));
+                    }
+                    from = to;
+                };
+                if let Some(parted) = self.parted.get(&sorted(edge)) {
+                    let between = parted.points.clone().map(added);
+                    if parted.edge == edge { between.for_each(&mut hold) } else { between.rev().for_each(&mut hold) }
                 }
-                let edge = edge.map(local);
-                input.push_edge(edge[0], edge[1]);
-                if is_outline {
-                    outline.push((edge, is_constraint));
-                }
+                hold(last);
             }
         }
-        let outline = Rows::new(vertices.len(), || {
+        let outline = Rows::new(vertices.len() + numbers.len(), || {
             outline.iter().map(|&([u, v], is_constraint)| (u as usize, (v, is_constraint)))
         });
         let on_outline = |[u, v]: [u32; 2]| {
-            let from = if (u as usize) < vertices.len() { outline.of(u as usize) } else { &[] };
-            from.iter().find(|(to, _)| *to == v).map(|(_, is_constraint)| *is_constraint)
+            outline.of(u as usize).iter().find(|(to, _)| *to == v).map(|(_, is_constraint)| *is_constraint)
         };
         // Beyond the outline the convex hull is filled.
         let found = faces(input)?;
@@ -278,20 +281,29 @@ mod tests {
             let place = |k: u32, seed: f64| 23.9 * (f64::from(k) * seed).fract() - 11.95;
             let scattered = (1..200).map(|k| DVec2::new(place(k, 0.618_034), place(k, 0.754_878)));
             let between = [2.5, 0.0, -3.0].map(|y| DVec2::new(-8.0, y));
+            // Between the ends of two lines on the frame.
+            let on_frame = [-8.75, -8.0, -7.25].map(|x| DVec2::new(x, -12.0));
+            let on_frame = &on_frame[..if open > 2 { 3 } else { 0 }];
             let points: Vec<InnerPoint> = between
                 .into_iter()
+                .chain(on_frame.iter().copied())
                 .chain(scattered)
                 .filter_map(|position| {
                     let position = position - tin.origin;
                     let t = tin.locate(0, position)?;
                     let region = of_triangle[t as usize];
-                    (region != NONE).then_some(InnerPoint { region, position, height: 5.0 })
+                    (region != NONE).then_some(InnerPoint { region, kind: VertexKind::Axis, position, height: 5.0 })
                 })
                 .collect();
             assert!(points.len() > 100, "{open} {}", points.len());
             let vertex = |source: u32| tin.source.iter().position(|&s| s == source).unwrap() as u32;
-            let parted = PartedEdge { edge: [vertex(ends[1]), vertex(ends[0])], points: 0..between.len() };
-            let refined = tin.refined_in_parts(&of_triangle, (&points, &[parted]), enough).unwrap();
+            let mut parted = vec![PartedEdge { edge: [vertex(ends[1]), vertex(ends[0])], points: 0..between.len() }];
+            if !on_frame.is_empty() {
+                let at = |x: f64| tin.positions.iter().position(|p| *p + tin.origin == DVec2::new(x, -12.0)).unwrap();
+                let edge = [at(-9.5) as u32, at(-6.25) as u32];
+                parted.push(PartedEdge { edge, points: between.len()..between.len() + on_frame.len() });
+            }
+            let refined = tin.refined_in_parts(&of_triangle, (&points, &parted), enough).unwrap();
             refined.validate().unwrap();
             let added = points.iter().map(|p| input.push_local(p.position, p.height, VertexKind::Axis));
             let added: Vec<u32> = added.collect();

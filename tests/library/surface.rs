@@ -243,6 +243,23 @@ fn triangles_follow_the_surface_along_a_canyon_between_distant_vertices() {
 }
 
 #[test]
+fn the_frame_follows_the_surface_between_distant_ends_of_contours() {
+    // The frame's edge leads from the end of one contour to that of the next, and the first comes back to it half-way.
+    let steep = (1..20).map(f64::from).map(|k| line(10.0 * k, &[(0.0, 410.0 + 40.0 * k), (2000.0, 210.0 + 40.0 * k)]));
+    let winding = line(0.0, &[(0.0, -450.0), (300.0, -200.0), (10.0, 0.0), (300.0, 200.0), (2000.0, 0.0)]);
+    let contours = steep.chain([winding, line(-10.0, &[(0.0, -700.0), (2000.0, -700.0)])]).collect();
+    let (surface, _) = surface_of(contours, vec![], Frame::Hull);
+    let places = surface.tin.positions.iter().map(|p| *p + surface.tin.origin).zip(&surface.tin.heights);
+    let on_edge: Vec<_> = places.filter(|(p, _)| p.x == 0.0 && p.y.abs() < 450.0).collect();
+    assert!(on_edge.len() > 20, "{on_edge:?}");
+    for (p, &on_triangles) in on_edge {
+        let grid = Grid { corner: p + DVec2::new(-0.01, 0.01), cell: DVec2::splat(0.02), cols: 1, rows: 1 };
+        let smooth = heights(&surface, &grid, &()).values[0];
+        assert!((on_triangles - f64::from(smooth)).abs() < 0.01, "{p} {on_triangles} {smooth}");
+    }
+}
+
+#[test]
 fn few_levels_do_not_choose() {
     let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();
