@@ -9,12 +9,16 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use glam::DVec2;
+use robust::{Coord, orient2d};
 
 use super::WorkingGrid;
 use super::nodes::smooth_height;
 use super::tiling::Tiling;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
+
+/// Rounding takes a place between two others no more than so many steps between large numbers off their line.
+const MOST_STEPS: usize = 4;
 
 /// An edge of the triangulation and the axis points on it, from its first end to its second.
 pub(super) struct PartedPiece {
@@ -98,13 +102,27 @@ pub(super) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<I
             let parts = parts(tin, edge, spacing, tin.width(t) / narrow);
             let first = points.len();
             points.extend((1..parts).map(|part| {
-                let position = u.lerp(v, part as f64 / parts as f64);
+                let position = not_left_of(u, v, u.lerp(v, part as f64 / parts as f64));
                 InnerPoint { region, kind: VertexKind::Frame, position, height: f64::NAN }
             }));
             parted.push(PartedEdge { edge, points: first..points.len() });
         }
     }
     parted
+}
+
+/// A place between two others that rounding has brought to the left of them, moved back: what lies on the border of the frame
+/// stays in it.
+fn not_left_of(u: DVec2, v: DVec2, mut place: DVec2) -> DVec2 {
+    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+    let step = -(v - u).perp().normalize_or_zero() * f64::EPSILON * u.abs().max(v.abs()).max_element();
+    for _ in 0..MOST_STEPS {
+        if orient2d(coord(u), coord(v), coord(place)) <= 0.0 {
+            break;
+        }
+        place += step;
+    }
+    place
 }
 
 /// Into how many parts of `spacing` or more an edge is parted, at most. Points would lie beside the edge by rounding, and
@@ -119,4 +137,25 @@ fn contour_distance(tin: &Tin, triangles: &[u32; 2], position: DVec2) -> f64 {
     let corners = triangles.iter().flat_map(|&t| tin.triangles[t as usize]);
     let on_contours = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour);
     on_contours.map(|v| position.distance(tin.positions[v as usize])).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_on_the_border_are_not_left_of_it() {
+        let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+        let mut moved = 0;
+        for k in 1..2000 {
+            let at = |seed: f64| 1e4 * (f64::from(k) * seed).fract() - 5e3;
+            let (u, v) = (DVec2::new(at(0.618_034), at(0.754_878)), DVec2::new(at(0.569_840), at(0.414_214)));
+            let straight = u.lerp(v, f64::from(k % 7 + 1) / 9.0);
+            let place = not_left_of(u, v, straight);
+            assert!(orient2d(coord(u), coord(v), coord(place)) <= 0.0, "{u} {v} {place}");
+            assert!(place.distance(straight) < 1e-11, "{u} {v} {place}");
+            moved += usize::from(place != straight);
+        }
+        assert!(moved > 500, "{moved}");
+    }
 }
