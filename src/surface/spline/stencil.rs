@@ -21,6 +21,8 @@ pub struct Stencil {
     cols: usize,
     /// Of the node itself and of its neighbours to the E, EE, S, SS, SE and SW, each after [`Stencil::pad`] zeros.
     of: [Vec<f32>; 7],
+    /// Those of nodes that follow one another on the lattice.
+    taken: Vec<f32>,
 }
 
 impl Stencil {
@@ -34,12 +36,17 @@ impl Stencil {
         let [west, north] = [col + before[0] - REACH, row + before[1] - REACH];
         let width = (cols - before[0]).min(energy.size[0] - west);
         let height = (rows - before[1]).min(energy.size[1] - north);
+        // Rows as wide as the lattice follow one another there: those of a narrow one are many, and taken together.
+        let together = if width == energy.size[0] { height } else { 1 };
+        self.taken.resize(together * width, 0.0);
         for (k, of) in self.of.iter_mut().enumerate() {
             of.clear();
             of.resize(first + (cols * rows).next_multiple_of(LANES), 0.0);
-            for j in 0..height {
-                let out = &mut of[first + (before[1] + j) * cols + before[0]..][..width];
-                coefficients(energy, k, [west, north + j], out);
+            for j in (0..height).step_by(together) {
+                coefficients(energy, k, (north + j) * energy.size[0] + west, &mut self.taken);
+                for (i, row) in self.taken.chunks_exact(width).enumerate() {
+                    of[first + (before[1] + j + i) * cols + before[0]..][..width].copy_from_slice(row);
+                }
             }
         }
     }
@@ -90,16 +97,16 @@ impl Stencil {
     }
 }
 
-/// The coefficients of kind `k`, in the order of [`Stencil::of`], of nodes in a row, the first one's column and row given.
+/// The coefficients of kind `k`, in the order of [`Stencil::of`], of nodes from `first` on.
 #[inline(always)]
-fn coefficients(energy: &Energy<'_>, k: usize, [col, row]: [usize; 2], out: &mut [f32]) {
+fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
     let cols = energy.size[0];
-    let first = row * cols + col;
     let ([xx, yy, xy], [east, south]) = (&energy.bending, &energy.tension);
     let len = out.len();
     let back = |weights, by: usize| shifted(weights, first as isize - by as isize, len);
     let next = |weights, by: usize| shifted(weights, (first + by) as isize, len);
     let here = |weights| next(weights, 0);
+    out.fill(if k == 0 { energy.pull } else { 0.0 });
     // Each second difference once for every pair of its nodes, each first one alike.
     match k {
         0 => {
@@ -107,7 +114,6 @@ fn coefficients(energy: &Energy<'_>, k: usize, [col, row]: [usize; 2], out: &mut
             let across = [(1.0, back(yy, cols)), (4.0, here(yy)), (1.0, next(yy, cols))];
             let mixed = [here(xy), back(xy, 1), back(xy, cols), back(xy, cols + 1)].map(|weights| (1.0, weights));
             let first = [here(east), back(east, 1), here(south), back(south, cols)].map(|weights| (1.0, weights));
-            out.fill(energy.pull);
             add(along, out);
             add(across, out);
             add(mixed, out);
@@ -134,10 +140,8 @@ fn coefficients(energy: &Energy<'_>, k: usize, [col, row]: [usize; 2], out: &mut
             starting.into_iter().flatten().for_each(|t| out[t.node as usize - first] += t.a);
             let ending = eastward.starting_in(nodes.start.saturating_sub(1)..nodes.end - 1);
             ending.iter().for_each(|t| out[t.node as usize + 1 - first] += t.c);
-            if row > 0 {
-                let ending = southward.starting_in(nodes.start - cols..nodes.end - cols);
-                ending.iter().for_each(|t| out[t.node as usize + cols - first] += t.c);
-            }
+            let ending = southward.starting_in(nodes.start.saturating_sub(cols)..nodes.end.saturating_sub(cols));
+            ending.iter().for_each(|t| out[t.node as usize + cols - first] += t.c);
         }
         1 => eastward.starting_in(nodes).iter().for_each(|t| out[t.node as usize - first] += t.b),
         3 => southward.starting_in(nodes).iter().for_each(|t| out[t.node as usize - first] += t.b),
