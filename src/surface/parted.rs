@@ -62,7 +62,7 @@ pub(super) fn part_long_pieces(
             continue;
         };
         let width = sides.map(|t| tin.width(t)).into_iter().fold(f64::INFINITY, f64::min);
-        let parts = parts(tin, edge, spacing, width / narrow);
+        let parts = parts(tin.positions[u].distance(tin.positions[v]), spacing, width / narrow);
         let level = axis.points[first as usize].level;
         let from = axis.points.len();
         for part in 1..parts {
@@ -99,7 +99,7 @@ pub(super) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<I
         for i in (0..3).filter(|i| is_dry && is_border(i) && tin.edge_length(t, *i) >= 2.0 * spacing) {
             let edge = tin.edge(t, i);
             let [u, v] = edge.map(|v| tin.positions[v as usize]);
-            let parts = parts(tin, edge, spacing, tin.width(t) / narrow);
+            let parts = parts(tin.edge_length(t, i), spacing, tin.width(t) / narrow);
             let first = points.len();
             points.extend((1..parts).map(|part| {
                 let position = not_left_of(u, v, u.lerp(v, part as f64 / parts as f64));
@@ -127,9 +127,8 @@ fn not_left_of(u: DVec2, v: DVec2, mut place: DVec2) -> DVec2 {
 
 /// Into how many parts of `spacing` or more an edge is parted, at most. Points would lie beside the edge by rounding, and
 /// must not come near another one by that.
-fn parts(tin: &Tin, edge: [u32; 2], spacing: f64, most: f64) -> usize {
-    let [u, v] = edge.map(|v| tin.positions[v as usize]);
-    (u.distance(v) / spacing).min(most) as usize
+fn parts(length: f64, spacing: f64, most: f64) -> usize {
+    (length / spacing).min(most) as usize
 }
 
 /// Distance to the nearest corner of two triangles that lies on a contour.

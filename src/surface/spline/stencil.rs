@@ -113,11 +113,11 @@ fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
             let along = [(1.0, back(xx, 1)), (4.0, here(xx)), (1.0, next(xx, 1))];
             let across = [(1.0, back(yy, cols)), (4.0, here(yy)), (1.0, next(yy, cols))];
             let mixed = [here(xy), back(xy, 1), back(xy, cols), back(xy, cols + 1)].map(|weights| (1.0, weights));
-            let first = [here(east), back(east, 1), here(south), back(south, cols)].map(|weights| (1.0, weights));
+            let tension = [here(east), back(east, 1), here(south), back(south, cols)].map(|weights| (1.0, weights));
             add(along, out);
             add(across, out);
             add(mixed, out);
-            add(first, out);
+            add(tension, out);
         }
         1 => add(
             [(-2.0, here(xx)), (-2.0, next(xx, 1)), (-1.0, here(xy)), (-1.0, back(xy, cols)), (-1.0, here(east))],
