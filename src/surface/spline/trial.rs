@@ -28,6 +28,9 @@ const SQUARES: usize = 4;
 const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
 /// Closed contours that are not so many cells long would fit into one; they tell nothing at the size of a trial's cells.
 const DOT: f64 = 4.0;
+/// Vertices of the contours that are left, at most, to the width of a trial's cell. Where there are more, half of the work would
+/// be for detail that its grid does not show.
+const VERTICES_A_CELL: f64 = 4.0;
 /// The interval of the levels that are left may differ from twice the map's by this share.
 const INTERVAL_SHARE: f64 = 1e-3;
 
@@ -160,12 +163,14 @@ pub fn trial(
         .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
         .collect();
     let mended = &map.mended;
-    let map = ContourMap {
-        contours: known.into_iter().cloned().collect(),
+    let known = |spacing: f64| ContourMap {
+        contours: known.iter().map(|c| with_fewer_vertices(c, spacing)).collect(),
         spots: map.spots.clone(),
         ..ContourMap::default()
     };
-    let mut tiled = tiling(map, frame, &()).ok()?.value;
+    // With fewer vertices, lines that run close beside each other may come to cross.
+    let spacings = [cell / VERTICES_A_CELL, 0.0];
+    let mut tiled = spacings.into_iter().find_map(|spacing| tiling(known(spacing), frame, &()).ok())?.value;
     if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
@@ -184,6 +189,24 @@ pub fn trial(
         return None;
     }
     Some(Trial { tiled, break_lines, places, grid })
+}
+
+/// A contour without the vertices that are nearer than `spacing`, along it, to the one before. Its ends stay.
+fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
+    let Some((last, rest)) = contour.points.split_last() else { return contour.clone() };
+    let fewest = if contour.is_closed() { 3 } else { 1 };
+    let mut points: Vec<DVec2> = Vec::new();
+    let (mut along, mut before) = (f64::INFINITY, None);
+    for &p in rest {
+        along += before.map_or(0.0, |before| p.distance(before));
+        before = Some(p);
+        if along >= spacing || points.len() < fewest {
+            points.push(p);
+            along = 0.0;
+        }
+    }
+    points.push(*last);
+    Contour { points, ..contour.clone() }
 }
 
 /// Places without those that are nearer to a mended one than contours are to each other in the mean: what lines that were broken
@@ -257,4 +280,55 @@ pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
     let n = y as usize * grid.cols + x as usize;
     let row = |n: usize| values[n] * (1.0 - u) + values[n + 1] * u;
     Some(row(n) * (1.0 - v) + row(n + grid.cols) * v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(elevation: f64, points: impl IntoIterator<Item = (f64, f64)>) -> Contour {
+        Contour::new(elevation, points.into_iter().map(DVec2::from).collect())
+    }
+
+    #[test]
+    fn a_line_keeps_its_ends_and_a_ring_its_shape() {
+        let dense = line(10.0, (0..=100).map(|i| (f64::from(i) * 0.1, 0.0)));
+        let thin = with_fewer_vertices(&dense, 1.0);
+        assert_eq!((thin.points.first(), thin.points.last()), (dense.points.first(), dense.points.last()));
+        assert!((10..=12).contains(&thin.points.len()), "{}", thin.points.len());
+        assert!(thin.points.iter().all(|p| dense.points.contains(p)));
+        assert_eq!(with_fewer_vertices(&dense, 0.0), dense);
+        let ring = line(10.0, [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1), (0.0, 0.0)]);
+        let thin = with_fewer_vertices(&ring, 1.0);
+        assert!(thin.is_closed() && thin.points.len() == 4, "{:?}", thin.points);
+    }
+
+    #[test]
+    fn lines_that_would_cross_with_fewer_vertices_keep_all_of_theirs() {
+        // Two contours go around the same narrow spur, much closer to each other than a trial's cell is wide.
+        let around = |off: f64| {
+            (0..=400).map(move |i| {
+                let x = f64::from(i) * 0.1;
+                (x, off + 4.0 * (-((x - 20.05) / 0.3).powi(2)).exp())
+            })
+        };
+        let map = ContourMap {
+            contours: vec![
+                line(0.0, [(0.0, -10.0), (40.0, -10.0)]),
+                line(10.0, [(0.0, -5.0), (40.0, -5.0)]),
+                line(20.0, around(0.0)),
+                line(40.0, around(0.05).map(|(x, y)| (x + 0.02, y + 0.05))),
+            ],
+            ..ContourMap::default()
+        };
+        let cell = 10.0;
+        let thin = |c: &Contour| with_fewer_vertices(c, cell / VERTICES_A_CELL);
+        let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
+        assert!(tiling(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
+        let interval = Interval { step: 10.0, base: 0.0 };
+        let left = Left { every: 2, phase: 0 };
+        let trial = trial(&map, &Frame::Hull, left, interval, None, cell).expect("all vertices are kept then");
+        assert!(trial.tiled.map.contours.iter().any(|c| c.points.len() > 400));
+        assert!(trial.places.iter().all(|p| p.level == 10.0));
+    }
 }
