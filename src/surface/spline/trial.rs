@@ -287,7 +287,7 @@ mod tests {
     use super::*;
 
     fn line(elevation: f64, points: impl IntoIterator<Item = (f64, f64)>) -> Contour {
-        Contour::new(elevation, points.into_iter().map(DVec2::from).collect())
+        Contour { elevation, points: points.into_iter().map(DVec2::from).collect(), feature: 1 }
     }
 
     #[test]
