@@ -306,9 +306,9 @@ mod tests {
     #[test]
     fn lines_that_would_cross_with_fewer_vertices_keep_all_of_theirs() {
         // Two contours go around the same narrow spur, much closer to each other than a trial's cell is wide.
-        let around = |off: f64| {
-            (0..=400).map(move |i| {
-                let x = f64::from(i) * 0.1;
+        let around = |first: f64, off: f64| {
+            (0..=800).map(move |i| {
+                let x = first + f64::from(i) * 0.05;
                 (x, off + 4.0 * (-((x - 20.05) / 0.3).powi(2)).exp())
             })
         };
@@ -316,8 +316,9 @@ mod tests {
             contours: vec![
                 line(0.0, [(0.0, -10.0), (40.0, -10.0)]),
                 line(10.0, [(0.0, -5.0), (40.0, -5.0)]),
-                line(20.0, around(0.0)),
-                line(40.0, around(0.05).map(|(x, y)| (x + 0.02, y + 0.05))),
+                line(20.0, around(0.0, 0.0)),
+                // It begins elsewhere, and so keeps vertices elsewhere.
+                line(40.0, around(1.0, 0.1)),
             ],
             ..ContourMap::default()
         };
