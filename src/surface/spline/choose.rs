@@ -14,8 +14,8 @@
 //! for them and the one that suits most terrain.
 //! Beside places where lines crossed and were mended nothing is asked: a patch of broken lines would decide for all of the map.
 //!
-//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, and how far the
-//! surface may be off half-way between them.
+//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, how far the
+//! surface may be off half-way between them, and how much relief it lacks.
 
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
@@ -42,6 +42,8 @@ const BEYOND: f64 = 0.5;
 const FEWEST_LEVELS: usize = 5;
 /// Fewest places on hidden contours.
 const FEWEST_PLACES: usize = 200;
+/// What is taken of the relief that surfaces from half of the levels lack. Those from all of them lack less.
+const RELIEF_SHARE: f64 = 0.3;
 /// Limits of the power of the contour interval that error is taken to grow with.
 const GROWTHS: (f64, f64) = (0.5, 2.0);
 /// Root mean square over a band of an error that is a parabola from one level to the next, against its height half-way,
@@ -100,7 +102,7 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let SplineParams { tension, noise, .. } = params.spline;
     let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
-    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0 };
+    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0, relief: 0.0 };
     let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
     let without = |tension, reason| chosen(knobs(tension), reason);
     if let Some(tension) = tension {
@@ -131,7 +133,9 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
     let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
     let half_way = half_way * hidden.rmse;
-    let knobs = Knobs { crease_knee: crease_knee(&hidden), half_way, ..knobs((USUAL * best).sqrt()) };
+    let tension = (USUAL * best).sqrt();
+    let relief = relief(&missed, tension);
+    let knobs = Knobs { crease_knee: crease_knee(&hidden), half_way, relief, ..knobs(tension) };
     Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
 }
 
@@ -140,6 +144,21 @@ pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
 fn crease_knee(hidden: &Accuracy) -> f64 {
     let missed = hidden.rmse / hidden.interval / MISSED;
     (CREASE_KNEE / missed.powi(2)).clamp(CREASE_KNEES.0, CREASE_KNEES.1)
+}
+
+/// The relief that a surface with a tension lacks, as a share of the standard error: the regression of what is missed on
+/// [`Missed::lacking`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
+fn relief(missed: &[Vec<Missed>; TRIED.len()], tension: f64) -> f64 {
+    let lacks = |missed: &Vec<Missed>| {
+        let sum = |value: fn(&Missed) -> f64| missed.iter().map(value).sum::<f64>();
+        -sum(|m| m.weight * m.by * m.lacking) / sum(|m| m.weight * m.lacking * m.lacking) / rmse(missed)
+    };
+    let place = (tension.ln() / FACTOR.ln()).clamp(0.0, (TRIED.len() - 1) as f64);
+    let below = (place as usize).min(TRIED.len() - 2);
+    let [near, far] = [below, below + 1].map(|k| lacks(&missed[k]));
+    let share = RELIEF_SHARE * (near + (place - below as f64) * (far - near));
+    // Where no place tells anything there is no share.
+    if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
 
 /// Number of levels that are whole intervals.
@@ -204,8 +223,29 @@ mod tests {
     }
 
     #[test]
+    fn relief_that_hidden_contours_miss_is_given_back_in_part() {
+        // Errors of two metres, up and down; where the surface bulges it is too low by so much of them.
+        let of = |lack: f64| -> Vec<Missed> {
+            let place = |k: i32| {
+                let (error, lacking) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
+                Missed { by: error - 2.0 * lack * lacking, weight: 1.0, lacking }
+            };
+            (0..400).map(place).collect()
+        };
+        let rmse_of = |lack: f64| rmse(&of(lack));
+        let expected = |lack: f64| RELIEF_SHARE * 2.0 * lack / rmse_of(lack);
+        let missed = [of(0.2), of(0.4), of(0.8)];
+        assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 0.1, "{}", relief(&missed, 1.0));
+        assert!(relief(&missed, FACTOR) > relief(&missed, 1.0) && relief(&missed, 100.0) > relief(&missed, FACTOR));
+        assert_eq!(relief(&missed, 1e9), relief(&missed, TRIED[2]));
+        assert_eq!(relief(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
+        let none = || vec![Missed { by: 1.0, weight: 1.0, lacking: 0.0 }];
+        assert_eq!(relief(&[none(), none(), none()], 3.0), 0.0);
+    }
+
+    #[test]
     fn errors_count_by_weight() {
-        let of = |weight: f64, by: f64| Missed { by, weight };
+        let of = |weight: f64, by: f64| Missed { by, weight, lacking: 0.0 };
         let mut missed = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
         assert!((rmse(&missed).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
         assert_eq!(le90(&mut missed), 4.0);

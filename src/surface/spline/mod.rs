@@ -11,8 +11,8 @@
 //!
 //! `stages` finds it from coarse to fine lattices (`lattice`), each by conjugate gradients between bounds
 //! (`minimise`, `tile`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
-//! Then heights are drawn away from the levels, as far as the error at hidden contours tells (`expected`), and last, ways out
-//! of pits are cut (`pits`).
+//! Then heights are drawn away from the levels, and ridges and valleys get more relief, as far as hidden contours tell
+//! (`expected`, `relief`), and last, ways out of pits are cut (`pits`).
 
 mod blur;
 mod choose;
@@ -22,6 +22,7 @@ mod grid;
 mod lattice;
 mod minimise;
 mod pits;
+mod relief;
 mod residual;
 mod reweight;
 pub(super) mod roughness;
@@ -114,6 +115,18 @@ pub(super) struct Draft<'a> {
     hollows: Vec<bool>,
 }
 
+impl Draft<'_> {
+    /// What bulges and hollows of a surface on the grid lack ([`relief::lacking`]) if it may be off by a metre half-way between
+    /// contours in the mean.
+    fn lacking_relief(&self, heights: &[f32]) -> Vec<f32> {
+        let Draft { grid, tiled, gap, bounds: [lo, hi], guide, .. } = self;
+        let (lattice, interval) = (Lattice::of_grid(grid), tiled.interval.step);
+        let closeness = closeness(guide, grid, *gap, interval);
+        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &spots(tiled, &lattice, guide));
+        relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, interval)
+    }
+}
+
 /// What is chosen from the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knobs {
@@ -127,6 +140,8 @@ pub struct Knobs {
     /// Standard error half-way between two contours, metres, as hidden ones tell; 0 where it is not known. Heights are drawn
     /// from the levels towards the middle between them for it.
     pub half_way: f64,
+    /// By how much the relief of the surface is less than the ground's, as a share of that error, as hidden contours tell.
+    pub relief: f64,
 }
 
 /// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
@@ -206,6 +221,10 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
     if knobs.half_way > 0.0 {
         let variances = expected::variances(knobs.half_way, &heights, &closeness, *gap, &lattice, &problem.spots);
         expected::draw_in(&mut heights, [lo, hi], &variances);
+        if knobs.relief > 0.0 {
+            let lacking = relief::lacking(&heights, [lo, hi], &variances, *gap, &lattice, interval);
+            relief::grow(&mut heights, [lo, hi], &lacking, knobs.relief);
+        }
     }
     let limits = Limits { lo, depth: interval as f32 };
     breach(&mut heights, &lattice, &limits, |n| hollows[n]);

@@ -72,6 +72,9 @@ pub struct Missed {
     pub by: f64,
     /// Area of ground that the place stands for, square map units.
     pub weight: f64,
+    /// What a bulge or hollow there would grow by if the standard error half-way between contours were a metre in the mean
+    /// ([`lacking`](super::relief::lacking)).
+    pub lacking: f64,
 }
 
 /// What the surfaces with these knobs miss the hidden contours by, the odd and the even levels hidden in turn. Parts that no
@@ -249,10 +252,12 @@ impl Trial {
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
         knobs.map(|knobs| {
             let surface = spline(&draft, &knobs, &());
+            let lacking = draft.lacking_relief(&surface.heights);
             let all = self.places.iter().zip(&weights);
             let missed = |(place, weight): (&Place, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
-                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| Missed { by, weight })
+                let lacking = f64::from(between(grid, &lacking, place.at)?);
+                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| Missed { by, weight, lacking })
             };
             all.filter_map(missed).collect()
         })

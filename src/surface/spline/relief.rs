@@ -1,0 +1,118 @@
+//! Gives ridges and valleys the height and the depth that a surface of least curvature lacks.
+//!
+//! Between two contours such a surface is as flat as they allow. Ground is mostly more than that: where the surface
+//! bulges above its surroundings, the ground is on average higher still, where it is hollow, lower, and more so the further the
+//! surface may be off. By how much differs from map to map; hidden contours tell it, by regression of what they are missed by on
+//! the heights here. What stands out a lot already, single tops and pits, is left as it is.
+
+use rayon::prelude::*;
+
+use super::blur::blurred;
+use super::lattice::Lattice;
+
+/// How far the surroundings of a node reach, as a share of the mean distance between contours; they are averaged so often.
+const REACH: f64 = 0.75;
+const SMOOTHING: usize = 2;
+/// Fewest nodes that they reach; where contours are closer, a lattice shows no bulges between them.
+const FEWEST: usize = 2;
+/// Height above the surroundings at which a bulge grows most, as a share of the contour interval.
+const MOST_AT: f32 = 0.1;
+
+/// What a bulge or hollow at each node would grow by if the ground's lacked half of the standard error at most: upwards where
+/// the surface lies above its surroundings. None at the levels of contours, nor outside the frame, where `heights` are NaN.
+///
+/// `variances` are those half-way between contours ([`super::expected::variances`]), `gap` is the mean distance between
+/// contours.
+pub fn lacking(
+    heights: &[f32],
+    bounds: [&[f32]; 2],
+    variances: &[f32],
+    gap: f64,
+    lattice: &Lattice,
+    interval: f64,
+) -> Vec<f32> {
+    let step = (lattice.step.x * lattice.step.y).sqrt();
+    let reach = (REACH * gap / step).round() as usize;
+    if reach < FEWEST {
+        return vec![0.0; heights.len()];
+    }
+    let around = surroundings(heights, lattice.cols, reach);
+    let unit = MOST_AT * interval as f32;
+    let at = |n: usize| {
+        let (z, lo, height) = (heights[n], bounds[0][n], bounds[1][n] - bounds[0][n]);
+        let t = ((z - lo) / height).clamp(0.0, 1.0);
+        let bulge = (z - around[n]) / unit;
+        // Level where it begins: the ground would show a notch along every contour.
+        let open = (4.0 * t * (1.0 - t)).powi(2);
+        let by = open * variances[n].sqrt() * bulge / (1.0 + bulge * bulge);
+        if by.is_finite() { by } else { 0.0 }
+    };
+    (0..heights.len()).into_par_iter().map(at).collect()
+}
+
+/// Lets bulges and hollows grow by `amount` times what they lack, within `bounds`.
+pub fn grow(heights: &mut [f32], bounds: [&[f32]; 2], lacking: &[f32], amount: f64) {
+    heights.par_iter_mut().enumerate().filter(|(n, _)| lacking[*n] != 0.0).for_each(|(n, z)| {
+        *z = (*z + amount as f32 * lacking[n]).clamp(bounds[0][n], bounds[1][n]);
+    });
+}
+
+/// The mean height around each node, of the nodes inside the frame.
+fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
+    let smooth = |value: fn(f32) -> f32| {
+        let mut mean: Vec<f32> = heights.par_iter().map(|z| value(*z)).collect();
+        for _ in 0..SMOOTHING {
+            mean = blurred(&mean, cols, reach);
+        }
+        mean
+    };
+    let mut sum = smooth(|z| if z.is_nan() { 0.0 } else { z });
+    let share = smooth(|z| if z.is_nan() { 0.0 } else { 1.0 });
+    sum.par_iter_mut().zip(&share).for_each(|(sum, share)| *sum /= share);
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 60, rows: 40 };
+
+    /// What heights lack in the band from 100 to 120 m with a standard error of 2 m.
+    fn lack(height: impl Fn(f32, f32) -> f32) -> (Vec<f32>, Vec<f32>) {
+        let heights: Vec<f32> = (0..LATTICE.len()).map(|n| height((n % 60) as f32, (n / 60) as f32)).collect();
+        let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
+        let variances = vec![4.0; heights.len()];
+        (lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0), heights)
+    }
+
+    #[test]
+    fn ridges_rise_valleys_sink_and_planes_and_levels_stay() {
+        let (plane, _) = lack(|i, j| 102.0 + 0.2 * i + 0.1 * j);
+        let inner = |n: usize| (15..45).contains(&(n % 60)) && (15..25).contains(&(n / 60));
+        assert!((0..plane.len()).filter(|n| inner(*n)).all(|n| plane[n].abs() < 1e-3));
+        let (waves, _) = lack(|i, _| 110.0 + 2.0 * (i / 60.0 * 6.0 * std::f32::consts::TAU).cos());
+        // Ridges every ten nodes, valleys half-way; the error's half is the most.
+        let row = &waves[20 * 60..21 * 60];
+        assert!(row[20] > 0.5 && row[20] <= 1.0 && row[25] < -0.5 && row[25] >= -1.0, "{row:?}");
+        let (level, _) = lack(|i, _| if i < 30.0 { 100.0 } else { 120.0 });
+        assert!(level.iter().all(|by| *by == 0.0));
+        let coarse = Lattice { step: DVec2::splat(6.0), ..LATTICE };
+        let (_, heights) = lack(|i, _| 110.0 + (i * 2.0).sin());
+        let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
+        let by = lacking(&heights, [&bounds[0], &bounds[1]], &vec![4.0; heights.len()], 8.0, &coarse, 20.0);
+        assert!(by.iter().all(|by| *by == 0.0), "contours are as close as nodes");
+    }
+
+    #[test]
+    fn heights_stay_in_their_band_and_nothing_comes_in_from_outside() {
+        let (by, heights) = lack(|i, j| if i + j < 25.0 { f32::NAN } else { 110.0 });
+        assert!(by.iter().all(|by| by.abs() < 1e-3), "level ground at the border has no bulge");
+        let mut grown = heights.clone();
+        let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
+        grow(&mut grown, [&bounds[0], &bounds[1]], &vec![1.0; heights.len()], 100.0);
+        assert!(grown.iter().zip(&heights).all(|(z, before)| before.is_nan() && z.is_nan() || *z == 120.0));
+    }
+}
