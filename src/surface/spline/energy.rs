@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
@@ -132,7 +132,7 @@ impl Energy<'_> {
         let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
         blocks.for_each(|(k, out)| {
             self.constant(k * BLOCK, out);
-            Arch::new().dispatch(|| self.downhill_block(z, k * BLOCK, out));
+            Arch::new().dispatch(Block { energy: self, z, first: k * BLOCK, out });
         });
     }
 
@@ -259,6 +259,23 @@ impl Energy<'_> {
             1 => z[node - cols] - 2.0 * z[node] + z[node + cols],
             _ => z[node] - z[node + 1] - z[node + cols] + z[node + cols + 1],
         }
+    }
+}
+
+/// Rows of [`Energy::downhill`]. A closure would not be compiled for the processor's widest instructions.
+struct Block<'a> {
+    energy: &'a Energy<'a>,
+    z: &'a [f64],
+    first: usize,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Block<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.energy.downhill_block(self.z, self.first, self.out);
     }
 }
 

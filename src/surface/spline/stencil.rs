@@ -10,7 +10,7 @@ use super::energy::Energy;
 /// Rows and columns that the matrix reaches.
 pub const REACH: usize = 2;
 /// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
-pub const LANES: usize = 8;
+pub const LANES: usize = 32;
 
 /// The coefficients of a symmetric matrix in a window of a lattice. Those that would leave the lattice are 0.
 ///

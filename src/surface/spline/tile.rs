@@ -1,12 +1,12 @@
 //! A part of a lattice, small enough for a processor's cache: its heights change while those around it stay.
 //!
 //! Loops run on the widest vector instructions that the processor has ([`Arch::dispatch`]). What they call is inlined, or it
-//! would be compiled for the instructions that every processor has. The results are the same: multiplications and additions
-//! are not fused.
+//! would be compiled for the instructions that every processor has; closures and the folds of iterators may not be, which is
+//! why there is a [`Descent`] and loops count. The results are the same: multiplications and additions are not fused.
 
 use std::ops::Range;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::energy::Energy;
 use super::stencil::{LANES, REACH, Stencil};
@@ -45,8 +45,7 @@ pub struct Tile {
 impl Tile {
     /// Takes up to so many steps of conjugate gradients on a part of a lattice.
     pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
-        Arch::new().dispatch(|| self.cut(whole, rows, cols));
-        Arch::new().dispatch(|| self.steps(steps));
+        Arch::new().dispatch(Descent { tile: self, whole, rows, cols, steps });
     }
 
     /// The steps on the part that was [cut](Self::cut).
@@ -115,25 +114,52 @@ impl Tile {
     }
 }
 
+/// What [`Tile::descend`] does.
+struct Descent<'a, 'b> {
+    tile: &'a mut Tile,
+    whole: &'a Whole<'b>,
+    rows: Range<usize>,
+    cols: Range<usize>,
+    steps: usize,
+}
+
+impl WithSimd for Descent<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.tile.cut(self.whole, self.rows, self.cols);
+        self.tile.steps(self.steps);
+    }
+}
+
 /// One step of this length. Gives the square of the new residual.
 #[inline(always)]
 fn step(change: &mut [f32], residual: &mut [f32], direction: &[f32], image: &[f32], length: f32) -> f32 {
-    let changed = lanes_mut(change).iter_mut().zip(lanes_mut(residual));
-    let squares = changed.zip(lanes(direction).iter().zip(lanes(image))).fold([0.0; LANES], |sum, of| {
-        let ((change, residual), (p, q)) = of;
-        std::array::from_fn(|i| {
-            change[i] += length * p[i];
-            residual[i] -= length * q[i];
-            sum[i] + residual[i] * residual[i]
-        })
-    });
+    let (change, residual) = (lanes_mut(change), lanes_mut(residual));
+    let (direction, image) = (&lanes(direction)[..change.len()], &lanes(image)[..change.len()]);
+    let residual = &mut residual[..change.len()];
+    let mut squares = [0.0; LANES];
+    for k in 0..change.len() {
+        for i in 0..LANES {
+            change[k][i] += length * direction[k][i];
+            residual[k][i] -= length * image[k][i];
+            squares[i] += residual[k][i] * residual[k][i];
+        }
+    }
     squares.iter().sum()
 }
 
 #[inline(always)]
 fn product(a: &[f32], b: &[f32]) -> f32 {
-    let products = lanes(a).iter().zip(lanes(b));
-    let sums = products.fold([0.0; LANES], |sum: [f32; LANES], (a, b)| std::array::from_fn(|i| sum[i] + a[i] * b[i]));
+    let a = lanes(a);
+    let b = &lanes(b)[..a.len()];
+    let mut sums = [0.0; LANES];
+    for k in 0..a.len() {
+        for i in 0..LANES {
+            sums[i] += a[k][i] * b[k][i];
+        }
+    }
     sums.iter().sum()
 }
 
