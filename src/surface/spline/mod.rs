@@ -201,6 +201,7 @@ pub(super) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
         tension: tension(&closeness, grid, *gap, knobs.tension),
         contour_weight: contour_weight(knobs.noise, grid, *gap),
         interval,
+        gap: *gap,
         hollows,
     };
     let z = solve(&problem, progress);

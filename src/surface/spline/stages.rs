@@ -21,6 +21,10 @@ const ROUNDS: [usize; 3] = [0, 2, 1];
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
 const STEPS: [usize; 3] = [40, 60, 200];
+/// ... and on a finest lattice with more nodes from one contour to the next than [`MANY`]: what it starts from is nearly right.
+const STEPS_OF_MANY: usize = 20;
+/// In the mean over the map.
+const MANY: f64 = 12.0;
 /// ... and once more, in each round or after ways out of pits were cut.
 const FURTHER_STEPS: [usize; 3] = [20, 40, 100];
 /// A stage is done when heights change by less than this share of the contour interval.
@@ -54,6 +58,8 @@ pub struct Problem<'a> {
     pub contour_weight: CrossingWeight,
     /// Contour interval, metres.
     pub interval: f64,
+    /// Mean distance between neighbouring contours, map units.
+    pub gap: f64,
     /// Nodes where water may stay.
     pub hollows: &'a [bool],
 }
@@ -128,11 +134,17 @@ impl Stage<'_> {
         (self.depth as usize).min(2)
     }
 
+    /// Most steps of the first time.
+    fn steps(&self, gap: f64) -> usize {
+        let nodes = gap / (self.lattice.step.x * self.lattice.step.y).sqrt();
+        if self.depth == 0 && nodes > MANY { STEPS_OF_MANY } else { STEPS[self.kind()] }
+    }
+
     /// Improves `z`, and `factors` on the tension. Without rounds the weights follow `z` as it is.
     fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32], rounds: usize) {
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
         let (mut energy, creases) = self.energy(problem);
-        let effort = Effort { steps: STEPS[self.kind()], tolerance: TOLERANCE * problem.interval };
+        let effort = Effort { steps: self.steps(problem.gap), tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
         // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
