@@ -230,10 +230,12 @@ impl Stage<'_> {
                 }
         };
         let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
-        let bending = |kind: usize, n: usize| match (is_bent(kind, n), is_crease(kind, n)) {
-            (false, _) => 0.0,
-            (true, false) => weights[kind],
-            (true, true) => CREASE * weights[kind],
+        let creases: [Vec<bool>; 3] =
+            std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect());
+        let bending = |kind: usize, n: usize| match (creases[kind][n], is_bent(kind, n)) {
+            (true, _) => CREASE * weights[kind],
+            (false, true) => weights[kind],
+            (false, false) => 0.0,
         };
         let tension = |side: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
@@ -245,8 +247,6 @@ impl Stage<'_> {
             let product = self.tension[n] * self.tension[next];
             if product.is_nan() { 0.0 } else { product.sqrt() * per }
         };
-        let creases =
-            std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect::<Vec<bool>>());
         let energy = Energy {
             size: [cols, rows],
             bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
