@@ -789,7 +789,8 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
     let (chosen, _) = folder.succeeds(&dem);
     for words in [
-        "and crease knee 0.",
+        ", crease knee 0.",
+        " and relief 0.",
         "chosen by hiding every second level",
         "LE90",
         "an interval of 40 m",

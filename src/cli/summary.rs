@@ -121,11 +121,13 @@ fn chosen(chosen: &Chosen, console: &Console) {
         noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
         _ => String::new(),
     };
-    let knee = match chosen.reason {
-        Reason::Hidden => format!(" and crease knee {:.2}", chosen.knobs.crease_knee),
+    let others = match chosen.reason {
+        Reason::Hidden => {
+            format!(", crease knee {:.2} and relief {:.2}", chosen.knobs.crease_knee, chosen.knobs.relief)
+        }
         _ => String::new(),
     };
-    console.say(&format!("tension    {:.2}{knee}, {why}{noise}", chosen.knobs.tension));
+    console.say(&format!("tension    {:.2}{others}, {why}{noise}", chosen.knobs.tension));
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
         "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, drawn from an interval of {} m",

@@ -34,7 +34,6 @@ mod unevenness;
 
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
-pub(super) use expected::left;
 pub(super) use grid::{bytes_on, working_grid};
 pub(super) use lattice::Lattice;
 
@@ -71,6 +70,12 @@ const SHELF_REACH: usize = 2;
 
 /// What this step is called where progress is told.
 pub(super) const STEP: &str = "smooth surface";
+
+/// What is left of a standard error in a band of a height, after heights were drawn in and bulges and hollows grew.
+pub(super) fn error_left(error: f64, height: f64, knobs: &Knobs) -> f64 {
+    let error = if knobs.half_way > 0.0 { expected::left(error, height) } else { error };
+    relief::left(error, knobs.relief)
+}
 
 /// Heights at the nodes of a working grid.
 #[derive(Debug, Clone, PartialEq)]

@@ -55,7 +55,6 @@ pub fn error_field(
     let guide = working.is_none().then(|| rasterise(&tiled.tin, &grid, None, &()).values);
     let heights: &[f32] = working.map_or_else(|| guide.as_deref().unwrap_or_default(), |w| &w.heights);
     let step = (grid.cell.x * grid.cell.y).sqrt();
-    let is_drawn_in = chosen.is_some_and(|c| c.knobs.half_way > 0.0);
     let fixes = sides.share_at_vertices > CUT_FROM_NODES;
     let at = |n: usize| {
         let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
@@ -70,7 +69,8 @@ pub fn error_field(
         let fixed = if fixes && between { left(distances, step) } else { 1.0 };
         let place = Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height) };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
-        let error = if is_drawn_in { spline::left(error, region.band.hi - region.band.lo) } else { error };
+        let band = region.band.hi - region.band.lo;
+        let error = chosen.map_or(error, |c| spline::error_left(error, band, &c.knobs));
         let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);
         let inferred = region.water.is_none() && (place.climb.is_some() || distances[0] + distances[1] > WIDE * gap);
         (error as f32, reach as f32, inferred)
