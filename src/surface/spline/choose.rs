@@ -235,7 +235,7 @@ mod tests {
         let rmse_of = |lack: f64| rmse(&of(lack));
         let expected = |lack: f64| RELIEF_SHARE * 2.0 * lack / rmse_of(lack);
         let missed = [of(0.2), of(0.4), of(0.8)];
-        assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 0.1, "{}", relief(&missed, 1.0));
+        assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", relief(&missed, 1.0));
         assert!(relief(&missed, FACTOR) > relief(&missed, 1.0) && relief(&missed, 100.0) > relief(&missed, FACTOR));
         assert_eq!(relief(&missed, 1e9), relief(&missed, TRIED[2]));
         assert_eq!(relief(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
