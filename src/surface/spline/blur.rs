@@ -8,47 +8,57 @@ const STRIP: usize = 128;
 
 /// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
+    let cols = cols.max(1);
+    let rows = values.len() / cols;
     // However far contours are apart.
-    let reach = reach.min(values.len());
+    let [across, down] = [cols, rows].map(|count| reach.min(count));
+    let shares: Vec<f64> = (0..cols).map(|i| share(i, across, cols)).collect();
     let mut along = vec![0.0f32; values.len()];
-    along.par_chunks_mut(cols.max(1)).zip(values.par_chunks(cols.max(1))).for_each(|(out, row)| {
-        let mut sum: f64 = row.iter().take(reach).map(|v| f64::from(*v)).sum();
-        for i in 0..cols {
-            sum += row.get(i + reach).map_or(0.0, |v| f64::from(*v));
-            sum -= if i > reach { f64::from(row[i - reach - 1]) } else { 0.0 };
-            out[i] = (sum / count(i, reach, cols)) as f32;
-        }
-    });
+    let all = along.par_chunks_mut(cols).zip(values.par_chunks(cols));
+    all.for_each_init(Vec::new, |padded, (out, row)| means_along(row, across, &shares, padded, out));
     let mut all = vec![0.0f32; values.len()];
-    let strip = STRIP.max(2 * reach);
-    let strips = all.par_chunks_mut((strip * cols).max(1)).enumerate();
-    strips.for_each(|(k, rows)| down(&along, cols, reach, k * strip, rows));
+    let strip = STRIP.max(2 * down);
+    let strips = all.par_chunks_mut(strip * cols).enumerate();
+    strips.for_each(|(k, rows)| means_down(&along, cols, down, k * strip, rows));
     all
 }
 
-/// The mean of the rows at most `reach` away from each, for the rows of a strip from `first` on.
-fn down(values: &[f32], cols: usize, reach: usize, first: usize, strip: &mut [f32]) {
-    let rows = values.len() / cols;
-    let mut sums = vec![0.0f64; cols];
-    let add = |sums: &mut [f64], j: usize, sign: f64| {
-        sums.iter_mut().zip(&values[j * cols..(j + 1) * cols]).for_each(|(sum, v)| *sum += sign * f64::from(*v));
-    };
-    (first.saturating_sub(reach + 1)..(first + reach).min(rows)).for_each(|j| add(&mut sums, j, 1.0));
-    for (j, out) in (first..).zip(strip.chunks_mut(cols)) {
-        if j + reach < rows {
-            add(&mut sums, j + reach, 1.0);
-        }
-        if j > reach {
-            add(&mut sums, j - reach - 1, -1.0);
-        }
-        let count = count(j, reach, rows);
-        out.iter_mut().zip(&sums).for_each(|(out, sum)| *out = (sum / count) as f32);
+/// The mean of the values at most `reach` away from each in a row. `padded` is room for the row with zeros around it: no place is
+/// special then.
+fn means_along(row: &[f32], reach: usize, shares: &[f64], padded: &mut Vec<f64>, out: &mut [f32]) {
+    padded.clear();
+    padded.resize(reach + 1, 0.0);
+    padded.extend(row.iter().map(|v| f64::from(*v)));
+    padded.resize(row.len() + 2 * reach + 1, 0.0);
+    let mut sum: f64 = padded[..2 * reach + 1].iter().sum();
+    let changes = padded[2 * reach + 1..].iter().zip(&*padded);
+    for ((out, share), (entering, leaving)) in out.iter_mut().zip(shares).zip(changes) {
+        sum += entering - leaving;
+        *out = (sum * share) as f32;
     }
 }
 
-/// Number of places at most `reach` from the `i`-th of `count`.
-fn count(i: usize, reach: usize, count: usize) -> f64 {
-    ((i + reach).min(count - 1) - i.saturating_sub(reach) + 1) as f64
+/// The mean of the rows at most `reach` away from each, for the rows of a strip from `first` on.
+fn means_down(values: &[f32], cols: usize, reach: usize, first: usize, strip: &mut [f32]) {
+    let (rows, none) = (values.len() / cols, vec![0.0; cols]);
+    let row = |j: Option<usize>| j.filter(|j| *j < rows).map_or(&*none, |j| &values[j * cols..(j + 1) * cols]);
+    let mut sums = vec![0.0f64; cols];
+    for j in first.saturating_sub(reach + 1)..first + reach {
+        sums.iter_mut().zip(row(Some(j))).for_each(|(sum, v)| *sum += f64::from(*v));
+    }
+    for (j, out) in (first..).zip(strip.chunks_mut(cols)) {
+        let share = share(j, reach, rows);
+        let changes = row(Some(j + reach)).iter().zip(row(j.checked_sub(reach + 1)));
+        for ((out, sum), (entering, leaving)) in out.iter_mut().zip(&mut sums).zip(changes) {
+            *sum += f64::from(*entering) - f64::from(*leaving);
+            *out = (*sum * share) as f32;
+        }
+    }
+}
+
+/// What one of the places at most `reach` from the `i`-th of `count` counts.
+fn share(i: usize, reach: usize, count: usize) -> f64 {
+    1.0 / ((i + reach).min(count - 1) - i.saturating_sub(reach) + 1) as f64
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
+use rayon::prelude::*;
+
 use super::lattice::Lattice;
 
 /// Nodes that are looked at for one way out; a pit that needs more stays.
@@ -26,10 +28,10 @@ pub struct Limits<'a> {
 
 /// Cuts ways out of pits. NaN is outside the frame and drains. `is_bottom` says where ground lies in a hollow by the
 /// contours: pits there stay.
-pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bottom: impl Fn(usize) -> bool) {
+pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bottom: impl Fn(usize) -> bool + Sync) {
     // Lowest first: a way that one pit was given is there for the pits above.
-    let mut pits: Vec<u32> =
-        (0..heights.len()).filter(|&n| is_pit(heights, lattice, n) && !is_bottom(n)).map(|n| n as u32).collect();
+    let is_open_pit = |n: &u32| is_pit(heights, lattice, *n as usize) && !is_bottom(*n as usize);
+    let mut pits: Vec<u32> = (0..heights.len() as u32).into_par_iter().filter(is_open_pit).collect();
     pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
     for pit in pits {
         if is_pit(heights, lattice, pit as usize)

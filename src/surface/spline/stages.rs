@@ -64,6 +64,14 @@ pub struct Problem<'a> {
     pub hollows: &'a [bool],
 }
 
+impl Problem<'_> {
+    /// In the mean over the contours.
+    fn mean_level(&self) -> f64 {
+        let levels = self.contours.iter().map(|c| c.0);
+        levels.sum::<f64>() / self.contours.len().max(1) as f64
+    }
+}
+
 /// Values at the nodes of one lattice.
 struct Stage<'a> {
     lattice: Lattice,
@@ -74,38 +82,45 @@ struct Stage<'a> {
     tension: Cow<'a, [f32]>,
 }
 
+/// What was found on a lattice.
+struct Solved {
+    lattice: Lattice,
+    z: Vec<f64>,
+    /// Factors on the tension.
+    factors: Vec<f32>,
+}
+
+/// An energy with its first weights, and which second differences are across ridge and canyon lines.
+type Weighed<'a> = (Energy<'a>, [Vec<bool>; 3]);
+
 /// The heights at the nodes of the finest lattice; those outside the frame mean nothing.
 pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
-    let mut stages = vec![Stage {
+    let finest = Stage {
         lattice: problem.lattice,
         depth: 0,
         bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
         guide: Cow::Borrowed(problem.guide),
         tension: Cow::Borrowed(&problem.tension),
-    }];
-    while let Some(coarse) = stages.last().and_then(Stage::coarser) {
-        stages.push(coarse);
-    }
-    let all: usize = stages.iter().map(|s| s.lattice.len()).sum();
+    };
+    let coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
+    let all: usize = finest.lattice.len() + coarser.iter().map(|s| s.lattice.len()).sum::<usize>();
     progress.start(STEP, all as u64);
-    let levels = problem.contours.iter().map(|c| c.0);
-    let mean = levels.clone().sum::<f64>() / levels.count().max(1) as f64;
-    let mut coarse: Option<(Lattice, Vec<f64>, Vec<f32>)> = None;
-    while let Some(stage) = stages.pop() {
-        // The only one there is has nothing to start from.
-        let rounds = ROUNDS[if coarse.is_none() { 1 } else { stage.kind() }];
-        let (mut z, mut factors) = match coarse {
-            None => (vec![mean; stage.lattice.len()], vec![1.0; stage.lattice.len()]),
-            Some((lattice, z, factors)) => {
-                (refined(&z, &lattice, &stage.lattice), spread(&factors, &lattice, &stage.lattice))
-            }
-        };
-        stage.solve(problem, &mut z, &mut factors, rounds);
+    let solved = |stage: &Stage<'_>, energy: Weighed<'_>, before: Option<Solved>| {
+        let solved = stage.solve(problem, energy, before);
         progress.advance(stage.lattice.len() as u64);
-        coarse = Some((stage.lattice, z, factors));
-    }
+        solved
+    };
+    // The coarsest lattices keep one thread busy; meanwhile the finest is made ready, which takes as long.
+    let (before, energy) = rayon::join(
+        || {
+            let stages = coarser.into_iter().rev();
+            stages.fold(None, |before, stage| Some(solved(&stage, stage.energy(problem), before)))
+        },
+        || finest.energy(problem),
+    );
+    let Solved { z, .. } = solved(&finest, energy, before);
     progress.finish();
-    coarse.map(|(_, z, _)| z).unwrap_or_default()
+    z
 }
 
 impl Stage<'_> {
@@ -140,49 +155,56 @@ impl Stage<'_> {
         if self.depth == 0 && nodes > MANY { STEPS_OF_MANY } else { STEPS[self.kind()] }
     }
 
-    /// Improves `z`, and `factors` on the tension. Without rounds the weights follow `z` as it is.
-    fn solve(&self, problem: &Problem<'_>, z: &mut [f64], factors: &mut [f32], rounds: usize) {
+    /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
+    /// as they are then.
+    fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
-        let (mut energy, creases) = self.energy(problem);
+        let (mut energy, creases) = energy;
+        // The only lattice there is has nothing to start from.
+        let rounds = ROUNDS[if before.is_none() { 1 } else { self.kind() }];
+        let (mut z, mut factors) = match before {
+            None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
+            Some(Solved { lattice, z, factors }) => {
+                (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
+            }
+        };
         let effort = Effort { steps: self.steps(problem.gap), tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
         // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
-        scale(&mut energy, factors);
+        scale(&mut energy, &factors);
         if first.is_none() {
-            let_crease(&mut energy, &creases, problem.crease_knee, z);
+            let_crease(&mut energy, &creases, problem.crease_knee, &z);
         }
         let mut minimiser = Minimiser::default();
-        minimiser.minimise(&energy, lo, hi, z, effort);
+        minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            let_crease(&mut energy, &creases, problem.crease_knee, z);
-            tighten(factors, near_contours, [lo, hi], z, self.lattice.cols, problem.interval);
+            let_crease(&mut energy, &creases, problem.crease_knee, &z);
+            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval);
             energy.tension.clone_from(tension);
-            scale(&mut energy, factors);
-            minimiser.minimise(&energy, lo, hi, z, later);
+            scale(&mut energy, &factors);
+            minimiser.minimise(&energy, lo, hi, &mut z, later);
         }
         if self.depth == 0 {
-            let upper = self.drained(problem, [lo, hi], z);
-            minimiser.minimise(&energy, lo, &upper, z, later);
+            let upper = self.drained(problem, [lo, hi], &z);
+            minimiser.minimise(&energy, lo, &upper, &mut z, later);
         }
+        Solved { lattice: self.lattice, z, factors }
     }
 
     /// Upper bounds with ways out of pits cut into them: the ground beside a cut falls towards it.
     fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
-        let mut upper = hi.to_vec();
         let mut after: Vec<f32> =
             z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let limits = Limits { lo, depth: problem.interval as f32 };
         breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
-        for n in (0..z.len()).filter(|&n| after[n] < z[n] as f32) {
-            upper[n] = upper[n].min(after[n]).max(lo[n]);
-        }
-        upper
+        let cut = after.par_iter().zip(z).zip(lo.par_iter().zip(hi));
+        cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
     }
 
     /// The energy with its first weights, and which second differences are across ridge and canyon lines.
-    fn energy(&self, problem: &Problem<'_>) -> (Energy<'_>, [Vec<bool>; 3]) {
+    fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
         let crossings = |&(level, points): &(f64, &[DVec2])| {
