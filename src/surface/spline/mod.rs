@@ -32,6 +32,7 @@ mod tile;
 pub(super) mod trial;
 mod unevenness;
 
+pub(super) use blur::blurred;
 pub(super) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
 pub(super) use grid::{bytes_on, working_grid};
@@ -48,7 +49,6 @@ use crate::dem::{Grid, heights_at};
 use crate::progress::Progress;
 use crate::skeleton::BreakLine;
 use crate::tin::{NONE, Side, line_at, line_starts, local_bands};
-use blur::blurred;
 use energy::CrossingWeight;
 use lattice::Crossing;
 use pits::{Limits, breach};

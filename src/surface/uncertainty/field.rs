@@ -7,9 +7,9 @@ use super::model::{ErrorModel, Known, left};
 use super::places::seen;
 use super::sides::sides;
 use crate::contour::LineError;
-use crate::dem::{Dem, locate, rasterise};
+use crate::dem::{Dem, heights_at, locate};
 use crate::surface::sheet::Sheet;
-use crate::surface::spline::{self, Chosen, roughness, slopes, working_grid};
+use crate::surface::spline::{self, Chosen, blurred, roughness, slopes, working_grid};
 use crate::surface::{Surface, SurfaceParams, Tiling, WorkingGrid};
 use crate::tin::{Region, Side};
 
@@ -17,6 +17,9 @@ use crate::tin::{Region, Side};
 const WIDE: f64 = 6.0;
 /// Contours were cut from the heights of the nodes where so much of their crossings with the edges is at vertices.
 const CUT_FROM_NODES: f64 = 0.9;
+
+/// Columns and rows on each side over which those crossings are averaged.
+const FIXING_REACH: usize = 2;
 
 /// The expected error of a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,11 +54,10 @@ pub fn error_field(
     let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);
     let triangles = locate(&tiled.tin, &grid, &());
     let sides = sides(tiled, &grid, &triangles);
+    let guide = heights_at(&tiled.tin, &grid, &triangles);
     drop(triangles);
-    let guide = working.is_none().then(|| rasterise(&tiled.tin, &grid, None, &()).values);
-    let heights: &[f32] = working.map_or_else(|| guide.as_deref().unwrap_or_default(), |w| &w.heights);
-    let step = (grid.cell.x * grid.cell.y).sqrt();
-    let fixes = sides.share_at_vertices > CUT_FROM_NODES;
+    let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
+    let fixing = (sides.share_at_vertices > CUT_FROM_NODES).then(|| blurred(&sides.crossings, grid.cols, FIXING_REACH));
     let at = |n: usize| {
         let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
             return (f32::NAN, f32::NAN, false);
@@ -66,8 +68,10 @@ pub fn error_field(
             return (f32::NAN, f32::NAN, false);
         }
         let between = distances.into_iter().all(f64::is_finite);
-        let fixed = if fixes && between { left(distances, step) } else { 1.0 };
-        let place = Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height) };
+        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n])));
+        let apart = (height - f64::from(guide[n])).abs();
+        let place =
+            Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
         let error = chosen.map_or(error, |c| spline::error_left(error, band, &c.knobs));

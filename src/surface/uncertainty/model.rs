@@ -8,6 +8,12 @@
 //! pass into each other. Towards a contour the error falls with half of that power of the product of both distances, as
 //! that of any random walk that is tied down at both ends.
 //!
+//! Ground between contours much further apart than in the mean is level for the interval: there the error shrinks with the
+//! band only, too.
+//!
+//! The smooth surface and that of the triangles with ridge and canyon lines are two guesses from the same contours. Where they
+//! are far apart, the contours leave much open, and the error is larger than the distance between contours tells.
+//!
 //! Beyond the last contour of a top or a pit the height is a guess from the slope: the error is a share of the climb, and
 //! that share is what the surface from half of the levels missed its tops by.
 
@@ -19,19 +25,24 @@ const FEWEST: usize = 200;
 const FEWEST_TOPS: usize = 50;
 /// Classes of width, of equal area.
 const CLASSES: usize = 8;
-/// Shares of errors that lie within one and about two standard errors.
+/// Shares of errors that lie within one and two standard errors.
 const WITHIN: [f64; 2] = [0.68, 0.95];
+/// How much of the standard error, on a logarithmic scale, the second figure tells where errors have no tails.
+const BY_TWO: f64 = 0.6;
 /// The second figure over the first, where tails are as heavy as one standard error may take.
 const TAIL: f64 = 2.7;
 /// The largest error against the width of the band, in the same sense as the standard error: that of a height about which
 /// nothing but the band is known.
 const UNKNOWN: f64 = 0.35;
-/// A bias of choosing by the larger of two figures.
-const SHRINK: f64 = 0.95;
+/// Errors at hidden contours, half-way between others, against those all over the ground that the law makes of them.
+const SHRINK: f64 = 0.9;
 /// Limits of the power that error grows with.
 const GROWTHS: (f64, f64) = (0.5, 2.0);
 /// ... and what it is where contours do not tell.
 const USUAL_GROWTH: f64 = 1.5;
+/// Gaps against the mean one from which on ground is level for the interval, and where it is altogether: the error there is a
+/// share of the band, whatever the power.
+const LEVEL: (f64, f64) = (2.0, 6.0);
 /// Power of the product of both distances against that of the width.
 const PROFILE: f64 = 0.55;
 /// Distances from a single contour count as so much width.
@@ -43,12 +54,14 @@ const USUAL_SHARE: f64 = 0.5;
 const USUAL_ERROR: f64 = 0.08;
 /// ... and the power of the width that it grows with.
 const USUAL_POWER: f64 = 0.7;
-/// Crossings a node at which contours that were cut from the nodes' own heights begin to fix them, and the least
-/// that is left of the error then.
-const FIXING: f64 = 0.3425;
-const LEAST_LEFT: f64 = 0.25;
-/// Mean number of crossings of a line with the edges of a square lattice, over its length in steps: four over pi.
-const CROSSINGS: f64 = 1.273_239_545;
+/// Factor on the error where the smooth surface and the triangles are the same, what it grows by where they are one standard error
+/// apart, and how many count at most.
+const DOUBT: [f64; 3] = [0.65, 0.42, 2.2];
+/// Crossings a node of contours that were cut from the nodes' own heights at which these begin to be fixed, with which power
+/// that goes, and the least that is left of the error then.
+const FIXING: f64 = 0.765;
+const FIXING_POWER: f64 = 5.0;
+const LEAST_LEFT: f64 = 0.15;
 
 /// Where the error came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +98,8 @@ pub struct Known {
     pub band: [f64; 2],
     /// Height above or below the only contour of the sub-domain and whether that is the lower one; `None` between two.
     pub climb: Option<(f64, bool)>,
+    /// How far the surface is from that of the triangles, metres.
+    pub apart: f64,
 }
 
 impl ErrorModel {
@@ -100,7 +115,7 @@ impl ErrorModel {
         }
         let share = quantile(&mut beyond, |s| s.length, WITHIN[0]) / interval;
         let beyond = if beyond.len() < FEWEST_TOPS { USUAL_SHARE } else { share.clamp(SHARES.0, SHARES.1) };
-        let curve = classes(&mut between).into_iter().map(|class| point(class, growth, interval)).collect();
+        let curve = classes(&mut between).into_iter().map(|class| point(class, growth, interval, gap)).collect();
         Self { lesson: Lesson::Hidden { places: between.len() }, beyond, curve, ..usual }
     }
 
@@ -126,7 +141,10 @@ impl ErrorModel {
                 let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
                 let profile = profile(place.sides);
                 let tied = self.halfway(width, 0.0) * profile.powf(PROFILE * self.growth);
-                fixed * tied.max(self.halfway(profile * width, self.growth))
+                let error = tied.max(self.halfway(profile * width, self.growth));
+                // The usual error is that of both guesses.
+                let doubt = if self.lesson == Lesson::Usual { 1.0 } else { doubt(place.apart, error) };
+                fixed * error * doubt
             }
         };
         error.min(most)
@@ -156,13 +174,17 @@ fn profile([below, above]: [f64; 2]) -> f64 {
     4.0 * share * (1.0 - share)
 }
 
-/// What is left of the error of nodes whose own heights the contours were cut from: every crossing of an edge is an
-/// equation, and where there are about as many of these as nodes, little is left open. Those of a node's own edges say
-/// most, and a node half-way between two contours has the fewest. `step` is that between nodes.
-pub fn left(sides: [f64; 2], step: f64) -> f64 {
-    let width = sides[0] + sides[1];
-    let crossings = (1.5 - profile(sides)) * CROSSINGS * step / width.max(0.3 * step);
-    (1.0 / (1.0 + (crossings / FIXING).powf(3.25)).sqrt()).max(LEAST_LEFT)
+/// Factor on an error for the distance between two guesses.
+fn doubt(apart: f64, error: f64) -> f64 {
+    let [least, growth, most] = DOUBT;
+    let times = apart / error;
+    least + if times.is_nan() { 0.0 } else { growth * times.min(most) }
+}
+
+/// What is left of the error of nodes whose own heights the contours were cut from, with so many crossings a node around:
+/// every crossing of an edge is an equation, and where there are about as many of these as nodes, little is left open.
+pub fn left(crossings: f64) -> f64 {
+    (1.0 / (1.0 + (crossings / FIXING).powf(FIXING_POWER)).sqrt()).max(LEAST_LEFT)
 }
 
 /// The curve where nothing can be hidden.
@@ -188,12 +210,18 @@ fn classes(between: &mut [Seen]) -> Vec<Vec<Seen>> {
     classes
 }
 
-/// Width and error of a class, carried from twice the interval to the interval.
-fn point(mut class: Vec<Seen>, growth: f64, interval: f64) -> [f64; 2] {
+/// Width and error of a class, carried from twice the interval to the interval; `gap` is the mean distance between contours.
+fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64) -> [f64; 2] {
     let width = class[class.len() / 2].width();
     let area = |s: &Seen| s.length * s.width();
+    let usual = quantile(&mut class, area, WITHIN[0]);
+    class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
-    let error = SHRINK * one.max(two / TAIL);
+    // Between what both tell; what the first does, where tails are heavy.
+    let both = one.powf(1.0 - BY_TWO) * (two / 2.0).powf(BY_TWO);
+    let error = SHRINK * both.min(one).max(two / TAIL);
+    let level = ((width / 2.0 / gap / LEVEL.0).ln() / (LEVEL.1 / LEVEL.0).ln()).clamp(0.0, 1.0);
+    let growth = growth + level * (growth.min(1.0) - growth);
     // An error that fills the band is the same share of every band; a small one falls with its power.
     let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * UNKNOWN);
     let free = share / (1.0 - (share / UNKNOWN).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
@@ -219,12 +247,15 @@ mod tests {
 
     /// Errors of all sizes up to `most`, in no order, on contours between others that are `width` apart.
     fn places(most: f64, width: f64) -> Vec<Seen> {
-        let at = |k: i32| Seen { by: most * f64::from(k * 617 % 1000) / 999.0, sides: [width / 2.0; 2], length: 1.0 };
+        let at = |k: i32| {
+            let by = most * f64::from(k * 617 % 1000) / 999.0;
+            Seen { by, apart: 0.0, sides: [width / 2.0; 2], length: 1.0 }
+        };
         (0..1000).map(at).collect()
     }
 
     fn between(below: f64, above: f64) -> Known {
-        Known { sides: [below, above], band: [10.0, 20.0], climb: None }
+        Known { sides: [below, above], band: [10.0, 20.0], climb: None, apart: 0.0 }
     }
 
     #[test]
@@ -233,7 +264,9 @@ mod tests {
             let model = ErrorModel::learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
             assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
             let halfway = model.error(&between(25.0, 25.0), 1.0);
-            let expected = 0.68 * 0.95 * 0.5f64.powf(growth);
+            // Even errors: two standard errors are nearer to one than those of a bell curve are. Both guesses are the same.
+            let both = 0.68f64.powf(1.0 - BY_TWO) * (0.95f64 / 2.0).powf(BY_TWO);
+            let expected = SHRINK * both * 0.5f64.powf(growth);
             assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
         }
     }
@@ -250,7 +283,7 @@ mod tests {
         }
         for sides in [[f64::INFINITY; 2], [1e9, f64::INFINITY], [1e9, 1e9]] {
             for climb in [None, Some((10.0, true))] {
-                let error = model.error(&Known { sides, band: [10.0, 20.0], climb }, 1.0);
+                let error = model.error(&Known { sides, band: [10.0, 20.0], climb, apart: 0.0 }, 1.0);
                 assert!(error > 1.0 && error <= 5.0, "{sides:?} {climb:?} {error}");
             }
         }
@@ -260,16 +293,42 @@ mod tests {
     fn a_spot_height_ends_the_doubt_about_a_top() {
         let model = ErrorModel::learn(&[], None, 10.0, 50.0);
         assert_eq!(model.lesson, Lesson::Usual);
-        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)) };
+        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: 0.0 };
         assert_eq!(model.error(&top(0.0), 1.0), 0.0);
         assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
     }
 
     #[test]
     fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
-        assert!(left([50.0, 50.0], 1.0) > 0.99);
-        assert_eq!(left([0.01, 0.99], 1.0), LEAST_LEFT);
-        // Both between the same contours: the edges of the second are not crossed.
-        assert!(left([0.1, 1.9], 1.0) < left([1.0, 1.0], 1.0));
+        assert!(left(0.3) > 0.99 && left(0.5) > 0.9 && left(1.0) < 0.5);
+        assert_eq!(left(9.0), LEAST_LEFT);
+    }
+
+    #[test]
+    fn errors_are_larger_where_two_guesses_are_far_apart() {
+        // Errors in proportion to how far they are.
+        let mut seen = places(1.0, 100.0);
+        seen.iter_mut().for_each(|s| s.apart = s.by);
+        let model = ErrorModel::learn(&seen, Some(1.0), 10.0, 50.0);
+        let at = |apart: f64| model.error(&Known { apart, ..between(25.0, 25.0) }, 1.0);
+        assert!((at(0.0) / at(1e9) - DOUBT[0] / (DOUBT[0] + DOUBT[1] * DOUBT[2])).abs() < 1e-12);
+        assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
+        // Those that are far apart have taught the larger error.
+        let plain = ErrorModel::learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
+        assert!(at(0.0) < plain && plain < at(1e9));
+        let contour = Known { apart: 1.0, ..between(0.0, 50.0) };
+        assert_eq!(model.error(&contour, 1.0), 0.0);
+        let usual = ErrorModel::learn(&[], Some(1.0), 10.0, 50.0);
+        let of_usual = |apart: f64| usual.error(&Known { apart, ..between(25.0, 25.0) }, 1.0);
+        assert_eq!(of_usual(0.0), of_usual(1.0));
+    }
+
+    #[test]
+    fn errors_on_level_ground_shrink_with_the_band_only() {
+        let share = |gap: f64| {
+            let model = ErrorModel::learn(&places(1.0, 100.0), Some(2.0), 10.0, gap);
+            model.error(&between(25.0, 25.0), 1.0)
+        };
+        assert!((share(50.0 / 7.0) / share(50.0) - 2.0).abs() < 0.05);
     }
 }

@@ -15,6 +15,8 @@ use crate::tin::NONE;
 pub struct Seen {
     /// How far the surface is off, metres, without sign.
     pub by: f64,
+    /// How far it is from the surface of triangles there, metres.
+    pub apart: f64,
     /// Distances from the contours below and above, map units; one is infinite where there is none.
     pub sides: [f64; 2],
     /// Length of contour that the place stands for, map units.
@@ -31,7 +33,8 @@ impl Seen {
 /// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
 /// smooth surface.
 pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
-    let cell = cell(sheet, params, 2);
+    // As fine as the surface itself, so that the error is that of its kind and not that of coarse cells.
+    let cell = cell(sheet, params, 1);
     let parts = parts(sheet, &params.frame, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
@@ -50,7 +53,7 @@ fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen>
     let surface = match knobs {
         // Hidden contours all lie half-way, where heights are drawn to.
         Some(knobs) if kind == SurfaceKind::Spline => spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()),
-        _ => WorkingGrid { grid: *grid, heights: draft.guide },
+        _ => WorkingGrid { grid: *grid, heights: draft.guide.clone() },
     };
     let ask = |place: &crate::surface::spline::trial::Place| {
         let (col, row) = node(grid, place.at);
@@ -62,10 +65,12 @@ fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen>
         let t = if near == NONE { None } else { tiled.tin.locate(near, place.at - tiled.tin.origin) }?;
         let band = tiled.regions.region(t)?.band;
         let sides = sides.at(place.at, tiled.regions.of_triangle[t as usize])?;
-        let by = (f64::from(between(grid, &surface.heights, place.at)?) - place.level).abs();
+        let height = f64::from(between(grid, &surface.heights, place.at)?);
+        let apart = (height - f64::from(between(grid, &draft.guide, place.at)?)).abs();
+        let by = (height - place.level).abs();
         // A contour that a broken one lets through says nothing about ground between two levels.
         let asked = band.lo < place.level && place.level < band.hi && sides.iter().any(|d| d.is_finite());
-        (asked && by.is_finite() && place.length > 0.0).then_some(Seen { by, sides, length: place.length })
+        (asked && by.is_finite() && place.length > 0.0).then_some(Seen { by, apart, sides, length: place.length })
     };
     places.iter().filter_map(ask).collect()
 }

@@ -23,6 +23,8 @@ pub struct Sides {
     pub regions: Vec<u32>,
     /// Column and row of the nearest place on a lower and on a higher contour (or at a spot height), infinite if there is none.
     nearest: [Vec<[f32; 2]>; 2],
+    /// How many times contours cross the eastward and the southward edge of each node.
+    pub crossings: Vec<f32>,
     /// Share of the crossings of contours with edges that are at vertices of the contours.
     pub share_at_vertices: f64,
 }
@@ -33,7 +35,8 @@ pub fn sides(tiled: &Tiling, grid: &Grid, triangles: &[u32]) -> Sides {
     let region = |&t: &u32| if t == NONE { NONE } else { tiled.regions.of_triangle[t as usize] };
     let regions: Vec<u32> = triangles.iter().map(region).collect();
     let nearest = [vec![NOWHERE; regions.len()], vec![NOWHERE; regions.len()]];
-    let mut sides = Sides { lattice, regions, nearest, share_at_vertices: 0.0 };
+    let crossings = vec![0.0; regions.len()];
+    let mut sides = Sides { lattice, regions, nearest, crossings, share_at_vertices: 0.0 };
     let bands: Vec<Band> = tiled.regions.regions.iter().map(|r| r.band).collect();
     sides.start(tiled, &bands);
     let Sides { lattice, regions, nearest: [below, above], .. } = &mut sides;
@@ -144,6 +147,7 @@ impl Sides {
                     all += 1;
                     at_vertices += usize::from(crossing.at_vertex);
                     let node = crossing.node as usize;
+                    self.crossings[node] += 1.0;
                     let [col, row] = [node % lattice.cols, node / lattice.cols].map(|k| k as f64);
                     let place = [(col + x * crossing.along) as f32, (row + y * crossing.along) as f32];
                     self.mark(node, place, level, bands);
