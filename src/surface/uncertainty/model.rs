@@ -34,8 +34,10 @@ const TAIL: f64 = 2.7;
 /// The largest error against the width of the band, in the same sense as the standard error: that of a height about which
 /// nothing but the band is known.
 const UNKNOWN: f64 = 0.35;
-/// Errors at hidden contours, half-way between others, against those all over the ground that the law makes of them.
+/// Errors at hidden contours, half-way between others, against those all over the ground that the law makes of them: of the smooth
+/// surface, and of triangles alone.
 const SHRINK: f64 = 0.9;
+const SHRINK_OF_TRIANGLES: f64 = 0.95;
 /// Limits of the power that error grows with.
 const GROWTHS: (f64, f64) = (0.5, 2.0);
 /// ... and what it is where contours do not tell.
@@ -217,9 +219,12 @@ fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64) -> [f64; 2]
     let usual = quantile(&mut class, area, WITHIN[0]);
     class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
-    // Between what both tell; what the first does, where tails are heavy.
-    let both = one.powf(1.0 - BY_TWO) * (two / 2.0).powf(BY_TWO);
-    let error = SHRINK * both.min(one).max(two / TAIL);
+    let error = if class.iter().all(|s| s.apart == 0.0) {
+        SHRINK_OF_TRIANGLES * one.max(two / TAIL)
+    } else {
+        // Between what both figures tell; what the first does, where tails are heavy.
+        SHRINK * (one.powf(1.0 - BY_TWO) * (two / 2.0).powf(BY_TWO)).min(one).max(two / TAIL)
+    };
     let level = ((width / 2.0 / gap / LEVEL.0).ln() / (LEVEL.1 / LEVEL.0).ln()).clamp(0.0, 1.0);
     let growth = growth + level * (growth.min(1.0) - growth);
     // An error that fills the band is the same share of every band; a small one falls with its power.
@@ -264,9 +269,7 @@ mod tests {
             let model = ErrorModel::learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
             assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
             let halfway = model.error(&between(25.0, 25.0), 1.0);
-            // Even errors: two standard errors are nearer to one than those of a bell curve are. Both guesses are the same.
-            let both = 0.68f64.powf(1.0 - BY_TWO) * (0.95f64 / 2.0).powf(BY_TWO);
-            let expected = SHRINK * both * 0.5f64.powf(growth);
+            let expected = 0.68 * SHRINK_OF_TRIANGLES * 0.5f64.powf(growth);
             assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
         }
     }
@@ -313,7 +316,7 @@ mod tests {
         let at = |apart: f64| model.error(&Known { apart, ..between(25.0, 25.0) }, 1.0);
         assert!((at(0.0) / at(1e9) - DOUBT[0] / (DOUBT[0] + DOUBT[1] * DOUBT[2])).abs() < 1e-12);
         assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
-        // Those that are far apart have taught the larger error.
+        // Without the other guess there is one error for all.
         let plain = ErrorModel::learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
         assert!(at(0.0) < plain && plain < at(1e9));
         let contour = Known { apart: 1.0, ..between(0.0, 50.0) };
