@@ -97,7 +97,7 @@ pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: 
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
 }
 
-/// Size of the cells of a trial that leaves every so many levels.
+/// Size of the cells of a trial, for contours of every so many levels.
 ///
 /// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
 pub fn cell(sheet: &Sheet<'_>, params: &SurfaceParams, every: i64) -> f64 {

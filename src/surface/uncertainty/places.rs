@@ -15,7 +15,7 @@ use crate::tin::NONE;
 pub struct Seen {
     /// How far the surface is off, metres, without sign.
     pub by: f64,
-    /// How far it is from the surface of triangles there, metres.
+    /// How far it is from the surface of triangles there, metres; 0 for that surface itself.
     pub apart: f64,
     /// Distances from the contours below and above, map units; one is infinite where there is none.
     pub sides: [f64; 2],
@@ -33,7 +33,7 @@ impl Seen {
 /// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
 /// smooth surface.
 pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
-    // As fine as the surface itself, so that the error is that of its kind and not that of coarse cells.
+    // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
     let cell = cell(sheet, params, 1);
     let parts = parts(sheet, &params.frame, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
