@@ -21,8 +21,9 @@ const ROUNDS: [usize; 3] = [0, 2, 1];
 /// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
 /// are bridged there.
 const STEPS: [usize; 3] = [40, 60, 200];
-/// ... and on a finest lattice with more nodes from one contour to the next than [`MANY`]: what it starts from is nearly right.
-const STEPS_OF_MANY: usize = 20;
+/// ... and where the finest lattice has more nodes from one contour to the next than [`MANY`]. It takes none before ways out of
+/// pits are cut then: what it starts from is nearly right, and steps on the next one cost a quarter.
+const STEPS_OF_MANY: [usize; 3] = [0, 80, 200];
 /// In the mean over the map.
 const MANY: f64 = 12.0;
 /// ... and once more, in each round or after ways out of pits were cut.
@@ -150,9 +151,10 @@ impl Stage<'_> {
     }
 
     /// Most steps of the first time.
-    fn steps(&self, gap: f64) -> usize {
-        let nodes = gap / (self.lattice.step.x * self.lattice.step.y).sqrt();
-        if self.depth == 0 && nodes > MANY { STEPS_OF_MANY } else { STEPS[self.kind()] }
+    fn steps(&self, problem: &Problem<'_>) -> usize {
+        let step = problem.lattice.step;
+        let are_many = problem.gap / (step.x * step.y).sqrt() > MANY;
+        (if are_many { STEPS_OF_MANY } else { STEPS })[self.kind()]
     }
 
     /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
@@ -168,7 +170,7 @@ impl Stage<'_> {
                 (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
             }
         };
-        let effort = Effort { steps: self.steps(problem.gap), tolerance: TOLERANCE * problem.interval };
+        let effort = Effort { steps: self.steps(problem), tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
         // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
