@@ -218,8 +218,8 @@ fn elevations_that_are_none() {
         ("text.geojson", "feature 1: the field \"elev\" holds \"high\", which is not a number"),
         ("nan.geojson", "-a/--elevation-field"),
         ("infinite.geojson", "-a/--elevation-field"),
-        ("one.geojson", "there is one contour line only (elevation 10)"),
-        ("flat.geojson", "all 2 contour lines have the elevation 10"),
+        ("one.geojson", "one.geojson: there is one contour line only (elevation 10)"),
+        ("flat.geojson", "flat.geojson: all 2 contour lines have the elevation 10"),
         ("unknown.geojson", "its fields are thing (such as 10), name (such as \"a\"); choose one with -a"),
     ] {
         folder.fails(&format!("densify {name} -i 5 -o out.gpkg"), FAILED, &[words]);

@@ -60,7 +60,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    let judged = judged(input.map, &mut input.findings, console)?;
+    let judged = judged(input.map, &args.map.contours, &mut input.findings, console)?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
 
@@ -90,14 +90,14 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
 }
 
 /// Adds what the ground between contours shows of them. A map of one level has no such ground, which is a finding too.
-fn judged(map: ContourMap, findings: &mut Vec<Finding>, console: &Console) -> Result<ContourMap, Failure> {
+fn judged(map: ContourMap, path: &Path, findings: &mut Vec<Finding>, console: &Console) -> Result<ContourMap, Failure> {
     let flat = find_interval(&map.contours).is_none().then(|| map.clone());
     match (tiling(map, &Frame::Hull, console), flat) {
         (Err(Error::Data(message)), Some(map)) => {
             findings.push(Finding::general(FindingKind::TooFewLevels, message));
             Ok(map)
         }
-        (tiled, _) => Ok(summary::found(tiled, findings, console)?.map),
+        (tiled, _) => Ok(summary::found(tiled, path, findings, console)?.map),
     }
 }
 

@@ -42,13 +42,13 @@ impl InputArgs {
         if let Some(tolerance) = self.fit {
             let fitted =
                 console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
-            let fitted = summary::or_tell(fitted, &findings, console)?.collect(&mut findings);
+            let fitted = summary::or_tell(fitted, &self.map.contours, &findings, console)?.collect(&mut findings);
             describe_fit(&fitted, console);
             map = fitted.map;
         }
         if let Some(sampling) = self.sampling() {
             let sampled = console.step("sampling", || sample(map, &sampling, &params));
-            let sampled = summary::or_tell(sampled, &findings, console)?.collect(&mut findings);
+            let sampled = summary::or_tell(sampled, &self.map.contours, &findings, console)?.collect(&mut findings);
             describe_sample(&sampled, console);
             map = sampled.map;
         }

@@ -84,7 +84,7 @@ pub fn cleaned(
         Ok(report) => map = report.collect(&mut cleaning),
         Err(error) => {
             findings.extend(told);
-            return Ok(summary::or_tell(Err(error), findings, console)?);
+            return Ok(summary::or_tell(Err(error), &args.contours, findings, console)?);
         }
     }
     findings.extend(merged(told, cleaning, args.snap.max(clean_params.separation)));
@@ -105,7 +105,8 @@ pub fn corrected(mut input: Input, args: &MapArgs, console: &Console) -> Result<
         }
         let map = correct(input.map, &corrections).collect(&mut input.findings);
         let cleaned = console.step("cleaning", || clean(map, &args.clean_params()));
-        input.map = summary::or_tell(cleaned, &input.findings, console)?.collect(&mut input.findings);
+        let cleaned = summary::or_tell(cleaned, &args.contours, &input.findings, console)?;
+        input.map = cleaned.collect(&mut input.findings);
     }
     Ok(input)
 }

@@ -150,12 +150,13 @@ impl FrameArgs {
     }
 }
 
-/// Builds the surface and adds what was noticed to `findings`.
+/// Builds the surface of the contours in a file and adds what was noticed to `findings`.
 pub fn build_surface(
     map: ContourMap,
+    path: &Path,
     params: &SurfaceParams,
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Surface, Failure> {
-    Ok(summary::found(build(map, params, console), findings, console)?)
+    Ok(summary::found(build(map, params, console), path, findings, console)?)
 }

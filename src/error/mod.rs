@@ -58,6 +58,14 @@ impl Error {
         Self::File { path: path.to_owned(), message: message.into(), source: None }
     }
 
+    /// The same, with the file that the data are from.
+    pub fn in_file(self, path: &Path) -> Self {
+        match self {
+            Self::Data(message) => Self::file(path, message),
+            other => other,
+        }
+    }
+
     /// A file that a format's library could not take.
     pub fn file_cause(path: &Path, message: impl Into<String>, cause: impl Into<Cause>) -> Self {
         Self::File { path: path.to_owned(), message: message.into(), source: Some(cause.into()) }
