@@ -69,7 +69,7 @@ pub fn error_field(
         }
         let between = distances.into_iter().all(f64::is_finite);
         let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n])));
-        let apart = (height - f64::from(guide[n])).abs();
+        let apart = working.map(|_| (height - f64::from(guide[n])).abs());
         let place =
             Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };

@@ -100,8 +100,8 @@ pub struct Known {
     pub band: [f64; 2],
     /// Height above or below the only contour of the sub-domain and whether that is the lower one; `None` between two.
     pub climb: Option<(f64, bool)>,
-    /// How far the surface is from that of the triangles, metres.
-    pub apart: f64,
+    /// How far the smooth surface is from that of the triangles, metres; `None` on the latter.
+    pub apart: Option<f64>,
 }
 
 impl ErrorModel {
@@ -176,8 +176,9 @@ fn profile([below, above]: [f64; 2]) -> f64 {
     4.0 * share * (1.0 - share)
 }
 
-/// Factor on an error for the distance between two guesses.
-fn doubt(apart: f64, error: f64) -> f64 {
+/// Factor on an error for the distance between two guesses; 1 where there is but one.
+fn doubt(apart: Option<f64>, error: f64) -> f64 {
+    let Some(apart) = apart else { return 1.0 };
     let [least, growth, most] = DOUBT;
     let times = apart / error;
     least + if times.is_nan() { 0.0 } else { growth * times.min(most) }
@@ -219,7 +220,7 @@ fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64) -> [f64; 2]
     let usual = quantile(&mut class, area, WITHIN[0]);
     class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
-    let error = if class.iter().all(|s| s.apart == 0.0) {
+    let error = if class.iter().all(|s| s.apart.is_none()) {
         SHRINK_OF_TRIANGLES * one.max(two / TAIL)
     } else {
         // Between what both figures tell; what the first does, where tails are heavy.
@@ -254,13 +255,13 @@ mod tests {
     fn places(most: f64, width: f64) -> Vec<Seen> {
         let at = |k: i32| {
             let by = most * f64::from(k * 617 % 1000) / 999.0;
-            Seen { by, apart: 0.0, sides: [width / 2.0; 2], length: 1.0 }
+            Seen { by, apart: None, sides: [width / 2.0; 2], length: 1.0 }
         };
         (0..1000).map(at).collect()
     }
 
     fn between(below: f64, above: f64) -> Known {
-        Known { sides: [below, above], band: [10.0, 20.0], climb: None, apart: 0.0 }
+        Known { sides: [below, above], band: [10.0, 20.0], climb: None, apart: None }
     }
 
     #[test]
@@ -286,7 +287,7 @@ mod tests {
         }
         for sides in [[f64::INFINITY; 2], [1e9, f64::INFINITY], [1e9, 1e9]] {
             for climb in [None, Some((10.0, true))] {
-                let error = model.error(&Known { sides, band: [10.0, 20.0], climb, apart: 0.0 }, 1.0);
+                let error = model.error(&Known { sides, band: [10.0, 20.0], climb, apart: None }, 1.0);
                 assert!(error > 1.0 && error <= 5.0, "{sides:?} {climb:?} {error}");
             }
         }
@@ -296,7 +297,7 @@ mod tests {
     fn a_spot_height_ends_the_doubt_about_a_top() {
         let model = ErrorModel::learn(&[], None, 10.0, 50.0);
         assert_eq!(model.lesson, Lesson::Usual);
-        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: 0.0 };
+        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
         assert_eq!(model.error(&top(0.0), 1.0), 0.0);
         assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
     }
@@ -311,18 +312,18 @@ mod tests {
     fn errors_are_larger_where_two_guesses_are_far_apart() {
         // Errors in proportion to how far they are.
         let mut seen = places(1.0, 100.0);
-        seen.iter_mut().for_each(|s| s.apart = s.by);
+        seen.iter_mut().for_each(|s| s.apart = Some(s.by));
         let model = ErrorModel::learn(&seen, Some(1.0), 10.0, 50.0);
-        let at = |apart: f64| model.error(&Known { apart, ..between(25.0, 25.0) }, 1.0);
+        let at = |apart: f64| model.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
         assert!((at(0.0) / at(1e9) - DOUBT[0] / (DOUBT[0] + DOUBT[1] * DOUBT[2])).abs() < 1e-12);
         assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
         // Without the other guess there is one error for all.
         let plain = ErrorModel::learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
         assert!(at(0.0) < plain && plain < at(1e9));
-        let contour = Known { apart: 1.0, ..between(0.0, 50.0) };
+        let contour = Known { apart: Some(1.0), ..between(0.0, 50.0) };
         assert_eq!(model.error(&contour, 1.0), 0.0);
         let usual = ErrorModel::learn(&[], Some(1.0), 10.0, 50.0);
-        let of_usual = |apart: f64| usual.error(&Known { apart, ..between(25.0, 25.0) }, 1.0);
+        let of_usual = |apart: f64| usual.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
         assert_eq!(of_usual(0.0), of_usual(1.0));
     }
 

@@ -6,7 +6,7 @@ use super::sides::sides;
 use crate::dem::locate;
 use crate::surface::sheet::Sheet;
 use crate::surface::spline::trial::{Left, Trial, between, cell, node, parts, trial};
-use crate::surface::spline::{Knobs, WorkingGrid, draft, spline};
+use crate::surface::spline::{Knobs, draft, spline};
 use crate::surface::{SurfaceKind, SurfaceParams};
 use crate::tin::NONE;
 
@@ -15,8 +15,8 @@ use crate::tin::NONE;
 pub struct Seen {
     /// How far the surface is off, metres, without sign.
     pub by: f64,
-    /// How far it is from the surface of triangles there, metres; 0 for that surface itself.
-    pub apart: f64,
+    /// How far the smooth surface is from that of the triangles there, metres; `None` on the latter.
+    pub apart: Option<f64>,
     /// Distances from the contours below and above, map units; one is infinite where there is none.
     pub sides: [f64; 2],
     /// Length of contour that the place stands for, map units.
@@ -31,7 +31,7 @@ impl Seen {
 }
 
 /// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
-/// smooth surface.
+/// smooth surface; without them it is that of the triangles.
 pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
     // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
     let cell = cell(sheet, params, 1);
@@ -40,21 +40,18 @@ pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> 
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
         let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
-        Some(of_trial(&trial(map, frame, left, sheet.interval, resolution, cell)?, params.kind, knobs))
+        Some(of_trial(&trial(map, frame, left, sheet.interval, resolution, cell)?, knobs))
     });
     found.collect::<Vec<_>>().concat()
 }
 
-fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen> {
+fn of_trial(trial: &Trial, knobs: Option<Knobs>) -> Vec<Seen> {
     let Trial { tiled, break_lines, places, grid } = trial;
     let triangles = locate(&tiled.tin, grid, &());
     let sides = sides(tiled, grid, &triangles);
     let draft = draft(tiled, break_lines, grid, &triangles);
-    let surface = match knobs {
-        // Hidden contours all lie half-way, where heights are drawn to.
-        Some(knobs) if kind == SurfaceKind::Spline => spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()),
-        _ => WorkingGrid { grid: *grid, heights: draft.guide.clone() },
-    };
+    // Hidden contours all lie half-way, where heights are drawn to.
+    let smooth = knobs.map(|knobs| spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
     let ask = |place: &crate::surface::spline::trial::Place| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());
@@ -65,8 +62,12 @@ fn of_trial(trial: &Trial, kind: SurfaceKind, knobs: Option<Knobs>) -> Vec<Seen>
         let t = if near == NONE { None } else { tiled.tin.locate(near, place.at - tiled.tin.origin) }?;
         let band = tiled.regions.region(t)?.band;
         let sides = sides.at(place.at, tiled.regions.of_triangle[t as usize])?;
-        let height = f64::from(between(grid, &surface.heights, place.at)?);
-        let apart = (height - f64::from(between(grid, &draft.guide, place.at)?)).abs();
+        let guide = f64::from(between(grid, &draft.guide, place.at)?);
+        let height = match &smooth {
+            Some(heights) => f64::from(between(grid, heights, place.at)?),
+            None => guide,
+        };
+        let apart = smooth.is_some().then(|| (height - guide).abs());
         let by = (height - place.level).abs();
         // A contour that a broken one lets through says nothing about ground between two levels.
         let asked = band.lo < place.level && place.level < band.hi && sides.iter().any(|d| d.is_finite());
