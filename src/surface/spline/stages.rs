@@ -150,11 +150,11 @@ impl Stage<'_> {
         (self.depth as usize).min(2)
     }
 
-    /// Most steps of the first time.
-    fn steps(&self, problem: &Problem<'_>) -> usize {
+    /// Most steps of the first time. What has no coarser lattice to start from takes them all.
+    fn steps(&self, problem: &Problem<'_>, has_start: bool) -> usize {
         let step = problem.lattice.step;
         let are_many = problem.gap / (step.x * step.y).sqrt() > MANY;
-        (if are_many { STEPS_OF_MANY } else { STEPS })[self.kind()]
+        (if are_many && has_start { STEPS_OF_MANY } else { STEPS })[self.kind()]
     }
 
     /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
@@ -162,6 +162,7 @@ impl Stage<'_> {
     fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
         let (mut energy, creases) = energy;
+        let steps = self.steps(problem, before.is_some());
         // The only lattice there is has nothing to start from.
         let rounds = ROUNDS[if before.is_none() { 1 } else { self.kind() }];
         let (mut z, mut factors) = match before {
@@ -170,7 +171,7 @@ impl Stage<'_> {
                 (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
             }
         };
-        let effort = Effort { steps: self.steps(problem), tolerance: TOLERANCE * problem.interval };
+        let effort = Effort { steps, tolerance: TOLERANCE * problem.interval };
         let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
         // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
@@ -354,4 +355,39 @@ fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
         (row(j / 2) + row(j.div_ceil(2))) / 4.0
     };
     (0..fine.len()).into_par_iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_only_lattice_takes_its_steps_however_far_apart_contours_are() {
+        let (cols, rows) = (COARSEST, COARSEST);
+        let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
+        let lines = [1.3, 9.6].map(|x| [DVec2::new(x, 1.0), DVec2::new(x, -12.0)]);
+        let hollows = vec![false; lattice.len()];
+        let guide = vec![0.0; lattice.len()];
+        let heights = |gap: f64| {
+            let problem = Problem {
+                lattice,
+                contours: vec![(10.0, &lines[0]), (20.0, &lines[1])],
+                spots: Vec::new(),
+                creases: Vec::new(),
+                crease_knee: 0.1,
+                bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
+                guide: &guide,
+                tension: vec![0.0; lattice.len()],
+                contour_weight: CrossingWeight::even(100.0),
+                interval: 10.0,
+                gap,
+                hollows: &hollows,
+            };
+            solve(&problem, &())
+        };
+        let found = heights(100.0 * MANY);
+        assert_eq!(found, heights(1.0));
+        let middle = found[rows / 2 * cols + cols / 2];
+        assert!((middle - (10.0 + 10.0 * (6.0 - 1.3) / 8.3)).abs() < 0.5, "{middle}");
+    }
 }
