@@ -60,7 +60,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    let judged = judged(input.map, &args.map.contours, &mut input.findings, console)?;
+    let judged = judged(input.map, &input.path, &mut input.findings, console)?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
 

@@ -57,7 +57,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
     params.uncertainty = args.height_map.uncertainty();
     output.choice.check_room(&input.map, &params.frame)?;
-    let surface = build_surface(input.map, &args.input.map.contours, &params, &mut input.findings, console)?;
+    let surface = build_surface(&mut input, &params, console)?;
     args.input.map.check_strict(&input.findings, console)?;
     let dem = output.write(&surface, console)?;
     if let Some(picture) = &picture {

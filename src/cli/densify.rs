@@ -145,7 +145,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         output.choice.check_room(&input.map, &params.frame)?;
     }
     let crs = input.places.input_crs().and_then(Crs::name);
-    let surface = build_surface(input.map, &args.input.map.contours, &params, &mut input.findings, console)?;
+    let surface = build_surface(&mut input, &params, console)?;
     args.input.map.check_strict(&input.findings, console)?;
     let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
     let written = console.step("writing", || {

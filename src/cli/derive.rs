@@ -228,7 +228,7 @@ impl DeriveArgs {
         let source = Source::Contours(interval(&input.map));
         let params = self.surface.params(&mut input, Some(&choice), Triangles::Guide)?;
         choice.check_room(&input.map, &params.frame)?;
-        let surface = build_surface(input.map, &self.input.map.contours, &params, &mut input.findings, console)?;
+        let surface = build_surface(&mut input, &params, console)?;
         let dem = choice.heights(&surface, console)?;
         self.input.map.describe(&surface.map, console);
         summary::surface(&surface, console);

@@ -36,24 +36,24 @@ impl InputArgs {
         {
             return Err(Failure::Usage(format!("--fit is {tolerance}, it must be more than 0")));
         }
-        let Input { mut map, mut findings, places, unit } = self.map.read(console)?;
+        let Input { path, mut map, mut findings, places, unit } = self.map.read(console)?;
         repair::refuse(&self.map, &findings, console)?;
         let params = self.map.clean_params();
         if let Some(tolerance) = self.fit {
             let fitted =
                 console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
-            let fitted = summary::or_tell(fitted, &self.map.contours, &findings, console)?.collect(&mut findings);
+            let fitted = summary::or_tell(fitted, &path, &findings, console)?.collect(&mut findings);
             describe_fit(&fitted, console);
             map = fitted.map;
         }
         if let Some(sampling) = self.sampling() {
             let sampled = console.step("sampling", || sample(map, &sampling, &params));
-            let sampled = summary::or_tell(sampled, &self.map.contours, &findings, console)?.collect(&mut findings);
+            let sampled = summary::or_tell(sampled, &path, &findings, console)?.collect(&mut findings);
             describe_sample(&sampled, console);
             map = sampled.map;
         }
         self.map.check_strict(&findings, console)?;
-        Ok(Input { map, findings, places, unit })
+        Ok(Input { path, map, findings, places, unit })
     }
 
     fn sampling(&self) -> Option<SampleParams> {

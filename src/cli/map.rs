@@ -78,6 +78,8 @@ const SNAP: f64 = 0.01;
 
 /// A clean map with all that was noticed about it.
 pub struct Input {
+    /// The file of the contours.
+    pub path: PathBuf,
     /// In coordinates of the working CRS.
     pub map: ContourMap,
     /// Their places are in the working CRS too.
@@ -148,7 +150,7 @@ impl MapArgs {
         console.places_are(&places);
         let map = repair::cleaned(map, self, &mut findings, console)?;
         let unit = self.unit.unit();
-        repair::corrected(Input { map, findings, places, unit }, self, console)
+        repair::corrected(Input { path: self.contours.clone(), map, findings, places, unit }, self, console)
     }
 
     /// With `--strict`, an error or a warning ends the work.

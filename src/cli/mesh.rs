@@ -59,7 +59,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = args.input.read(console)?;
     let params = args.surface.params(&mut input, None, Triangles::Smooth)?;
-    let surface = build_surface(input.map, &args.input.map.contours, &params, &mut input.findings, console)?;
+    let surface = build_surface(&mut input, &params, console)?;
     args.input.map.check_strict(&input.findings, console)?;
     let model = mesh(&surface, &MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;

@@ -64,7 +64,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let water = args.water.read(&mut input)?;
     let back = args.to_crs.way(&input.places)?;
     let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &args.input.map.contours, &mut input.findings, console)?;
+    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
     args.input.map.check_strict(&input.findings, console)?;
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
     let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);

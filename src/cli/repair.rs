@@ -105,7 +105,7 @@ pub fn corrected(mut input: Input, args: &MapArgs, console: &Console) -> Result<
         }
         let map = correct(input.map, &corrections).collect(&mut input.findings);
         let cleaned = console.step("cleaning", || clean(map, &args.clean_params()));
-        let cleaned = summary::or_tell(cleaned, &args.contours, &input.findings, console)?;
+        let cleaned = summary::or_tell(cleaned, &input.path, &input.findings, console)?;
         input.map = cleaned.collect(&mut input.findings);
     }
     Ok(input)

@@ -83,7 +83,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let frame = args.frame.read(&input)?;
     let water = args.water.read(&mut input)?;
     let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &args.input.map.contours, &mut input.findings, console)?;
+    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
     args.input.map.check_strict(&input.findings, console)?;
     let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));
     let written = console.step("writing", || -> Result<Vec<PathBuf>, Error> {

@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use tokosen::contour::ContourMap;
-use tokosen::error::{Error, Finding};
+use tokosen::error::Error;
 use tokosen::io::{ReadOptions, read_area};
 use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
 use tokosen::tin::Frame;
@@ -150,13 +149,8 @@ impl FrameArgs {
     }
 }
 
-/// Builds the surface of the contours in a file and adds what was noticed to `findings`.
-pub fn build_surface(
-    map: ContourMap,
-    path: &Path,
-    params: &SurfaceParams,
-    findings: &mut Vec<Finding>,
-    console: &Console,
-) -> Result<Surface, Failure> {
-    Ok(summary::found(build(map, params, console), path, findings, console)?)
+/// Builds the surface of an input's map, which it takes out of it, and adds what was noticed to its findings.
+pub fn build_surface(input: &mut Input, params: &SurfaceParams, console: &Console) -> Result<Surface, Failure> {
+    let built = build(std::mem::take(&mut input.map), params, console);
+    Ok(summary::found(built, &input.path, &mut input.findings, console)?)
 }

@@ -299,7 +299,7 @@ fn side_of_contours(
         choice.check_room(&input.map, &params.frame)?;
     }
     let crs = input.places.input_crs().and_then(Crs::name);
-    let surface = build_surface(input.map, &reading.map.contours, &params, &mut input.findings, console)?;
+    let surface = build_surface(&mut input, &params, console)?;
     reading.map.check_strict(&input.findings, console)?;
     // Each side may have been worked on in a plane of its own.
     for finding in &mut input.findings {
