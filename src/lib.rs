@@ -64,7 +64,7 @@
 //!
 //! let map = clean(map, &CleanParams::default())?.value;
 //! let surface = build(map, &SurfaceParams::default(), &())?.value;
-//! let params = LayerParams { targets: vec![Target::Interval { step: 2.0, base: 0.0 }], index_every: 5 };
+//! let params = LayerParams { targets: vec![Target::Interval { step: 2.0, base: 0.0 }], ..LayerParams::default() };
 //! let layers = contour_layers(&surface, &params, &())?;
 //! // 12, 14, 16 and 18 m between the two, and at least one ring on the rounded top.
 //! assert!(layers[0].lines.len() >= 2 + 4 + 1);
@@ -87,7 +87,7 @@ pub mod dem;
 mod draws;
 pub mod error;
 pub mod io;
-pub mod memory;
+mod memory;
 pub mod mesh;
 pub mod preview;
 pub mod progress;
@@ -96,4 +96,9 @@ mod rows;
 pub mod skeleton;
 pub mod slice;
 pub mod surface;
+pub mod terrain;
 pub mod tin;
+
+pub use contour::Interval;
+pub use error::{Error, Result};
+pub use terrain::{GridSpec, Input, InputOptions, Options, Terrain};

@@ -11,3 +11,11 @@ pub trait Progress: Sync {
 }
 
 impl Progress for () {}
+
+/// Runs a step that tells no progress of its own.
+pub fn step<T>(progress: &dyn Progress, name: &'static str, work: impl FnOnce() -> T) -> T {
+    progress.start(name, 0);
+    let result = work();
+    progress.finish();
+    result
+}

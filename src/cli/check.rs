@@ -8,16 +8,15 @@ use glam::DVec2;
 use serde_json::{Value, json};
 use tokosen::contour::{ContourMap, distinct_levels, find_interval};
 use tokosen::crs::Crs;
-use tokosen::error::{Error, Finding, FindingKind, Proposal, Severity};
+use tokosen::error::{Finding, Proposal, Severity};
 use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
-use tokosen::surface::tiling;
-use tokosen::tin::Frame;
+use tokosen::terrain::{all_right, is_repair};
 
 use super::console::Console;
-use super::map::MapArgs;
+use super::job::told;
+use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
-use super::repair::{Repair, is_repair};
 use super::{Failure, output, summary};
 
 /// What is wrong with contour lines, where, and what would mend it
@@ -55,12 +54,17 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
+    let preparation = args.map.preparation();
+    preparation.check()?;
     let staged = args.open()?;
     let mut input = args.map.read(console)?;
+    let cleaned = input.clean(&preparation, console);
+    cleaned.map_err(|error| told(error, &input.findings, console))?;
     let back = args.to_crs.way(&input.places)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    let judged = judged(input.map, &input.path, &mut input.findings, console)?;
+    let judged = input.judge(console);
+    let judged = judged.map_err(|error| told(error, &input.findings, console))?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
 
@@ -86,19 +90,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
         }
         summary::close_severities(findings, console);
     }
-    args.map.strictly(findings)
-}
-
-/// Adds what the ground between contours shows of them. A map of one level has no such ground, which is a finding too.
-fn judged(map: ContourMap, path: &Path, findings: &mut Vec<Finding>, console: &Console) -> Result<ContourMap, Failure> {
-    let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-    match (tiling(map, &Frame::Hull, console), flat) {
-        (Err(Error::Data(message)), Some(map)) => {
-            findings.push(Finding::general(FindingKind::TooFewLevels, message));
-            Ok(map)
-        }
-        (tiled, _) => Ok(summary::found(tiled, path, findings, console)?.map),
-    }
+    if args.map.strict { Ok(all_right(&input.name(), findings)?) } else { Ok(()) }
 }
 
 impl CheckArgs {
@@ -115,7 +107,7 @@ impl CheckArgs {
                 None => Ok(None),
             };
         };
-        if self.map.repair == Some(Repair::None) {
+        if self.map.repair == Some(RepairArg::None) {
             return Err(Failure::Usage("--repair none repairs nothing that -o could hold; use safe or all".into()));
         }
         let known = match VectorFormat::from_path(path) {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use tokosen::crs::Places;
 use tokosen::error::Finding;
-use tokosen::progress::Progress;
+use tokosen::progress::{Progress, step};
 
 /// The terminal, and how long each step took.
 pub struct Console {
@@ -71,10 +71,7 @@ impl Console {
 
     /// Runs a step that tells no progress of its own.
     pub fn step<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
-        self.start(name, 0);
-        let result = work();
-        self.finish();
-        result
+        step(self, name, work)
     }
 
     /// The time since the program started, steps or not.

@@ -1,16 +1,17 @@
 //! `tokosen dem`: contour lines in, a height map out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::Options;
 use tokosen::surface::Triangles;
+use tokosen::terrain::picture;
 
 use super::console::Console;
 use super::input::InputArgs;
-use super::output::{self, DemOutput, HeightMapArgs};
-use super::preview;
-use super::surface::{SurfaceArgs, build_surface};
+use super::job::Job;
+use super::output::{DemOutput, HeightMapArgs};
+use super::surface::SurfaceArgs;
 use super::{Failure, summary};
 
 /// A height map (DEM) from contour lines
@@ -45,34 +46,22 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.height_map.grid.check()?;
-    let inputs: Vec<&Path> =
-        args.input.map.files().chain(args.height_map.grid.like.as_deref()).chain(args.surface.files()).collect();
-    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
-    output::check_paths(&inputs, &outputs)?;
-    let staged = output::open_dem(&args.output, &args.height_map)?;
-    let picture = preview::open(args.preview.as_deref())?;
+    args.surface.check()?;
+    let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files());
+    let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
+    let output = DemOutput::open(&args.output, &args.height_map)?;
 
-    let mut input = args.input.read(console)?;
-    let output = DemOutput::new(staged, &args.height_map, &input.places)?;
-    let mut params = args.surface.params(&mut input, Some(&output.choice), Triangles::Guide)?;
-    params.uncertainty = args.height_map.uncertainty();
-    output.choice.check_room(&input.map, &params.frame)?;
-    let surface = build_surface(&mut input, &params, console)?;
-    args.input.map.check_strict(&input.findings, console)?;
-    let dem = output.write(&surface, console)?;
-    if let Some(picture) = &picture {
-        let params = LayerParams { targets: vec![Target::Levels(Vec::new())], index_every: 5 };
-        let layers = contour_layers(&surface, &params, &())?;
-        preview::write(picture, &surface, &layers[0].lines, console)?;
-    }
+    let mut input = job.read()?;
+    let options = Options {
+        uncertainty: args.height_map.uncertainty(),
+        ..args.surface.options(Some(&output.grid), Triangles::Guide)
+    };
+    let terrain = job.build(&mut input, &args.surface, options)?;
+    let dem = output.write(&terrain, console)?;
+    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines))?;
 
-    summary::findings(&input.findings, console);
-    args.input.map.describe(&surface.map, console);
-    summary::surface(&surface, console);
-    let path = output.staged.target().to_owned();
-    output.staged.commit()?;
-    output::describe(&path, &dem, console);
-    preview::commit(picture, console)?;
-    summary::close(input.findings.len(), console);
-    Ok(())
+    job.tell(&terrain.findings, &terrain.surface.map);
+    summary::surface(&terrain.surface, console);
+    output.commit(&dem, console)?;
+    job.close(terrain.findings.len())
 }

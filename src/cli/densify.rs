@@ -1,23 +1,24 @@
 //! `tokosen densify`: contour lines in, denser contour lines out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::contour::{ContourLayer, Source};
-use tokosen::crs::Crs;
-use tokosen::error::Error;
+use tokosen::error::{Error, Finding};
 use tokosen::io::layer::{Layer, of_contours};
-use tokosen::io::{Content, VectorFormat, content, contour_files, write_layers_back};
-use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::io::{Content, StagedOutput, VectorFormat, content, contour_files, write_layers_back};
+use tokosen::slice::Target;
 use tokosen::surface::Triangles;
+use tokosen::terrain::{MeasureOptions, Pair, Side, measure, picture};
+use tokosen::{Interval, Options, Terrain};
 
-use super::compare::{Options, Pair, Side, draw, measure, open_page, tell};
+use super::compare::{draw, open_page, tell};
 use super::console::Console;
 use super::input::InputArgs;
+use super::job::{Job, commit};
 use super::output::{self, DemOutput, HeightMapArgs};
 use super::plane::ToCrsArgs;
-use super::preview;
-use super::surface::{SurfaceArgs, build_surface};
+use super::surface::SurfaceArgs;
 use super::{Failure, summary};
 
 /// Contour lines at a finer interval
@@ -97,100 +98,114 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
-    if args.dem.is_none() && args.height_map.given().is_some() {
-        return Err(Failure::Usage(
-            "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
-        ));
-    }
-    if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: contours are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
-        return Err(Failure::Usage(message));
-    }
+    args.check()?;
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let others = [&args.height_map.grid.like, &args.compare].into_iter().flatten().map(PathBuf::as_path);
-    let inputs: Vec<&Path> = args.input.map.files().chain(others).chain(args.surface.files()).collect();
-    let others = [&args.dem, &args.report, &args.preview].into_iter().flatten();
-    let outputs: Vec<&Path> = files.iter().chain(others).map(PathBuf::as_path).collect();
-    output::check_paths(&inputs, &outputs)?;
+    let job = args.start(&files, console)?;
     let staged = output::open(&args.output)?;
-    let dem_file = match &args.dem {
-        Some(path) => {
-            args.height_map.grid.check()?;
-            Some(output::open_dem(path, &args.height_map)?)
-        }
-        None => None,
-    };
-    let picture = preview::open(args.preview.as_deref())?;
-    if let Some(path) = &args.compare
-        && content(path)? == Content::Contours
-    {
-        let message = "holds contours; --compare takes a height map, and 'tokosen compare' two maps";
-        return Err(Failure::Work(Error::file(path, message)));
-    }
-    let page = args.report.as_deref().map(open_page).transpose()?;
+    let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map)).transpose()?;
     let mut findings = Vec::new();
-    let reference =
-        args.compare.as_deref().map(|path| Side::of_height_map(path, &mut findings, console)).transpose()?;
+    let reference = Reference::open(args, &mut findings, console)?;
 
-    let mut input = args.input.read(console)?;
+    let mut input = job.read()?;
     input.findings.append(&mut findings);
     let back = args.to_crs.way(&input.places)?;
-    let dem_output = dem_file.map(|staged| DemOutput::new(staged, &args.height_map, &input.places)).transpose()?;
-    let mut params =
-        args.surface.params(&mut input, dem_output.as_ref().map(|output| &output.choice), Triangles::Smooth)?;
-    params.uncertainty = args.height_map.uncertainty();
-    if let Some(output) = &dem_output {
-        output.choice.check_room(&input.map, &params.frame)?;
-    }
-    let crs = input.places.input_crs().and_then(Crs::name);
-    let surface = build_surface(&mut input, &params, console)?;
-    args.input.map.check_strict(&input.findings, console)?;
-    let layers = contour_layers(&surface, &LayerParams { targets, index_every: args.index }, console)?;
+    let options = Options {
+        uncertainty: args.height_map.uncertainty(),
+        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)
+    };
+    let mut terrain = job.build(&mut input, &args.surface, options)?;
+    let layers = terrain.contours_with(targets, args.index, console)?;
     let written = console.step("writing", || {
         let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
         write_layers_back(&staged, &layers, &back)
     })?;
-    let dem = match &dem_output {
-        Some(output) => Some(output.write(&surface, console)?),
-        None => None,
-    };
-    if let Some(picture) = &picture {
-        preview::write(picture, &surface, finest(&layers), console)?;
-    }
+    let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    job.draw(|| picture(&terrain.surface, finest(&layers)))?;
 
-    summary::findings(&input.findings, console);
-    args.input.map.describe(&surface.map, console);
-    summary::surface(&surface, console);
+    let mut findings = std::mem::take(&mut terrain.findings);
+    job.tell(&findings, &terrain.surface.map);
+    summary::surface(&terrain.surface, console);
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
         describe(written.get(k).or(written.first()), layer, console);
     }
     if let (Some(output), Some(dem)) = (dem_output, &dem) {
-        let path = output.staged.target().to_owned();
-        output.staged.commit()?;
-        output::describe(&path, dem, console);
+        output.commit(dem, console)?;
     }
-    preview::commit(picture, console)?;
-    if let Some((reference, nodes)) = reference.and_then(|side| side.nodes().map(|nodes| (side, nodes))) {
-        console.say("");
-        let side = Side::of_surface(&args.input.map.contours, crs, args.surface.surface, surface);
-        let pair = Pair::on(side, reference, nodes, console)?;
-        let found = measure(&pair, &Options::default(), &mut input.findings, console)?;
-        if let Some(page) = page {
-            draw(&page, &pair, &found, console)?;
-            let path = page.target().to_owned();
-            page.commit()?;
-            console.say(&format!("written    {}", path.display()));
-        }
-        tell(&pair, &found, console);
+    job.commit_picture()?;
+    if let Some(reference) = reference {
+        reference.compare(args, terrain, &mut findings, console)?;
     }
-    summary::close(input.findings.len(), console);
+    summary::close(findings.len(), console);
     Ok(())
 }
 
+/// A height map that the surface is compared with, and the page about it.
+struct Reference {
+    side: Side,
+    page: Option<StagedOutput>,
+}
+
+impl Reference {
+    /// Opens the page and reads the height map, if one is asked for.
+    fn open(args: &DensifyArgs, findings: &mut Vec<Finding>, console: &Console) -> Result<Option<Self>, Failure> {
+        let Some(path) = &args.compare else { return Ok(None) };
+        if content(path)? == Content::Contours {
+            let message = "holds contours; --compare takes a height map, and 'tokosen compare' two maps";
+            return Err(Failure::Work(Error::file(path, message)));
+        }
+        let page = args.report.as_deref().map(open_page).transpose()?;
+        let side = Side::read_height_map(path, console)?.collect(findings);
+        Ok(Some(Self { side, page }))
+    }
+
+    /// Compares the surface with it, and tells the figures.
+    fn compare(
+        self,
+        args: &DensifyArgs,
+        terrain: Terrain,
+        findings: &mut Vec<Finding>,
+        console: &Console,
+    ) -> Result<(), Failure> {
+        let Some(nodes) = self.side.nodes() else { return Ok(()) };
+        console.say("");
+        let side = Side::of_terrain(&args.input.map.contours, args.surface.surface.kind(), terrain);
+        let pair = Pair::on(side, self.side, nodes, console)?;
+        let found = measure(&pair, &MeasureOptions::default(), findings, console)?;
+        if let Some(page) = self.page {
+            draw(&page, &pair, &found, console)?;
+            console.say(&format!("written    {}", commit(page)?.display()));
+        }
+        tell(&pair, &found, console);
+        Ok(())
+    }
+}
+
 impl DensifyArgs {
+    /// Checks what can be checked before anything is read.
+    fn check(&self) -> Result<(), Failure> {
+        if self.dem.is_none() && self.height_map.given().is_some() {
+            return Err(Failure::Usage(
+                "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
+            ));
+        }
+        if VectorFormat::from_path(&self.output).is_err() {
+            let kinds = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp";
+            return Err(Failure::Usage(format!("{}: {kinds}", self.output.display())));
+        }
+        self.surface.check()
+    }
+
+    /// Checks the paths of all files; `files` are those of the contours.
+    fn start<'a>(&'a self, files: &[PathBuf], console: &'a Console) -> Result<Job<'a>, Failure> {
+        let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
+        let outputs = files.iter().chain([&self.dem, &self.report].into_iter().flatten()).map(PathBuf::as_path);
+        let inputs = others.chain(self.surface.files());
+        Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)
+    }
+
     fn targets(&self) -> Result<Vec<Target>, Failure> {
         if let Some(bad) = self.levels.iter().chain([&self.base]).find(|level| !level.is_finite()) {
             return Err(Failure::Usage(format!("{bad} is no elevation")));
@@ -201,7 +216,7 @@ impl DensifyArgs {
         if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
             return Err(Failure::Usage(format!("the interval is {bad}, it must be more than 0")));
         }
-        Ok(self.interval.iter().map(|&step| Target::Interval { step, base: self.base }).collect())
+        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base }.into()).collect())
     }
 }
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::contour::{ContourMap, find_interval};
-use tokosen::dem::derive::{SteepParams, Steeps, aspect, shade, slope, steep};
+use tokosen::contour::find_interval;
+use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, shade, slope, steep, steep_note};
 use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale, looks_like_degrees};
 use tokosen::error::{Error, Finding};
@@ -12,11 +12,13 @@ use tokosen::io::layer::steep_areas;
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
 use tokosen::io::{Content, StagedOutput, VectorFormat, content, write_layers};
 use tokosen::surface::Triangles;
+use tokosen::terrain::all_right;
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::job::{build, commit, told};
 use super::output::{self, GridArgs, extension};
-use super::surface::{SurfaceArgs, build_surface};
+use super::surface::SurfaceArgs;
 use super::{Failure, summary};
 
 /// Slope, aspect, hillshade and steep places
@@ -102,16 +104,8 @@ struct Outputs {
 /// The height map with what is known about where it comes from.
 struct Ground {
     dem: Dem,
-    source: Source,
+    source: HeightsFrom,
     findings: Vec<Finding>,
-}
-
-/// What the heights come from, as far as it is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
-    /// Contours with their vertical interval, if they have one.
-    Contours(Option<f64>),
-    HeightMap,
 }
 
 /// Runs the verb.
@@ -130,13 +124,16 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         return Err(Failure::Work(Error::file(&args.input.map.contours, "has no cell with a height")));
     }
     // The strictness of contours is judged where they are read.
-    args.input.map.check_strict(&findings, console)?;
+    if args.input.map.strict {
+        let checked = all_right(&args.input.map.contours.display().to_string(), &findings);
+        checked.map_err(|error| told(error, &findings, console))?;
+    }
 
     let scale = GroundScale::of(&dem);
     write(&outputs.slope, Quantity::Slope, || slope(&dem, &scale), console)?;
     write(&outputs.aspect, Quantity::Aspect, || aspect(&dem, &scale), console)?;
     write(&outputs.shade, Quantity::Shade, || shade(&dem, &ShadeParams::default(), &scale), console)?;
-    let note = note(source, args.steep_height);
+    let note = steep_note(source, args.steep_height);
     let steeps = match &outputs.steep {
         Some(staged) => {
             let params = SteepParams { angle: args.steep_angle, height: args.steep_height };
@@ -149,14 +146,11 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
 
     summary::findings(&findings, console);
     for staged in [outputs.slope, outputs.aspect, outputs.shade].into_iter().flatten() {
-        let path = staged.target().to_owned();
-        staged.commit()?;
+        let path = commit(staged)?;
         console.say(&format!("written    {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
     }
     if let (Some(staged), Some(steeps)) = (outputs.steep, &steeps) {
-        let path = staged.target().to_owned();
-        staged.commit()?;
-        describe(&path, steeps, args, console);
+        describe(&commit(staged)?, steeps, args, console);
         console.say(&format!("note       {note}"));
     }
     summary::close(findings.len(), console);
@@ -178,6 +172,7 @@ impl DeriveArgs {
         }
         if !is_raster {
             self.grid.check()?;
+            self.surface.check()?;
         }
         if !(self.steep_angle > 0.0 && self.steep_angle < 90.0) {
             let message = format!("--steep-angle is {}, it must be more than 0 and less than 90", self.steep_angle);
@@ -219,25 +214,20 @@ impl DeriveArgs {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
-        Ok(Ground { dem, source: Source::HeightMap, findings: read.findings })
+        Ok(Ground { dem, source: HeightsFrom::HeightMap, findings: read.findings })
     }
 
     fn read_contours(&self, console: &Console) -> Result<Ground, Failure> {
         let mut input = self.input.read(console)?;
-        let choice = self.grid.choice(&input.places)?;
-        let source = Source::Contours(interval(&input.map));
-        let params = self.surface.params(&mut input, Some(&choice), Triangles::Guide)?;
-        choice.check_room(&input.map, &params.frame)?;
-        let surface = build_surface(&mut input, &params, console)?;
-        let dem = choice.heights(&surface, console)?;
-        self.input.map.describe(&surface.map, console);
-        summary::surface(&surface, console);
-        Ok(Ground { dem, source, findings: input.findings })
+        let grid = self.grid.spec()?;
+        let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
+        let options = self.surface.options(Some(&grid), Triangles::Guide);
+        let terrain = build(&mut input, &self.surface, &options, console)?;
+        let dem = terrain.dem_with(&grid, console)?;
+        self.input.map.describe(&terrain.surface.map, console);
+        summary::surface(&terrain.surface, console);
+        Ok(Ground { dem, source, findings: terrain.findings })
     }
-}
-
-fn interval(map: &ContourMap) -> Option<f64> {
-    find_interval(&map.contours).map(|interval| interval.step)
 }
 
 /// Computes a raster and writes it, still under its temporary name, if it is asked for.
@@ -255,30 +245,6 @@ fn write(
         _ => write_raster(&path, &dem, &RasterParams { quantity, ..RasterParams::default() }),
     });
     Ok(written.map_err(|e| staged.with_final_name(e))?)
-}
-
-/// What is to be kept in mind about steep places from such a source; it is told and stored with them.
-fn note(source: Source, height: f64) -> String {
-    // Millimetres, so that the note fits into every format.
-    let height = (height * 1000.0).round() / 1000.0;
-    let known = match source {
-        Source::Contours(Some(interval)) if interval > height => format!(
-            "From contours {interval} m apart, which cannot show a slope of {height} m: steep places lower than {interval} m \
-             may be missing, and others be wrong in place and size."
-        ),
-        Source::Contours(Some(interval)) => {
-            format!("From contours {interval} m apart; what lies between two of them is computed.")
-        }
-        Source::Contours(None) => format!(
-            "From contours of unknown interval: one larger than {height} m cannot show a slope of {height} m, and steep \
-             places may be missing."
-        ),
-        Source::HeightMap => format!(
-            "From a height map: if that was made of contours more than {height} m apart, it cannot show a slope of \
-             {height} m, and steep places may be missing."
-        ),
-    };
-    format!("{known} No survey.")
 }
 
 fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) {

@@ -1,11 +1,14 @@
 //! The arguments about the input: the map, and what is done to its lines before all else.
 
 use clap::Args;
-use tokosen::contour::{FitParams, Fitted, SampleParams, Sampled, fit, sample};
+use tokosen::Input;
+use tokosen::contour::{Fitted, Sampled};
+use tokosen::terrain::Preparation;
 
+use super::Failure;
 use super::console::Console;
-use super::map::{Input, MapArgs};
-use super::{Failure, repair, summary};
+use super::job::told;
+use super::map::MapArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
@@ -29,35 +32,16 @@ impl InputArgs {
         first_given(self.map.flags().chain(own))
     }
 
-    /// Reads and cleans the map, and fits and samples its lines.
+    /// Reads and prepares the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
-        if let Some(tolerance) = self.fit
-            && !(tolerance.is_finite() && tolerance > 0.0)
-        {
-            return Err(Failure::Usage(format!("--fit is {tolerance}, it must be more than 0")));
-        }
-        let Input { path, mut map, mut findings, places, unit } = self.map.read(console)?;
-        repair::refuse(&self.map, &findings, console)?;
-        let params = self.map.clean_params();
-        if let Some(tolerance) = self.fit {
-            let fitted =
-                console.step("fitting", || fit(map, &FitParams { tolerance, sampling: self.sampling() }, &params));
-            let fitted = summary::or_tell(fitted, &path, &findings, console)?.collect(&mut findings);
-            describe_fit(&fitted, console);
-            map = fitted.map;
-        }
-        if let Some(sampling) = self.sampling() {
-            let sampled = console.step("sampling", || sample(map, &sampling, &params));
-            let sampled = summary::or_tell(sampled, &path, &findings, console)?.collect(&mut findings);
-            describe_sample(&sampled, console);
-            map = sampled.map;
-        }
-        self.map.check_strict(&findings, console)?;
-        Ok(Input { path, map, findings, places, unit })
-    }
-
-    fn sampling(&self) -> Option<SampleParams> {
-        self.sample.map(|ratio| SampleParams { ratio, ..SampleParams::default() })
+        let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
+        params.check()?;
+        let mut input = self.map.read(console)?;
+        let prepared = input.prepare(&params, console);
+        input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));
+        input.sampled.iter().for_each(|sampled| describe_sample(sampled, console));
+        prepared.map_err(|error| told(error, &input.findings, console))?;
+        Ok(input)
     }
 }
 

@@ -1,16 +1,15 @@
-//! The arguments about the map, and reading it into a clean one on a plane in metres.
+//! The arguments about the map.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use tokosen::contour::{CleanParams, ContourMap, ElevationUnit, find_interval};
-use tokosen::crs::{Crs, Places};
-use tokosen::error::{Error, Finding, Severity};
-use tokosen::io::{ReadOptions, read_contours, read_spot_heights};
+use tokosen::contour::{ContourMap, ElevationUnit, find_interval};
+use tokosen::crs::Crs;
+use tokosen::terrain::{Preparation, Repair};
+use tokosen::{Input, InputOptions};
 
 use super::console::Console;
-use super::repair::{self, Repair};
-use super::{Failure, plane, summary};
+use super::{Failure, memory, plane};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
@@ -45,7 +44,7 @@ pub struct MapArgs {
     /// smallest piece where lines cross); or also elevations, gaps and stray vertices that cross nothing, as
     /// 'tokosen check' proposes
     #[arg(long, value_enum, value_name = "HOW")]
-    pub repair: Option<Repair>,
+    pub repair: Option<RepairArg>,
     /// Stop with exit status 1 when anything is wrong with the input (notes are not), instead of going on without the
     /// smallest piece
     #[arg(long)]
@@ -73,22 +72,29 @@ impl UnitArg {
     }
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RepairArg {
+    /// Nothing is repaired; what needs it stops the work
+    None,
+    /// Only what cannot change the meaning
+    Safe,
+    /// Also elevations, gaps and stray vertices, as proposed
+    All,
+}
+
+impl RepairArg {
+    /// The library's word.
+    fn repair(self) -> Repair {
+        match self {
+            Self::None => Repair::None,
+            Self::Safe => Repair::Safe,
+            Self::All => Repair::All,
+        }
+    }
+}
+
 /// Default of `--snap`.
 const SNAP: f64 = 0.01;
-
-/// A clean map with all that was noticed about it.
-pub struct Input {
-    /// The file of the contours.
-    pub path: PathBuf,
-    /// In coordinates of the working CRS.
-    pub map: ContourMap,
-    /// Their places are in the working CRS too.
-    pub findings: Vec<Finding>,
-    /// How the working CRS lies to the coordinates of the files.
-    pub places: Places,
-    /// Unit of elevations in further files.
-    pub unit: ElevationUnit,
-}
 
 impl MapArgs {
     /// The files that are read.
@@ -110,70 +116,28 @@ impl MapArgs {
         .into_iter()
     }
 
-    /// How far the map is repaired.
-    pub fn repair(&self) -> Repair {
-        self.repair.unwrap_or(Repair::Safe)
+    /// How the lines are prepared.
+    pub fn preparation(&self) -> Preparation {
+        let repair = self.repair.map_or(Repair::Safe, RepairArg::repair);
+        Preparation { snap: self.snap, repair, strict: self.strict, ..Preparation::default() }
     }
 
-    /// What counts as near when the map is cleaned.
-    pub fn clean_params(&self) -> CleanParams {
-        CleanParams { snap: self.snap, ..CleanParams::default() }
-    }
-
-    /// Reads the map, repairs it as far as it is asked for and cleans it.
+    /// Reads the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
-        if !(self.snap.is_finite() && self.snap >= 0.0) {
-            return Err(Failure::Usage(format!("--snap is {}, it must be 0 or more", self.snap)));
+        let options = InputOptions {
+            elevation_field: self.elevation_field.clone(),
+            layer: self.layer.clone(),
+            unit: self.unit.unit(),
+            crs: self.crs.clone(),
+            work_crs: self.work_crs.clone(),
+            memory: memory::available(),
+        };
+        let mut input = Input::read_with(&self.contours, &options, console)?;
+        if let Some(path) = &self.points {
+            input.read_spots(path, console)?;
         }
-        let options = ReadOptions { elevation_field: self.elevation_field.clone(), layer: self.layer.clone() };
-        let mut findings = Vec::new();
-        let (map, places) = console.step("reading", || -> Result<(ContourMap, Places), Failure> {
-            let map = read_contours(&self.contours, &options)?.collect(&mut findings);
-            let map = plane::named(self.unit.unit().map_in_metres(map), self.crs.as_ref(), &mut findings);
-            let (mut map, places) = plane::flat(&self.contours, map, self.work_crs.as_ref(), &mut findings)?;
-            if let Some(path) = &self.points {
-                let mut about = Vec::new();
-                let spots = read_spot_heights(path, &ReadOptions::default())?.collect(&mut about);
-                let bring = plane::bringer(&places, path, spots.crs.as_ref())?;
-                for finding in &mut about {
-                    let place = finding.place.and_then(|p| bring.point(p.extend(0.0)).ok());
-                    finding.place = place.map(|p| p.truncate());
-                }
-                findings.append(&mut about);
-                for spot in spots.points {
-                    let spot = spot.truncate().extend(self.unit.unit().metres(spot.z));
-                    map.spots.push(bring.point(spot).map_err(|e| Error::file(path, e.to_string()))?);
-                }
-            }
-            Ok((map, places))
-        })?;
-        console.places_are(&places);
-        let map = repair::cleaned(map, self, &mut findings, console)?;
-        let unit = self.unit.unit();
-        repair::corrected(Input { path: self.contours.clone(), map, findings, places, unit }, self, console)
-    }
-
-    /// With `--strict`, an error or a warning ends the work.
-    pub fn check_strict(&self, findings: &[Finding], console: &Console) -> Result<(), Failure> {
-        let checked = self.strictly(findings);
-        if checked.is_err() {
-            console.clear();
-            summary::findings(findings, console);
-        }
-        checked
-    }
-
-    /// The same where the findings are told already.
-    pub fn strictly(&self, findings: &[Finding]) -> Result<(), Failure> {
-        let is_wrong = |finding: &&Finding| finding.kind.severity() > Severity::Note;
-        match findings.iter().filter(is_wrong).count() {
-            count if self.strict && count > 0 => {
-                let count = if count == 1 { "1 finding".into() } else { format!("{count} findings") };
-                let message = format!("{count} about {}, and --strict is set", self.contours.display());
-                Err(Failure::Work(Error::Data(message)))
-            }
-            _ => Ok(()),
-        }
+        console.places_are(&input.places);
+        Ok(input)
     }
 
     /// The lines of the summary that describe the input.
@@ -185,14 +149,11 @@ impl MapArgs {
         distinct.dedup();
         let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
         console.say(&format!("input      {}", self.contours.display()));
+        let size = format!("{} lines, {} vertices", map.contours.len(), map.vertex_count());
         let what = match distinct.len() {
             0 => "none".to_owned(),
-            1 => format!("{} lines, {} vertices, all at {low} m", map.contours.len(), map.vertex_count()),
-            n => format!(
-                "{} lines, {} vertices, {n} levels from {low} to {high} m, vertical interval {interval}",
-                map.contours.len(),
-                map.vertex_count(),
-            ),
+            1 => format!("{size}, all at {low} m"),
+            n => format!("{size}, {n} levels from {low} to {high} m, vertical interval {interval}"),
         };
         console.say(&format!("contours   {what}"));
         if !map.spots.is_empty() {

@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
-use tokosen::mesh::{Mesh, MeshParams, mesh};
+use tokosen::mesh::{Mesh, MeshParams};
+use tokosen::preview::{Model, render_model};
 use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::input::InputArgs;
-use super::surface::{SurfaceArgs, build_surface};
-use super::{Failure, output, preview, summary};
+use super::job::{Job, commit};
+use super::surface::SurfaceArgs;
+use super::{Failure, output, summary};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -43,39 +45,31 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
-    let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if !MESH_EXTENSIONS.contains(&extension.as_str()) {
+    if !MESH_EXTENSIONS.contains(&output::extension(&args.output).as_str()) {
         return Err(Failure::Usage(format!(
             "{}: models are written as {}",
             args.output.display(),
             MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    let inputs: Vec<&Path> = args.input.map.files().chain(args.surface.files()).collect();
-    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
-    output::check_paths(&inputs, &outputs)?;
+    args.surface.check()?;
+    let job = Job::start(&args.input, args.surface.files(), [args.output.as_path()], args.preview.as_deref(), console)?;
     let staged = output::open(&args.output)?;
-    let picture = preview::open(args.preview.as_deref())?;
 
-    let mut input = args.input.read(console)?;
-    let params = args.surface.params(&mut input, None, Triangles::Smooth)?;
-    let surface = build_surface(&mut input, &params, console)?;
-    args.input.map.check_strict(&input.findings, console)?;
-    let model = mesh(&surface, &MeshParams { base: args.base })?;
+    let mut input = job.read()?;
+    let terrain = job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth))?;
+    let model = terrain.mesh(&MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
-    if let Some(picture) = &picture {
-        preview::write_model(picture, &surface, &model, console)?;
-    }
+    job.draw(|| {
+        let contours = &terrain.input_contours()?.lines;
+        let break_lines = &terrain.surface.break_lines;
+        render_model(&Model { mesh: &model, contours, break_lines, title: None })
+    })?;
 
-    summary::findings(&input.findings, console);
-    args.input.map.describe(&surface.map, console);
-    summary::surface(&surface, console);
-    let path = staged.target().to_owned();
-    staged.commit()?;
-    describe(&path, &model, console);
-    preview::commit(picture, console)?;
-    summary::close(input.findings.len(), console);
-    Ok(())
+    job.tell(&terrain.findings, &terrain.surface.map);
+    summary::surface(&terrain.surface, console);
+    describe(&commit(staged)?, &model, console);
+    job.close(terrain.findings.len())
 }
 
 /// The lines of the summary about a model.

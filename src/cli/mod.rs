@@ -8,19 +8,19 @@ mod console;
 mod dem;
 mod densify;
 mod derive;
+mod hints;
 mod input;
 mod interrupt;
+mod job;
 mod map;
+mod memory;
 mod mesh;
 mod output;
 mod plane;
-mod preview;
 mod regions;
-mod repair;
 mod skeleton;
 mod summary;
 mod surface;
-mod water;
 
 use std::process::ExitCode;
 
@@ -91,9 +91,10 @@ enum Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        match error {
-            Error::Parameter(message) => Self::Usage(message),
-            error => Self::Work(error),
+        if error.is_about_parameters() {
+            Self::Usage(hints::with_flags(&error, error.to_string()))
+        } else {
+            Self::Work(error)
         }
     }
 }
@@ -130,25 +131,8 @@ pub fn main() -> ExitCode {
             ExitCode::from(2)
         }
         Err(Failure::Work(error)) => {
-            console::error(&with_causes(&error));
+            console::error(&hints::with_causes(&error));
             ExitCode::from(1)
         }
     }
-}
-
-/// What an error says, and what its causes do: some say the words of their own cause themselves, others repeat it with a
-/// number before it.
-fn with_causes(error: &Error) -> String {
-    let mut text = error.to_string();
-    let mut last = text.clone();
-    let mut cause = std::error::Error::source(error);
-    while let Some(inner) = cause {
-        let told = inner.to_string();
-        if !text.ends_with(&told) && !told.ends_with(&last) {
-            text.push_str(&format!(": {told}"));
-        }
-        last = told;
-        cause = inner.source();
-    }
-    text
 }

@@ -3,22 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use glam::DVec2;
-use tokosen::contour::ContourMap;
-use tokosen::crs::{Crs, Places, Transform};
-use tokosen::dem::{Dem, Grid};
-use tokosen::error::Error;
+use tokosen::dem::Dem;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{
-    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, read_grid, write_raster, write_with_errors,
+    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, write_raster, write_with_errors,
 };
-use tokosen::memory;
-use tokosen::surface::{Surface, Uncertainty, Wanted, heights, heights_on, standard_errors, standard_errors_on};
-use tokosen::tin::{Frame, FrameRing, frame_ring};
+use tokosen::surface::Uncertainty;
+use tokosen::{GridSpec, Terrain};
 
 use super::Failure;
 use super::console::Console;
 use super::input::first_given;
+use super::job::commit;
 
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
@@ -63,57 +59,6 @@ fn degrees(text: &str) -> Result<f64, String> {
     number.parse().map(|angle: f64| angle / parts).map_err(|e| e.to_string())
 }
 
-/// A grid that is asked for, before the extent of the surface is known.
-pub enum GridChoice {
-    /// Square cells in the working CRS.
-    Cell(f64),
-    /// Cells in the working CRS.
-    Like(Grid),
-    /// Cells in another system, at whose centres the surface is evaluated.
-    Apart(Cells, Box<Apart>),
-}
-
-impl GridChoice {
-    /// The surface on the grid.
-    pub fn heights(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
-        let grid = grid_for(self, surface)?;
-        Ok(match self {
-            Self::Apart(_, apart) => {
-                let values = heights_on(surface, &grid, &|p| apart.way.forward(p), console);
-                Dem { grid, values, crs: Some(apart.crs.clone()) }
-            }
-            Self::Cell(_) | Self::Like(_) => heights(surface, &grid, console),
-        })
-    }
-}
-
-impl GridChoice {
-    /// The standard errors of the surface's height map on the grid; `None` if the surface does not know them.
-    fn standard_errors(&self, surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
-        match self {
-            Self::Apart(_, apart) => standard_errors_on(surface, dem, &|p| apart.way.forward(p)),
-            Self::Cell(_) | Self::Like(_) => standard_errors(surface, dem),
-        }
-    }
-}
-
-/// Cells in another system.
-pub enum Cells {
-    Size(f64),
-    Like(Grid),
-}
-
-/// A system that is not the working CRS, and the way from it to that.
-pub struct Apart {
-    crs: Crs,
-    way: Transform,
-}
-
-/// Cells that a height map may have, whatever the memory.
-const MOST_CELLS: f64 = 4e9;
-/// Bytes that a cell takes while it is found and written: its height, its triangle, its part of the file.
-const BYTES_A_CELL: f64 = 12.0;
-
 impl GridArgs {
     /// Whether a grid is asked for.
     pub fn is_given(&self) -> bool {
@@ -136,37 +81,18 @@ impl GridArgs {
             let message = "a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER";
             return Err(Failure::Usage(message.into()));
         }
-        for (name, cell) in [("cell", self.cell), ("cell-degrees", self.cell_degrees)] {
-            if let Some(cell) = cell.filter(|cell| !(cell.is_finite() && *cell > 0.0)) {
-                return Err(Failure::Usage(format!("--{name} is {cell}, it must be more than 0")));
-            }
-        }
-        Ok(())
+        let sizes = self.cell.map(GridSpec::Cell).into_iter().chain(self.cell_degrees.map(GridSpec::Degrees));
+        Ok(sizes.into_iter().try_for_each(|size| size.check())?)
     }
 
     /// The grid that is asked for; reads that of `--like`.
-    pub fn choice(&self, places: &Places) -> Result<GridChoice, Failure> {
+    pub fn spec(&self) -> Result<GridSpec, Failure> {
         self.check()?;
-        if let Some(path) = &self.like {
-            let (grid, like_crs) = read_grid(path)?;
-            // A raster that names no system is taken for one in that of the contours.
-            let crs = like_crs.as_ref().or(places.input_crs());
-            let (Some(crs), Some(working)) = (crs, places.working_crs()) else { return Ok(GridChoice::Like(grid)) };
-            let way = Transform::between(crs, working).map_err(|e| Error::file(path, e.to_string()))?;
-            if way.is_identity() {
-                return Ok(GridChoice::Like(grid));
-            }
-            return Ok(GridChoice::Apart(Cells::Like(grid), Box::new(Apart { crs: crs.clone(), way })));
-        }
-        let Some(size) = self.cell_degrees else { return Ok(GridChoice::Cell(self.cell.unwrap_or_default())) };
-        let known = places.input_crs().and_then(Crs::geographic).zip(places.working_crs());
-        let Some((crs, working)) = known else {
-            let message =
-                "--cell-degrees needs contours whose coordinate reference system is known; name it with --crs";
-            return Err(Failure::Usage(message.into()));
-        };
-        let way = Transform::between(&crs, working)?;
-        Ok(GridChoice::Apart(Cells::Size(size), Box::new(Apart { crs, way })))
+        Ok(match (&self.like, self.cell_degrees) {
+            (Some(path), _) => GridSpec::like(path)?,
+            (None, Some(size)) => GridSpec::Degrees(size),
+            (None, None) => GridSpec::Cell(self.cell.unwrap_or_default()),
+        })
     }
 }
 
@@ -191,93 +117,15 @@ impl HeightMapArgs {
     }
 }
 
-/// The grid of square cells on multiples of their size over a box.
-fn grid_over(lo: DVec2, hi: DVec2, cell: f64, flag: &str) -> Result<Grid, Failure> {
-    let count = ((hi - lo) / cell).ceil();
-    if !count.is_finite() || count.x * count.y > MOST_CELLS {
-        return Err(Failure::Usage(format!(
-            "--{flag} {cell} gives {:.0} x {:.0} cells: choose a larger cell",
-            count.x, count.y
-        )));
-    }
-    Ok(Grid::on_multiples(lo, hi, cell))
-}
-
-/// The grid for a surface.
-pub fn grid_for(choice: &GridChoice, surface: &Surface) -> Result<Grid, Failure> {
-    grid_in(choice, &surface.frame)
-}
-
-fn grid_in(choice: &GridChoice, frame: &FrameRing) -> Result<Grid, Failure> {
-    match choice {
-        GridChoice::Like(grid) | GridChoice::Apart(Cells::Like(grid), _) => Ok(*grid),
-        GridChoice::Cell(cell) => {
-            let (lo, hi) = extent(frame);
-            grid_over(lo, hi, *cell, "cell")
-        }
-        GridChoice::Apart(Cells::Size(cell), apart) => {
-            let (lo, hi) = extent_in(frame, &apart.way);
-            if !(lo.is_finite() && hi.is_finite()) {
-                return Err(Failure::Work(Error::Data("the frame has no place in degrees".into())));
-            }
-            grid_over(lo, hi, *cell, "cell-degrees")
-        }
-    }
-}
-
-impl GridChoice {
-    /// Refuses, before the surface is found, a height map that there is no room for.
-    pub fn check_room(&self, map: &ContourMap, frame: &Frame) -> Result<(), Failure> {
-        let Grid { cols, rows, .. } = grid_in(self, &frame_ring(map, frame))?;
-        let what = format!("a height map of {cols} x {rows} cells");
-        Ok(memory::check(BYTES_A_CELL * cols as f64 * rows as f64, &what, "choose a larger cell or a smaller frame")?)
-    }
-
-    /// The system that the cells are in, where `working` is that of the surface.
-    pub fn crs<'a>(&'a self, working: Option<&'a Crs>) -> Option<&'a Crs> {
-        match self {
-            Self::Cell(_) | Self::Like(_) => working,
-            Self::Apart(_, apart) => Some(&apart.crs),
-        }
-    }
-
-    /// What the smooth surface needs to know about the cells: nothing if its nodes cannot be their centres.
-    pub fn wanted(&self) -> Option<Wanted> {
-        match self {
-            Self::Cell(cell) => Some(Wanted::Cell(*cell)),
-            Self::Like(grid) => Some(Wanted::Grid(*grid)),
-            Self::Apart(..) => None,
-        }
-    }
-}
-
-/// Points on each edge of the frame whose places in another system are looked at: edges are curves there.
-const POINTS_AN_EDGE: u32 = 16;
-
-/// The corners of the box around the frame in the system that `way` comes from.
-fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
-    let along =
-        |[a, b]: [DVec2; 2]| (0..POINTS_AN_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_AN_EDGE)));
-    let places = frame.edges().flat_map(along).filter_map(|p| way.inverse(p));
-    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
-}
-
-/// The lower left and the upper right corner of the frame.
-pub fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
-    frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
-}
-
-/// A height map on its way: the file was opened before the work, the grid chosen.
+/// A height map on its way: the file was opened before the work.
 pub struct DemOutput {
-    pub staged: StagedOutput,
-    pub choice: GridChoice,
-    /// The raster whose cells they are, if there is one.
-    like: Option<PathBuf>,
+    staged: StagedOutput,
+    pub grid: GridSpec,
     raster: RasterParams,
 }
 
 /// Opens the file of a height map.
-pub fn open_dem(path: &Path, wanted: &HeightMapArgs) -> Result<StagedOutput, Failure> {
+fn open_dem(path: &Path, wanted: &HeightMapArgs) -> Result<StagedOutput, Failure> {
     if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
         let message = format!("{}: --png-encoding is about height maps in .png", path.display());
         return Err(Failure::Usage(message));
@@ -312,27 +160,29 @@ pub fn extension(path: &Path) -> String {
 }
 
 impl DemOutput {
-    /// A height map of the grid that is asked for, over contours whose places are these.
-    pub fn new(staged: StagedOutput, wanted: &HeightMapArgs, places: &Places) -> Result<Self, Failure> {
-        let grid = &wanted.grid;
-        Ok(Self { choice: grid.choice(places)?, like: grid.like.clone(), staged, raster: wanted.raster() })
+    /// Opens the file, and reads the raster whose cells are asked for.
+    pub fn open(path: &Path, wanted: &HeightMapArgs) -> Result<Self, Failure> {
+        wanted.grid.check()?;
+        let staged = open_dem(path, wanted)?;
+        Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster() })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
-    pub fn write(&self, surface: &Surface, console: &Console) -> Result<Dem, Failure> {
-        let dem = self.choice.heights(surface, console)?;
-        if let Some(like) = self.like.as_deref().filter(|_| dem.values.iter().all(|height| height.is_nan())) {
-            let message = "none of its cells lies on the ground of the contours: do they overlap, and are the coordinate \
-                           reference systems those that the files name?";
-            return Err(Failure::Work(Error::file(like, message)));
-        }
-        let errors = self.choice.standard_errors(surface, &dem);
+    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Dem, Failure> {
+        let dem = terrain.dem_with(&self.grid, console)?;
+        let errors = terrain.errors_of(&dem, &self.grid)?;
         let written = console.step("writing", || match &errors {
             Some(errors) => write_with_errors(&self.staged.path(), &dem, errors),
             None => write_raster(&self.staged.path(), &dem, &self.raster),
         });
         written.map_err(|e| self.staged.with_final_name(e))?;
         Ok(dem)
+    }
+
+    /// Puts the file in its place, and tells what is in it.
+    pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
+        describe(&commit(self.staged)?, dem, console);
+        Ok(())
     }
 }
 
@@ -366,7 +216,7 @@ fn identity(path: &Path) -> PathBuf {
 }
 
 /// One line of the summary about a height map.
-pub fn describe(path: &Path, dem: &Dem, console: &Console) {
+fn describe(path: &Path, dem: &Dem, console: &Console) {
     let valid = dem.values.iter().filter(|v| !v.is_nan());
     let (low, high) = valid.clone().fold((f32::INFINITY, f32::NEG_INFINITY), |m, &v| (m.0.min(v), m.1.max(v)));
     let count = valid.count();

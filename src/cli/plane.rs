@@ -1,12 +1,8 @@
-//! From the coordinates of the files to the plane that is worked on, and back: `--crs`, `--work-crs`, `--to-crs`.
-
-use std::path::Path;
+//! Coordinate reference systems on the command line: `--crs`, `--work-crs`, `--to-crs`.
 
 use clap::Args;
 use tokosen::contour::ContourMap;
-use tokosen::crs::{Bringer, Crs, CrsKind, Places, Returner, working_crs};
-use tokosen::error::{Error, Finding, FindingKind};
-use tokosen::io::looks_like_degrees;
+use tokosen::crs::{Crs, Places, Returner};
 
 use super::Failure;
 
@@ -36,61 +32,6 @@ pub fn crs(text: &str) -> Result<Crs, String> {
         );
     }
     Ok(crs)
-}
-
-/// The map with the system that the user names.
-pub fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {
-    let Some(crs) = crs else { return map };
-    findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
-    ContourMap { crs: Some(crs.clone()), ..map }
-}
-
-/// The map on the plane that it is worked on.
-pub fn flat(
-    path: &Path,
-    map: ContourMap,
-    work: Option<&Crs>,
-    findings: &mut Vec<Finding>,
-) -> Result<(ContourMap, Places), Failure> {
-    if let Some(work) = work
-        && !(work.kind() == Some(CrsKind::Projected) && work.length_unit().is_none_or(|unit| unit.metres == 1.0))
-    {
-        let name = work.name().unwrap_or_default();
-        return Err(Failure::Usage(format!("--work-crs {name} is no projected system in metres")));
-    }
-    let kind = map.crs.as_ref().and_then(Crs::kind);
-    if kind.is_none() && looks_like_degrees(&map) {
-        return Err(Failure::Work(Error::file(
-            path,
-            "the coordinates look like degrees, and the file does not say in which coordinate reference system; name it \
-             with --crs, for instance --crs EPSG:4326 (WGS 84) or --crs EPSG:6668 (JGD2011)",
-        )));
-    }
-    if work.is_some() && map.crs.is_none() {
-        let message = "--work-crs needs contours whose coordinate reference system is known; name it with --crs";
-        return Err(Failure::Usage(message.into()));
-    }
-    let about = |e: Error| Error::file(path, e.to_string());
-    let working = match (work, &map.crs) {
-        (Some(work), _) => work.clone(),
-        (None, Some(crs)) if kind.is_some() => {
-            working_crs(crs, map.contours.iter().flat_map(|c| &c.points).copied()).map_err(about)?
-        }
-        (None, crs) => {
-            let places = Places::unmoved(crs.clone());
-            return Ok((map, places));
-        }
-    };
-    let (map, places) = Places::project(map, &working).map_err(about)?.collect(findings);
-    for finding in findings {
-        finding.place = finding.place.and_then(|p| places.on_plane(p));
-    }
-    Ok((map, places))
-}
-
-/// The way to the plane for another file.
-pub fn bringer(places: &Places, path: &Path, crs: Option<&Crs>) -> Result<Bringer, Error> {
-    places.bring(crs).map_err(|e| Error::file(path, e.to_string()))
 }
 
 /// The systems, for the summary.

@@ -1,20 +1,19 @@
 //! `tokosen regions`: contour lines in, the sub-domains between them out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::io::layer::of_landforms;
-use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
-use tokosen::preview::{Patch, PatchClass, Patches};
-use tokosen::surface::{Tiling, tiling_with_water};
+use tokosen::io::{VectorFormat, write_layers_back};
+use tokosen::terrain::{landform_patches, tiling_picture};
 use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::job::{Job, commit};
 use super::plane::ToCrsArgs;
-use super::surface::FrameArgs;
-use super::water::WaterArgs;
-use super::{Failure, output, preview, summary};
+use super::surface::{FrameArgs, WaterArgs};
+use super::{Failure, output};
 
 /// The areas between contour lines, with their landform and what encloses them
 ///
@@ -53,60 +52,25 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
         let message = format!("{}: areas are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
         return Err(Failure::Usage(message));
     }
-    let inputs: Vec<&Path> = args.input.map.files().chain(args.frame.file()).chain(args.water.file()).collect();
-    let outputs: Vec<&Path> = std::iter::once(args.output.as_path()).chain(args.preview.as_deref()).collect();
-    output::check_paths(&inputs, &outputs)?;
+    let inputs = args.frame.file().into_iter().chain(args.water.file());
+    let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
     let staged = output::open(&args.output)?;
-    let picture = preview::open(args.preview.as_deref())?;
 
-    let mut input = args.input.read(console)?;
-    let frame = args.frame.read(&input)?;
-    let water = args.water.read(&mut input)?;
+    let mut input = job.read()?;
+    args.frame.add_to(&mut input)?;
+    args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.places)?;
-    let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
-    args.input.map.check_strict(&input.findings, console)?;
+    let tiled = job.subdivide(&mut input, &args.water)?;
     let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
     let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
-    if let Some(picture) = &picture {
-        draw(picture, &tiled, &forms, console)?;
-    }
+    job.draw(|| tiling_picture(&tiled, &[], Some(&landform_patches(&forms, &tiled.tin))))?;
 
-    summary::findings(&input.findings, console);
-    args.input.map.describe(&tiled.map, console);
+    job.tell(&input.findings, &tiled.map);
     describe(&forms, console);
-    let path = staged.target().to_owned();
-    staged.commit()?;
+    let path = commit(staged)?;
     console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));
-    preview::commit(picture, console)?;
-    summary::close(input.findings.len(), console);
-    Ok(())
-}
-
-/// Draws the picture: areas by class, the contours above them.
-fn draw(staged: &StagedOutput, tiled: &Tiling, forms: &[Landform], console: &Console) -> Result<(), Failure> {
-    let class = |class: LandformClass| PatchClass { name: class.name().to_owned(), color: color(class) };
-    let rings = |form: &Landform| form.rings.iter().map(|ring| ring.points(&tiled.tin)).collect();
-    let number = |form: &Landform| LandformClass::ALL.iter().position(|class| *class == form.class);
-    let areas = forms.iter().filter_map(|form| Some(Patch { class: number(form)?, rings: rings(form) }));
-    let patches = Patches { classes: LandformClass::ALL.map(class).to_vec(), areas: areas.collect() };
-    preview::write_tiling(staged, tiled, &[], Some(&patches), console)
-}
-
-/// Warm for high ground, cool for low.
-fn color(class: LandformClass) -> [u8; 3] {
-    match class {
-        LandformClass::Peak => [196, 52, 40],
-        LandformClass::Bottom => [36, 58, 150],
-        LandformClass::Tableland => [232, 148, 66],
-        LandformClass::Basin => [72, 148, 206],
-        LandformClass::RidgePeak => [156, 52, 128],
-        LandformClass::Valley => [38, 150, 132],
-        LandformClass::Slope => [176, 190, 110],
-        LandformClass::Water => [150, 200, 235],
-        LandformClass::Branching => [238, 212, 84],
-    }
+    job.close(input.findings.len())
 }
 
 /// The lines of the summary about sub-domains.

@@ -3,20 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::error::Error;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{VectorFormat, contour_files, write_layers_back};
-use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
-use tokosen::surface::tiling_with_water;
-use tokosen::tin::{Tin, TriangleKind};
+use tokosen::terrain::{tiling_picture, triangle_patches};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::job::Job;
 use super::plane::ToCrsArgs;
-use super::surface::FrameArgs;
-use super::water::WaterArgs;
-use super::{Failure, output, preview, summary};
+use super::surface::{FrameArgs, WaterArgs};
+use super::{Failure, output};
 
 /// Ridge and canyon lines with heights
 ///
@@ -72,21 +69,18 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs: Vec<&Path> = args.input.map.files().chain(args.frame.file()).chain(args.water.file()).collect();
-    let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(args.preview.as_deref()).collect();
-    output::check_paths(&inputs, &outputs)?;
+    let inputs = args.frame.file().into_iter().chain(args.water.file());
+    let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = output::open(&args.output)?;
-    let picture = preview::open(args.preview.as_deref())?;
 
-    let mut input = args.input.read(console)?;
+    let mut input = job.read()?;
     let back = args.to_crs.way(&input.places)?;
-    let frame = args.frame.read(&input)?;
-    let water = args.water.read(&mut input)?;
-    let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
-    args.input.map.check_strict(&input.findings, console)?;
+    args.frame.add_to(&mut input)?;
+    args.water.add_to(&mut input)?;
+    let tiled = job.subdivide(&mut input, &args.water)?;
     let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));
-    let written = console.step("writing", || -> Result<Vec<PathBuf>, Error> {
+    let written = console.step("writing", || {
         let mut layers = vec![skeleton_lines(&found)];
         if args.triangles {
             layers.push(skeleton_triangles(&tiled, &found));
@@ -98,43 +92,19 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         }
         write_layers_back(&staged, &layers, &back)
     })?;
-    if let Some(picture) = &picture {
-        let patches = args.triangles.then(|| triangles_by_kind(&tiled.tin, &found));
-        preview::write_tiling(picture, &tiled, &found.lines, patches.as_ref(), console)?;
-    }
+    job.draw(|| {
+        let patches = args.triangles.then(|| triangle_patches(&tiled.tin, &found));
+        tiling_picture(&tiled, &found.lines, patches.as_ref())
+    })?;
 
-    summary::findings(&input.findings, console);
-    args.input.map.describe(&tiled.map, console);
+    job.tell(&input.findings, &tiled.map);
     describe(&found, args.resolution, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();
         console.say(&format!("written    {path}, layer {name}"));
     }
-    preview::commit(picture, console)?;
-    summary::close(input.findings.len(), console);
-    Ok(())
-}
-
-/// The triangles for the picture, coloured by kind.
-fn triangles_by_kind(tin: &Tin, skeleton: &Skeleton) -> Patches {
-    let class = |(name, color): (&str, [u8; 3])| PatchClass { name: name.to_owned(), color };
-    let classes = [
-        ("terminal", [226, 124, 60]),
-        ("sleeve", [240, 222, 130]),
-        ("junction", [70, 110, 190]),
-        ("eliminated", [150, 150, 150]),
-    ];
-    let number = |t: u32| match skeleton.kinds[t as usize] {
-        TriangleKind::Terminal => Some(0),
-        TriangleKind::Sleeve => Some(1),
-        TriangleKind::Junction if skeleton.elimination.eliminated[t as usize] => Some(3),
-        TriangleKind::Junction => Some(2),
-        TriangleKind::Isolated | TriangleKind::Outside => None,
-    };
-    let ring = |t: u32| [0, 1, 2, 0].map(|i| tin.point(tin.triangles[t as usize][i]).truncate()).to_vec();
-    let areas = (0..tin.len() as u32).filter_map(|t| Some(Patch { class: number(t)?, rings: vec![ring(t)] }));
-    Patches { classes: classes.map(class).to_vec(), areas: areas.collect() }
+    job.close(input.findings.len())
 }
 
 /// The lines of the summary about ridge and canyon lines.

@@ -1,10 +1,8 @@
 //! The summary at the end of a run: findings by kind, the surface, the time of each step.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use tokosen::check::first_causes;
-use tokosen::error::{Error, Finding, FindingKind, Report, Severity};
+use tokosen::error::{Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
 use tokosen::surface::{Chosen, Lesson, Reason, Surface};
 
@@ -58,28 +56,6 @@ pub fn close_severities(findings: &[Finding], console: &Console) {
     let [errors, warnings, notes] = [Severity::Error, Severity::Warning, Severity::Note].map(count);
     console.say(&format!("findings   {errors} errors, {warnings} warnings, {notes} notes"));
     times(console);
-}
-
-/// What was made of the contours in a file. Tells the findings when that ended in an error: what was left out may be why.
-pub fn or_tell<T>(result: Result<T, Error>, path: &Path, list: &[Finding], console: &Console) -> Result<T, Error> {
-    result.map_err(|error| {
-        console.clear();
-        findings(list, console);
-        error.in_file(path)
-    })
-}
-
-/// What was made of the ground between contours. What was noticed about it goes to the other findings, each fault once; if it
-/// ended in an error, they are told.
-pub fn found<T>(
-    result: Result<Report<T>, Error>,
-    path: &Path,
-    findings: &mut Vec<Finding>,
-    console: &Console,
-) -> Result<T, Error> {
-    let value = or_tell(result, path, findings, console)?.collect(findings);
-    *findings = first_causes(std::mem::take(findings));
-    Ok(value)
 }
 
 /// Tells what the surface is made of.

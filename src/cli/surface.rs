@@ -1,20 +1,14 @@
 //! The arguments about the surface.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use tokosen::error::Error;
-use tokosen::io::{ReadOptions, read_area};
-use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
+use tokosen::surface::{SurfaceKind, Triangles};
 use tokosen::tin::Frame;
+use tokosen::{GridSpec, Input, Options};
 
-use super::Failure;
-use super::console::Console;
 use super::input::first_given;
-use super::map::Input;
-use super::output::GridChoice;
-use super::water::WaterArgs;
-use super::{plane, summary};
+use super::{Failure, memory};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -61,12 +55,12 @@ pub enum KindArg {
 }
 
 impl KindArg {
-    /// The word for it on the command line.
-    pub fn name(self) -> &'static str {
+    /// The library's word.
+    pub fn kind(self) -> SurfaceKind {
         match self {
-            Self::Linear => "linear",
-            Self::Skeleton => "skeleton",
-            Self::Spline => "spline",
+            Self::Linear => SurfaceKind::Linear,
+            Self::Skeleton => SurfaceKind::Skeleton,
+            Self::Spline => SurfaceKind::Spline,
         }
     }
 }
@@ -101,34 +95,36 @@ impl SurfaceArgs {
         ])
     }
 
-    /// The library's parameters; reads the boundary polygon and the lakes if there are any, and adds what was
-    /// noticed about them to the input's findings.
-    pub fn params(
-        &self,
-        input: &mut Input,
-        grid: Option<&GridChoice>,
-        triangles: Triangles,
-    ) -> Result<SurfaceParams, Failure> {
-        if let Some(flag) = self.idle() {
-            let message = format!("{flag} has no meaning for --surface {}", self.surface.name());
-            return Err(Failure::Usage(message));
+    /// Refuses flags that say nothing about this kind of surface.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.idle() {
+            Some(flag) => {
+                let kind = self.surface.kind().name();
+                Err(Failure::Usage(format!("{flag} has no meaning for --surface {kind}")))
+            }
+            None => Ok(()),
         }
-        let spline =
-            SplineParams { wanted: grid.and_then(GridChoice::wanted), tension: self.tension, noise: self.noise };
-        let kind = match self.surface {
-            KindArg::Linear => SurfaceKind::Linear,
-            KindArg::Skeleton => SurfaceKind::Skeleton,
-            KindArg::Spline => SurfaceKind::Spline,
-        };
-        Ok(SurfaceParams {
-            kind,
-            frame: self.frame.read(input)?,
+    }
+
+    /// Adds the frame and the lakes to an input; reads their files if there are any.
+    pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
+        self.frame.add_to(input)?;
+        self.water.add_to(input)
+    }
+
+    /// The library's options, for a height map on a grid if there is one.
+    pub fn options(&self, grid: Option<&GridSpec>, triangles: Triangles) -> Options {
+        Options {
+            kind: self.surface.kind(),
             resolution: self.resolution,
-            water: self.water.read(input)?,
-            spline,
+            tension: self.tension,
+            noise: self.noise,
+            sea: self.water.sea,
+            grid: grid.cloned(),
             triangles,
-            uncertainty: Uncertainty::default(),
-        })
+            memory: memory::available(),
+            ..Options::default()
+        }
     }
 }
 
@@ -138,19 +134,42 @@ impl FrameArgs {
         (!matches!(self.frame.as_str(), "hull" | "bbox")).then(|| Path::new(&self.frame))
     }
 
-    /// The frame; reads the boundary polygon if there is one.
-    pub fn read(&self, input: &Input) -> Result<Frame, Failure> {
-        let Some(path) = self.file() else {
-            return Ok(if self.frame == "bbox" { Frame::Box } else { Frame::Hull });
-        };
-        let (area, crs) = read_area(path, &ReadOptions::default())?;
-        let bring = plane::bringer(&input.places, path, crs.as_ref())?;
-        Ok(Frame::Polygon(bring.boundary(&area).map_err(|e| Error::file(path, e.to_string()))?))
+    /// Sets the frame of an input; reads the boundary polygon if there is one.
+    pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
+        match self.file() {
+            Some(path) => input.read_boundary(path)?,
+            None => input.frame = if self.frame == "bbox" { Frame::Box } else { Frame::Hull },
+        }
+        Ok(())
     }
 }
 
-/// Builds the surface of an input's map, which it takes out of it, and adds what was noticed to its findings.
-pub fn build_surface(input: &mut Input, params: &SurfaceParams, console: &Console) -> Result<Surface, Failure> {
-    let built = build(std::mem::take(&mut input.map), params, console);
-    Ok(summary::found(built, &input.path, &mut input.findings, console)?)
+#[derive(Debug, Clone, Args)]
+pub struct WaterArgs {
+    /// Lakes: polygons that are level, at their elevation attribute or z, else at the height of their shore. Holes are
+    /// islands
+    #[arg(long, value_name = "FILE")]
+    pub water: Option<PathBuf>,
+    /// The level of the coast [metres], one that the input has contours at: ground that reaches only down to it is the sea,
+    /// level there
+    #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
+    pub sea: Option<f64>,
+}
+
+impl WaterArgs {
+    /// The file with lakes, if there is one.
+    pub fn file(&self) -> Option<&Path> {
+        self.water.as_deref()
+    }
+
+    /// Adds the lakes to an input; reads them if there are any.
+    pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
+        if let Some(sea) = self.sea.filter(|sea| !sea.is_finite()) {
+            return Err(Failure::Usage(format!("--sea is {sea}, which is no elevation")));
+        }
+        match &self.water {
+            Some(path) => Ok(input.read_lakes(path)?),
+            None => Ok(()),
+        }
+    }
 }

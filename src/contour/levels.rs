@@ -25,6 +25,11 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Levels at whole multiples of `step`, metres.
+    pub fn every(step: f64) -> Self {
+        Self { step, base: 0.0 }
+    }
+
     /// The level number `k`, metres.
     ///
     /// Where step and base are decimal numbers of at most nine places, this is the nearest number to the exact decimal.

@@ -80,6 +80,13 @@ impl ContourMap {
         self.contours.iter().map(|c| c.points.len()).sum()
     }
 
+    /// Whether all coordinates fit in ±180 and ±90, as degrees do. For maps whose coordinate reference system is not known;
+    /// a map without lines does not look like degrees.
+    pub fn looks_like_degrees(&self) -> bool {
+        let mut points = self.contours.iter().flat_map(|contour| &contour.points).peekable();
+        points.peek().is_some() && points.all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0)
+    }
+
     /// Where the vertices of all contours and the spot heights lie.
     pub(crate) fn places(&self) -> impl Iterator<Item = DVec2> {
         let vertices = self.contours.iter().flat_map(|c| c.points.iter().copied());

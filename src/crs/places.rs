@@ -19,7 +19,7 @@ use super::definition::label;
 use super::{Crs, Transform};
 use crate::bits::bits;
 use crate::contour::{Contour, ContourMap};
-use crate::error::{Error, Finding, FindingKind, Report, Result};
+use crate::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 
 /// Steps of coordinates on the plane to the metre.
 const STEPS: f64 = 1e6;
@@ -86,7 +86,7 @@ impl Places {
     /// the plane.
     pub fn project(map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Self)>> {
         let Some(input) = map.crs.clone() else {
-            return Err(Error::Data("the coordinate reference system of the contours is not known".to_owned()));
+            return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });
         };
         let way = Transform::between(&input, working)?;
         let mut map = map;
@@ -209,9 +209,7 @@ impl Places {
             return Ok(Returner { places: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
         };
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
-            let message =
-                "the coordinate reference system of the contours is not known, so there is no way to another one";
-            return Err(Error::Data(message.to_owned()));
+            return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
         };
         let onwards = if to.horizontal().matches(&input.horizontal()) {
             Onwards::Input
@@ -233,14 +231,7 @@ fn in_order(mut pairs: Vec<(Place, DVec2)>) -> Vec<(Place, DVec2)> {
 }
 
 fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {
-    Error::Data(format!(
-        "{:?} {:?} in {} has no place in {}; is that the right coordinate reference system? --crs names that of the input, \
-         --work-crs another one to work in",
-        p.x,
-        p.y,
-        label(from),
-        label(to)
-    ))
+    Error::NoPlace { place: p, from: label(from), to: label(to) }
 }
 
 /// Far from where a projection is meant for, some give coordinates that do not lead back.
@@ -454,10 +445,11 @@ mod tests {
     }
 
     #[test]
-    fn places_that_are_none_are_refused_with_the_flags_that_help() {
+    fn places_that_are_none_are_refused() {
         for points in [[[138.7, 35.3], [138.7, 95.0]], [[138.7, 35.3], [48.5, 0.0]]] {
-            let error = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap_err().to_string();
-            assert!(error.contains("--crs") && error.contains("--work-crs"), "{error}");
+            let error = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap_err();
+            assert!(matches!(&error, Error::NoPlace { .. }), "{error}");
+            assert!(error.to_string().ends_with("is that the right coordinate reference system?"), "{error}");
         }
         let nowhere = ContourMap { crs: None, ..map(6668, &[]) };
         assert!(Places::project(nowhere, &Crs::from_epsg(6676)).is_err());

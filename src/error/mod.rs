@@ -3,10 +3,15 @@
 //! An error stops the work. A finding does not: a step that finds something odd in its input goes on and hands the
 //! finding back beside its result in a [`Report`], so that nothing is dropped without a word.
 
+mod arrays;
 mod finding;
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
+use glam::DVec2;
+
+pub use arrays::ArrayFault;
 pub use finding::{Finding, FindingKind, Proposal, Severity};
 
 /// The library's result.
@@ -16,6 +21,8 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 pub type Cause = Box<dyn std::error::Error + Send + Sync + 'static>;
 
 /// Why the work could not be done. The text says what, where and what to do about it.
+///
+/// Callers match the variants; those with a text alone are for people.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -39,12 +46,262 @@ pub enum Error {
         /// The error of the format's library, if that is where it came from.
         source: Option<Cause>,
     },
+    /// An error of the other variants, about the data of one file. [`Error::root`] gives it.
+    #[error("{}: {error}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with its data.
+        #[source]
+        error: Box<Error>,
+    },
+    /// There are no contours.
+    #[error("there is no contour line{}", inside(*in_polygon))]
+    NoContours {
+        /// Whether the frame is a polygon, and none lies inside it.
+        in_polygon: bool,
+    },
+    /// All contours have one elevation; a surface needs two levels.
+    #[error("{}", one_level(*lines, *elevation, *in_polygon))]
+    TooFewLevels {
+        /// Number of contours.
+        lines: usize,
+        /// The elevation of all of them, metres.
+        elevation: f64,
+        /// Whether the frame is a polygon, and only the lines inside it count.
+        in_polygon: bool,
+    },
+    /// Two lines cross where none may: contours that were not cleaned, or a contour and the frame.
+    #[error(
+        "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the frame, \
+         move the frame's border a little",
+        place.x,
+        place.y
+    )]
+    LinesCross {
+        /// Near the crossing, map units.
+        place: DVec2,
+    },
+    /// The coordinate reference system of the contours is not known, and something needs it.
+    #[error("{}", needs_crs(*needed_for))]
+    UnknownCrs {
+        /// What needs it.
+        needed_for: CrsNeed,
+    },
+    /// The coordinates look like degrees, and no coordinate reference system is named.
+    #[error("the coordinates look like degrees, and the file does not say in which coordinate reference system")]
+    LooksLikeDegrees,
+    /// The system to work in is not a projected one in metres.
+    #[error("{name} is no projected system in metres")]
+    NotProjectedInMetres {
+        /// Name of the system.
+        name: String,
+    },
+    /// A coordinate of one system has no place in another.
+    #[error(
+        "{:?} {:?} in {from} has no place in {to}; is that the right coordinate reference system?",
+        place.x,
+        place.y
+    )]
+    NoPlace {
+        /// The coordinate, in `from`.
+        place: DVec2,
+        /// Name of the system that it is in.
+        from: String,
+        /// Name of the system that it has no place in.
+        to: String,
+    },
+    /// A parameter is out of its range.
+    #[error("the {name} is {value}{unit}, it must be {must}")]
+    OutOfRange {
+        /// What the parameter is.
+        name: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// A space and the unit of the value, or nothing.
+        unit: &'static str,
+        /// The range, in words.
+        must: &'static str,
+    },
+    /// A height map would have more cells than can be.
+    #[error("cells of {cell} make {cols:.0} x {rows:.0} cells: choose a larger cell")]
+    TooManyCells {
+        /// Size of a cell, in the units of the grid's coordinate reference system.
+        cell: f64,
+        /// Columns.
+        cols: f64,
+        /// Rows.
+        rows: f64,
+        /// Whether the size is in degrees.
+        in_degrees: bool,
+    },
+    /// No cell of the grid lies on the ground of the contours.
+    #[error(
+        "none of its cells lies on the ground of the contours: do they overlap, and are the coordinate reference systems \
+         those that the files name?"
+    )]
+    NoOverlap,
+    /// Nothing tells where the elevations are.
+    #[error("no field is known to hold elevations, and {z}; {fields}")]
+    NoElevationField {
+        /// What keeps the z coordinate from being the elevation.
+        z: ZCoordinate,
+        /// The fields that there are, with an example of each, as a sentence.
+        fields: String,
+    },
+    /// Two fields, or a field and the z coordinate, could both hold the elevation, and differ.
+    #[error("{what} disagree in feature {feature}; {fields}")]
+    ElevationsDisagree {
+        /// The two, with their values.
+        what: String,
+        /// Number of the feature where they differ.
+        feature: u64,
+        /// Whether one of them is the z coordinate.
+        with_z: bool,
+        /// The fields that there are, with an example of each, as a sentence.
+        fields: String,
+    },
+    /// All lines of a drawing lie at 0.
+    #[error(
+        "there are no elevations {place}: all lines lie at 0{texts}; give the lines their elevations in the program that \
+         drew them"
+    )]
+    NoElevations {
+        /// Where: in the drawing or on the layers that were named.
+        place: &'static str,
+        /// What is said about texts in the drawing, or nothing.
+        texts: String,
+    },
+    /// All lines of some layers of a drawing lie at 0, and no layer is named.
+    #[error(
+        "the lines of some layers all lie at 0, which may not be meant as their elevation: {flat}; its layers are {layers}"
+    )]
+    FlatLayers {
+        /// Those layers.
+        flat: String,
+        /// All layers.
+        layers: String,
+    },
+    /// A file has several layers that could be meant.
+    #[error("there are several layers of {what}: {}", quoted(layers))]
+    LayerAmbiguous {
+        /// What the layers hold: lines, points or polygons.
+        what: &'static str,
+        /// Their names.
+        layers: Vec<String>,
+    },
+    /// Something needs more memory than the caller allows.
+    #[error(
+        "{what} would need about {:.1} GB of memory, {:.1} GB are available: {remedy}",
+        needed / 1e9,
+        *available as f64 / 1e9
+    )]
+    OutOfMemory {
+        /// What needs it.
+        what: String,
+        /// About what it takes at its largest, bytes.
+        needed: f64,
+        /// The caller's budget, bytes.
+        available: u64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The contours need repair, and none is allowed.
+    #[error("{input}: {places} places need repair before a surface can be made, and no repair is allowed")]
+    NeedsRepair {
+        /// Name of the input.
+        input: String,
+        /// Number of places.
+        places: usize,
+    },
+    /// Something is wrong with the input, and that is not allowed.
+    #[error("{} about {input}, and none is allowed", count_of(*findings))]
+    Strict {
+        /// Name of the input.
+        input: String,
+        /// Number of findings that are errors or warnings.
+        findings: usize,
+    },
+    /// Arrays of lines that do not fit each other.
+    #[error(transparent)]
+    Arrays(#[from] ArrayFault),
     /// The data were read, and no surface can be made of them.
     #[error("{0}")]
     Data(String),
     /// Parameters that contradict each other or are out of their range.
     #[error("{0}")]
     Parameter(String),
+}
+
+/// What needs the coordinate reference system of the contours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrsNeed {
+    /// Bringing them to a plane.
+    Projecting,
+    /// Writing lines in another system.
+    OtherOutput,
+    /// A system to work in that the caller names.
+    WorkingCrs,
+    /// A height map whose cells are in degrees.
+    CellsInDegrees,
+}
+
+/// What keeps the z coordinate from being the elevation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ZCoordinate {
+    /// There is none.
+    Missing,
+    /// It is 0 everywhere.
+    Zero,
+    /// It changes along every line.
+    Varies,
+}
+
+impl fmt::Display for ZCoordinate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Missing => "the geometry has no z",
+            Self::Zero => "every z is 0",
+            Self::Varies => "z varies along every line",
+        })
+    }
+}
+
+fn inside(in_polygon: bool) -> &'static str {
+    if in_polygon { " inside the frame polygon" } else { "" }
+}
+
+fn one_level(lines: usize, elevation: f64, in_polygon: bool) -> String {
+    let inside = inside(in_polygon);
+    if lines == 1 {
+        return format!(
+            "there is one contour line only{inside} (elevation {elevation}): a surface needs contours of two levels"
+        );
+    }
+    let remedy = if in_polygon { "choose a larger polygon" } else { "is it the right elevation field?" };
+    format!(
+        "all {lines} contour lines{inside} have the elevation {elevation}: a surface needs contours of two levels ({remedy})"
+    )
+}
+
+fn needs_crs(need: CrsNeed) -> String {
+    let known = "contours whose coordinate reference system is known";
+    match need {
+        CrsNeed::Projecting => "the coordinate reference system of the contours is not known".to_owned(),
+        CrsNeed::OtherOutput => {
+            "the coordinate reference system of the contours is not known, so there is no way to another one".to_owned()
+        }
+        CrsNeed::WorkingCrs => format!("a system to work in needs {known}"),
+        CrsNeed::CellsInDegrees => format!("cells in degrees need {known}"),
+    }
+}
+
+fn count_of(findings: usize) -> String {
+    if findings == 1 { "1 finding".to_owned() } else { format!("{findings} findings") }
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
 impl Error {
@@ -58,12 +315,49 @@ impl Error {
         Self::File { path: path.to_owned(), message: message.into(), source: None }
     }
 
-    /// The same, with the file that the data are from.
+    /// A parameter without a unit that is out of its range.
+    pub fn out_of_range(name: &'static str, value: f64, must: &'static str) -> Self {
+        Self::OutOfRange { name, value, unit: "", must }
+    }
+
+    /// The same, with the file that the data are from. Errors that name their file, or that are about parameters, stay
+    /// as they are.
     pub fn in_file(self, path: &Path) -> Self {
         match self {
             Self::Data(message) => Self::file(path, message),
-            other => other,
+            Self::Io { .. }
+            | Self::File { .. }
+            | Self::InFile { .. }
+            | Self::Parameter(_)
+            | Self::OutOfRange { .. }
+            | Self::NotProjectedInMetres { .. }
+            | Self::TooManyCells { .. }
+            | Self::NeedsRepair { .. }
+            | Self::Strict { .. }
+            | Self::Arrays(_)
+            | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees } => self,
+            error => Self::InFile { path: path.to_owned(), error: Box::new(error) },
         }
+    }
+
+    /// The error without the file that its data are from: what a caller matches.
+    pub fn root(&self) -> &Self {
+        match self {
+            Self::InFile { error, .. } => error.root(),
+            error => error,
+        }
+    }
+
+    /// Whether the parameters are wrong and not the data: another choice of the caller's helps.
+    pub fn is_about_parameters(&self) -> bool {
+        matches!(
+            self.root(),
+            Self::Parameter(_)
+                | Self::OutOfRange { .. }
+                | Self::NotProjectedInMetres { .. }
+                | Self::TooManyCells { .. }
+                | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees }
+        )
     }
 
     /// A file that a format's library could not take.

@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use super::{SpotHeights, depression};
 use crate::contour::{Contour, ContourMap};
-use crate::error::{Error, Finding, FindingKind, Report, Result};
+use crate::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
 
 /// Names of attributes that hold elevations in metres, in lower case and without a unit: English, then what mapping
 /// agencies of other languages write.
@@ -126,7 +126,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no line in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
     drop(items);
 
     let spots_before = findings.len();
@@ -174,7 +174,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
     drop(items);
     let lines: usize = table.features.iter().map(|feature| feature.lines.len()).sum();
     if lines > 0 {
@@ -230,7 +230,7 @@ pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -
             }
         };
     }
-    let source = choose(&items, &table.fields, named).map_err(|message| Error::file(path, message))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
     let mut heights = BTreeMap::new();
     for item in &items {
         match elevation(source, &table.fields, item) {
@@ -255,8 +255,8 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
         named.filter(|named| find_field(&table.fields, named).is_some_and(|field| count_numbers(&items, field) > 0));
     let source = match choose(&items, &table.fields, named) {
         Ok(source) => source,
-        Err(message) => {
-            let message = format!("{} points left out: {message}", items.len());
+        Err(error) => {
+            let message = format!("{} points left out: {error}", items.len());
             findings.push(Finding::general(FindingKind::SkippedFeature, message));
             return Vec::new();
         }
@@ -276,14 +276,14 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
 }
 
 /// Decides where the elevations of all items come from, or says what is in doubt.
-fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<Source, String> {
+fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<Source> {
     let constant_z = |item: &Item<'_>| item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
     let has_z = items.iter().any(|item| item.z.is_some());
     if let Some(named) = named {
         return match find_field(fields, named) {
             Some(field) => Ok(Source::Field(field)),
             None if has_z && named.eq_ignore_ascii_case("z") => Ok(Source::Z),
-            None => Err(format!("there is no field {named:?}; {}", field_list(fields))),
+            None => Err(Error::Data(format!("there is no field {named:?}; {}", field_list(fields)))),
         };
     }
     let z_is_set = items.iter().any(|item| item.z.is_some_and(|z| z != [0.0; 2]));
@@ -301,18 +301,14 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
             return Ok(Source::Z);
         }
         let z = match (has_z, z_is_set) {
-            (false, _) => "the geometry has no z",
-            (true, false) => "every z is 0 (-a z takes it all the same)",
-            (true, true) => "z varies along every line",
+            (false, _) => ZCoordinate::Missing,
+            (true, false) => ZCoordinate::Zero,
+            (true, true) => ZCoordinate::Varies,
         };
-        let list = field_list(fields);
-        return Err(format!(
-            "no field is known to hold elevations, and {z}; {list}; choose one with -a/--elevation-field"
-        ));
+        return Err(Error::NoElevationField { z, fields: field_list(fields) });
     };
-    let doubt = |what: String, feature: u64| {
-        let list = field_list(fields);
-        Err(format!("{what} disagree in feature {feature}; {list}; choose one with -a/--elevation-field"))
+    let doubt = |what: String, with_z: bool, feature: u64| {
+        Err(Error::ElevationsDisagree { what, feature, with_z, fields: field_list(fields) })
     };
     let differ = |a: f64, b: f64| (a - b).abs() > SAME_ELEVATION;
     for item in items {
@@ -320,16 +316,13 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
         for &(_, other) in &candidates[1..] {
             if let Some(rival) = number(item, other).filter(|&rival| differ(elevation, rival)) {
                 let (a, b) = (&fields[best].name, &fields[other].name);
-                return doubt(format!("the fields {a:?} ({elevation}) and {b:?} ({rival})"), item.feature);
+                return doubt(format!("the fields {a:?} ({elevation}) and {b:?} ({rival})"), false, item.feature);
             }
         }
         // Where z varies, the lines were laid over some terrain, and z says nothing about the contour's level.
         if let Some(z) = constant_z(item).filter(|&z| z_is_per_line && differ(elevation, z)) {
             let a = &fields[best].name;
-            return doubt(
-                format!("the field {a:?} ({elevation}) and the z coordinate ({z}; -a z takes it)"),
-                item.feature,
-            );
+            return doubt(format!("the field {a:?} ({elevation}) and the z coordinate ({z})"), true, item.feature);
         }
     }
     Ok(Source::Field(best))

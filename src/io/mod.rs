@@ -48,6 +48,8 @@ pub struct ReadOptions {
     pub elevation_field: Option<String>,
     /// The layer of a GeoPackage with several, or the layers of a DXF, with commas between them.
     pub layer: Option<String>,
+    /// Memory that may be taken, bytes: a file that needs more is refused. No limit if `None`.
+    pub memory: Option<u64>,
 }
 
 /// Points of known height.
@@ -153,8 +155,12 @@ pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {
-    let request =
-        Request { elevation_field: options.elevation_field.as_deref(), layer: options.layer.as_deref(), purpose };
+    let request = Request {
+        elevation_field: options.elevation_field.as_deref(),
+        layer: options.layer.as_deref(),
+        purpose,
+        memory: options.memory,
+    };
     if gsi::is_source(path) {
         return gsi::read(path, &request);
     }
@@ -176,13 +182,6 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         VectorFormat::Dxf => dxf::read(path, &request),
         VectorFormat::Shapefile => shapefile::read(path, &request),
     }
-}
-
-/// Whether a map's coordinates all fit in ±180 and ±90, as degrees do. For maps whose coordinate reference system is
-/// not known; a map without lines does not look like degrees.
-pub fn looks_like_degrees(map: &ContourMap) -> bool {
-    let mut points = map.contours.iter().flat_map(|contour| &contour.points).peekable();
-    points.peek().is_some() && points.all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0)
 }
 
 /// Writes contour lines, in the format that the target's extension names.

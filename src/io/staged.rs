@@ -138,6 +138,7 @@ impl StagedOutput {
         match error {
             Error::Io { action, path, source } => Error::Io { action, path: renamed(path), source },
             Error::File { path, message, source } => Error::File { path: renamed(path), message, source },
+            Error::InFile { path, error } => Error::InFile { path: renamed(path), error },
             other => other,
         }
     }

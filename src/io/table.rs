@@ -20,6 +20,8 @@ pub(super) struct Request<'a> {
     pub layer: Option<&'a str>,
     /// What the file is read for.
     pub purpose: Purpose,
+    /// Memory that may be taken, bytes, if there is a limit.
+    pub memory: Option<u64>,
 }
 
 /// What a file is read for.

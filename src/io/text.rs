@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::memory;
+use crate::memory::check;
 
 /// Text has no zero byte. So many bytes are looked at before the others are read: enough to tell what is no text at all,
 /// such as a file of which nothing but its length was written.
@@ -14,12 +14,12 @@ const BEGINNING: u64 = 4096;
 const BYTES_A_BYTE: f64 = 2.0;
 
 /// Reads a file that must be text, in any encoding without zero bytes. `known` tells from the beginning of a file that is
-/// none what it is instead.
+/// none what it is instead. `memory` is how many bytes may be taken, if there is a limit.
 ///
 /// # Errors
-/// If it cannot be read, if it is known as something else, if its beginning has a zero byte, or if it needs more memory than
-/// there is.
-pub(super) fn read(path: &Path, known: fn(&[u8]) -> Option<&'static str>) -> Result<Vec<u8>> {
+/// If it cannot be read, if it is known as something else, if its beginning has a zero byte, or if it needs more memory
+/// than that.
+pub(super) fn read(path: &Path, memory: Option<u64>, known: fn(&[u8]) -> Option<&'static str>) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path, known: fn(&[u8]) -> Option<&'static str>) -> Res
     }
     without_zeros(path, &bytes, 0)?;
     let remedy = "clip the map first, or save it as a GeoPackage";
-    memory::check(BYTES_A_BYTE * length as f64, &format!("reading {} as a whole", path.display()), remedy)?;
+    check(BYTES_A_BYTE * length as f64, memory, format!("reading {} as a whole", path.display()), remedy)?;
     bytes.reserve_exact(usize::try_from(length).unwrap_or(0).saturating_sub(bytes.len()));
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     Ok(bytes)
@@ -69,7 +69,7 @@ mod tests {
                 // File systems without files that are mostly empty cannot hold this one.
                 file.set_len(1 << 20).unwrap();
             }
-            let said = read(&path, |_| None).unwrap_err().to_string();
+            let said = read(&path, None, |_| None).unwrap_err().to_string();
             assert!(said.contains(&format!("its byte {} is zero", start.len() + 1)), "{said}");
         }
     }
@@ -80,6 +80,6 @@ mod tests {
         let path = dir.path().join("a.dxf");
         let text = "999\nline\n".repeat(2000);
         std::fs::write(&path, &text).unwrap();
-        assert_eq!(read(&path, |_| None).unwrap(), text.as_bytes());
+        assert_eq!(read(&path, None, |_| None).unwrap(), text.as_bytes());
     }
 }

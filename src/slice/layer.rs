@@ -25,6 +25,15 @@ pub struct LayerParams {
     pub targets: Vec<Target>,
     /// Every so many levels there is an index contour, counted from the base; 0 for none.
     pub index_every: u32,
+    /// Memory that may be taken, bytes: layers that need more are refused. No limit if `None`.
+    pub memory: Option<u64>,
+}
+
+impl Default for LayerParams {
+    /// No targets, every fifth level an index contour, no limit of memory.
+    fn default() -> Self {
+        Self { targets: Vec::new(), index_every: 5, memory: None }
+    }
 }
 
 /// The contour lines of each target: all input contours bit for bit, and traced lines at the other levels.
@@ -58,7 +67,8 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     levels.dedup();
     let crossings = crossings(&surface.tin, &levels);
     let what = format!("new contours at {} levels with about {crossings:.0} vertices", levels.len());
-    memory::check(BYTES_A_VERTEX * crossings, &what, "choose a larger interval, or fewer levels, or a smaller frame")?;
+    let remedy = "choose a larger interval, or fewer levels, or a smaller frame";
+    memory::check(BYTES_A_VERTEX * crossings, params.memory, what, remedy)?;
     let traced = slice(&surface.tin, &surface.regions, &levels, progress);
     let mut rings: HashMap<u64, HashSet<[u64; 2]>> = HashMap::new();
     for ring in map.contours.iter().filter(|c| c.is_closed()) {

@@ -20,6 +20,12 @@ pub enum Target {
     Levels(Vec<f64>),
 }
 
+impl From<Interval> for Target {
+    fn from(Interval { step, base }: Interval) -> Self {
+        Self::Interval { step, base }
+    }
+}
+
 impl Target {
     /// The levels from `lowest` to `highest`, ascending.
     ///
@@ -29,7 +35,7 @@ impl Target {
         match self {
             Self::Interval { step, base } => {
                 if !(step.is_finite() && *step > 0.0 && base.is_finite()) {
-                    return Err(Error::Parameter(format!("the interval is {step}, it must be more than 0")));
+                    return Err(Error::out_of_range("interval", *step, "more than 0"));
                 }
                 let (first, last) = (((lowest - base) / step).ceil(), ((highest - base) / step).floor());
                 if last - first >= MOST_LEVELS {

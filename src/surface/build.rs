@@ -24,14 +24,11 @@ use crate::tin::{Gaps, Regions, Side, Tin, Triangulation};
 /// As [`tiling_with_water`](super::tiling_with_water), and when the parameters are out of range.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
-        return Err(Error::Parameter(format!(
-            "the resolution parameter w is {}, it must be 0 or more",
-            params.resolution
-        )));
+        return Err(Error::out_of_range("resolution parameter w", params.resolution, "0 or more"));
     }
     for (name, value) in [("tension", params.spline.tension), ("noise of the contours", params.spline.noise)] {
         if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {
-            return Err(Error::Parameter(format!("the {name} is {value}, it must be 0 or more")));
+            return Err(Error::out_of_range(name, value, "0 or more"));
         }
     }
     let prepared = prepare(map, &params.frame, &params.water)?;
@@ -99,7 +96,7 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
         let length = tiled.map.contours.iter().map(|c| c.length()).sum();
         let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
-        memory::check(bytes_on(&grid, length), &what, remedy)?;
+        memory::check(bytes_on(&grid, length), params.memory, what, remedy)?;
     }
     // A good part of the memory, so it goes where it is not needed any more.
     let triangulation = std::mem::take(&mut tiled.triangulation);

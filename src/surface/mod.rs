@@ -64,6 +64,17 @@ pub enum Uncertainty {
     Learnt,
 }
 
+impl SurfaceKind {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Skeleton => "skeleton",
+            Self::Spline => "spline",
+        }
+    }
+}
+
 /// Parameters of [`build`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceParams {
@@ -81,6 +92,8 @@ pub struct SurfaceParams {
     pub triangles: Triangles,
     /// Whether the expected error is found.
     pub uncertainty: Uncertainty,
+    /// Memory that may be taken, bytes: a surface that needs more is refused. No limit if `None`.
+    pub memory: Option<u64>,
 }
 
 impl Default for SurfaceParams {
@@ -93,6 +106,7 @@ impl Default for SurfaceParams {
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
+            memory: None,
         }
     }
 }

@@ -239,22 +239,11 @@ impl Tiling {
 }
 
 fn too_few_levels(map: &ContourMap, frame: &Frame) -> Error {
-    let (inside, remedy) = match frame {
-        Frame::Polygon(_) => (" inside the frame polygon", "choose a larger polygon"),
-        Frame::Hull | Frame::Box => ("", "is it the right elevation field?"),
-    };
-    Error::Data(match map.contours.first() {
-        None => format!("there is no contour line{inside}"),
-        Some(c) if map.contours.len() == 1 => format!(
-            "there is one contour line only{inside} (elevation {}): a surface needs contours of two levels",
-            c.elevation
-        ),
-        Some(c) => format!(
-            "all {} contour lines{inside} have the elevation {}: a surface needs contours of two levels ({remedy})",
-            map.contours.len(),
-            c.elevation
-        ),
-    })
+    let in_polygon = matches!(frame, Frame::Polygon(_));
+    match map.contours.first() {
+        None => Error::NoContours { in_polygon },
+        Some(c) => Error::TooFewLevels { lines: map.contours.len(), elevation: c.elevation, in_polygon },
+    }
 }
 
 /// What is triangulated besides the contours.

@@ -169,12 +169,7 @@ impl Triangulation {
     /// The error that the edge between two vertices crosses another.
     fn crossing(&self, edge: [u32; 2]) -> Error {
         let [u, v] = edge.map(|v| self.input.positions[self.source[v as usize] as usize]);
-        let p = u.midpoint(v) + self.input.origin;
-        Error::Data(format!(
-            "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the \
-             frame, move the frame's border a little",
-            p.x, p.y
-        ))
+        Error::LinesCross { place: u.midpoint(v) + self.input.origin }
     }
 }
 

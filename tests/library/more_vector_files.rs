@@ -380,7 +380,10 @@ fn layers_of_a_dxf_choose_the_lines() {
     let all = [hill.as_str(), index.as_str(), road.as_str()];
     let path = dxf_file(&dir, "", &all);
     let error = read_error(&path);
-    assert!(error.contains("\"ROAD\"") && error.contains("\"HILL\" (1 lines)") && error.contains("--layer"), "{error}");
+    assert!(
+        error.contains("\"ROAD\"") && error.contains("\"HILL\" (1 lines)") && error.contains("all lie at 0"),
+        "{error}"
+    );
     let levels = |layers: &str| read_layers(&path, layers).unwrap().iter().map(|c| c.elevation).collect::<Vec<_>>();
     assert_eq!(levels("hill"), [10.0]);
     assert_eq!(levels("HILL, HILL_INDEX"), [10.0, 50.0]);

@@ -85,7 +85,7 @@ fn a_gap_in_a_contour_is_closed_by_a_new_line() {
     let (surface, findings) = surface_of(contours, vec![], Frame::Hull);
     let told: Vec<_> = findings.iter().map(|f| f.kind).collect();
     assert_eq!(told, [FindingKind::Gap]);
-    let params = LayerParams { targets: vec![Target::Interval { step: 5.0, base: 0.0 }], index_every: 5 };
+    let params = LayerParams { targets: vec![Target::Interval { step: 5.0, base: 0.0 }], ..LayerParams::default() };
     let layer = contour_layers(&surface, &params, &()).unwrap().remove(0);
     let new: Vec<_> = layer.lines.iter().filter(|l| l.source == Source::Interpolated && l.elevation == 10.0).collect();
     assert_eq!(new.len(), 1);

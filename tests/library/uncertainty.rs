@@ -132,7 +132,7 @@ fn few_levels_fall_back_to_usual_terrain() {
     let surface = surface(rings, SurfaceKind::Spline, Triangles::Smooth, None);
     let field = surface.errors.as_ref().expect("it was asked for");
     assert_eq!(field.model.lesson, Lesson::Usual);
-    let params = LayerParams { targets: vec![Target::Interval { step: 1.0, base: 0.0 }], index_every: 5 };
+    let params = LayerParams { targets: vec![Target::Interval { step: 1.0, base: 0.0 }], ..LayerParams::default() };
     let layer = contour_layers(&surface, &params, &()).expect("a fair interval").remove(0);
     for line in &layer.lines {
         let expected = line.expected.expect("the surface knows");

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use tokosen::contour::{ContourLayer, ContourLine, ContourMap, Source};
 use tokosen::crs::Crs;
 use tokosen::error::{FindingKind, Report, Result};
-use tokosen::io::{ReadOptions, StagedOutput, looks_like_degrees, read_contours, read_spot_heights, write_contours};
+use tokosen::io::{ReadOptions, StagedOutput, read_contours, read_spot_heights, write_contours};
 
 const FORMATS: [&str; 5] = ["dxf", "fgb", "geojson", "gpkg", "shp"];
 
@@ -167,7 +167,7 @@ fn several_layers_go_into_one_geopackage_and_into_one_file_each_elsewhere() {
     assert_eq!(write(&path, &layers, None).unwrap(), std::slice::from_ref(&path));
     assert_eq!(names_in(&dir), ["out.gpkg"]);
     let error = read_error(&path);
-    assert!(error.contains("\"contours_1m\", \"contours_2m\"") && error.contains("--layer"), "{error}");
+    assert!(error.contains("\"contours_1m\", \"contours_2m\"") && error.contains("several layers of lines"), "{error}");
     for layer in &layers {
         let options = ReadOptions { layer: Some(layer.name.to_uppercase()), ..ReadOptions::default() };
         let map = read_contours(&path, &options).unwrap().value;
@@ -296,9 +296,9 @@ fn geojson_systems() {
         assert_eq!(report.value.crs, None, "{crs}");
         let unknown = report.findings.iter().filter(|f| f.kind == FindingKind::UnknownCrs).count();
         assert_eq!(unknown, 1, "{crs}");
-        assert_eq!(looks_like_degrees(&report.value), x == "1");
+        assert_eq!(report.value.looks_like_degrees(), x == "1");
     }
-    assert!(!looks_like_degrees(&ContourMap::default()));
+    assert!(!ContourMap::default().looks_like_degrees());
 }
 
 #[test]

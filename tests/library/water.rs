@@ -57,7 +57,7 @@ fn hollow() -> Vec<Contour> {
 }
 
 fn layer_of(surface: &Surface, step: f64) -> ContourLayer {
-    let params = LayerParams { targets: vec![Target::Interval { step, base: 0.0 }], index_every: 5 };
+    let params = LayerParams { targets: vec![Target::Interval { step, base: 0.0 }], ..LayerParams::default() };
     contour_layers(surface, &params, &()).unwrap().remove(0)
 }
 

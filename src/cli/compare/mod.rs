@@ -7,29 +7,20 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
-use rayon::prelude::*;
 use serde::Serialize;
-use tokosen::contour::{ElevationUnit, Interval};
-use tokosen::crs::Transform;
-use tokosen::dem::compare::{
-    BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, difference, height_figures,
-    outside_bands,
-};
-use tokosen::dem::{Grid, locate};
+use tokosen::dem::compare::{Comparison, difference};
 use tokosen::error::{Error, Finding};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
-use tokosen::io::{Content, ReadOptions, StagedOutput, content, read_spot_heights};
+use tokosen::io::{Content, StagedOutput, content};
 use tokosen::report::{ComparisonPage, HeightSource, comparison_page, remarks};
-use tokosen::surface::Surface;
-use tokosen::tin::{NONE, Tin};
+use tokosen::terrain::{Kind, MeasureOptions, Pair, SideSource, measure};
 
 use super::console::Console;
 use super::input::InputArgs;
+use super::job::{commit, told};
 use super::output::{self, GridArgs};
 use super::surface::SurfaceArgs;
 use super::{Failure, summary};
-use side::Kind;
-pub use side::{Pair, Side};
 
 /// How far a height map or the surface of contours is from another
 ///
@@ -84,7 +75,7 @@ median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 %
 #[derive(Serialize)]
 struct Json<'a> {
     /// What A and B are.
-    sources: [&'a side::Source; 2],
+    sources: [&'a SideSource; 2],
     /// How they came onto one grid.
     notes: &'a [String],
     /// Columns and rows.
@@ -105,18 +96,14 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     let mut findings = Vec::new();
     let pair = side::read(args, contents, &mut findings, console)?;
-    let options = Options {
+    let options = MeasureOptions {
         sigma: args.sigma,
         interval: args.interval,
         points: args.input.map.points.as_deref(),
         unit: args.input.map.unit.unit(),
     };
     let measured = measure(&pair, &options, &mut findings, console);
-    if measured.is_err() {
-        console.clear();
-        summary::findings(&side::told(&findings), console);
-    }
-    let found = measured?;
+    let found = measured.map_err(|error| told(error, &side::placed(&findings), console))?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
@@ -127,7 +114,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         draw(staged, &pair, &found, console)?;
     }
 
-    summary::findings(&side::told(&findings), console);
+    summary::findings(&side::placed(&findings), console);
     if args.json {
         let json = Json {
             sources: [&pair.a.source, &pair.b.source],
@@ -144,8 +131,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         tell(&pair, &found, console);
     }
     for staged in [staged, page].into_iter().flatten() {
-        let path = staged.target().to_owned();
-        staged.commit()?;
+        let path = commit(staged)?;
         if !args.json {
             console.say(&format!("written    {}", path.display()));
         }
@@ -156,72 +142,12 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a comparison may be told besides the two sides.
-#[derive(Default)]
-pub struct Options<'a> {
-    /// Stated accuracy as a standard deviation, metres; that of the product if `None`.
-    pub sigma: Option<f64>,
-    /// Contour interval at whose levels terraces are looked for, metres.
-    pub interval: Option<f64>,
-    /// A file of check points.
-    pub points: Option<&'a Path>,
-    /// Unit of their heights.
-    pub unit: ElevationUnit,
-}
-
-/// All figures of a comparison.
-pub fn measure(
-    pair: &Pair,
-    options: &Options<'_>,
-    findings: &mut Vec<Finding>,
-    console: &Console,
-) -> Result<Comparison, Failure> {
-    let (a, b) = (&pair.a_heights, &pair.b_heights);
-    let distances = match pair.surface() {
-        Some(surface) => {
-            let way = side::way(&pair.b.source.file, b.crs.as_ref(), surface.map.crs.as_ref())?;
-            let to_map = |p: DVec2| side::along(way.as_ref(), p);
-            let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
-            let contours = &surface.map.contours;
-            Some(console.step("measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
-        }
-        None => None,
-    };
-    let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
-    // The reference's own figure, else that of what is measured.
-    let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
-    let params =
-        CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
-    let compared = console.step("comparing", || compare(a, b, &params));
-    let mut found = compared?;
-    for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-        // A height map that was interpolated has lost its decimals, and some of its terraces.
-        if let Kind::Dem(dem) = &side.kind
-            && (dem.grid != b.grid || dem.crs != b.crs)
-        {
-            *figures = height_figures(&dem.values, interval.as_ref());
-        }
-    }
-    found.bands = bands(pair, console)?;
-    if let Some(path) = options.points {
-        let mut checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
-        checks.points.iter_mut().for_each(|point| point.z = options.unit.metres(point.z));
-        for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
-        }
-        if found.a.points.is_none() && found.b.points.is_none() {
-            return Err(Failure::Work(Error::file(path, "no check point lies where A or B have heights")));
-        }
-    }
-    Ok(found)
-}
-
 /// Writes the page, still under its temporary name.
 pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Console) -> Result<(), Failure> {
     let content = ComparisonPage {
         a_name: &pair.a.source.title(),
         b_name: &pair.b.source.title(),
-        sources: pair.height_sources(),
+        sources: height_sources(pair),
         notes: &pair.notes,
         a: &pair.a_heights,
         b: &pair.b_heights,
@@ -264,6 +190,9 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
             "heights are compared at the cells of the height map: leave out --cell and --like".into(),
         ));
     }
+    if contents != [Content::HeightMap; 2] {
+        args.surface.check()?;
+    }
     let inputs: Vec<&Path> = args
         .input
         .map
@@ -285,40 +214,6 @@ pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
     output::open(path)
 }
 
-/// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.
-fn bands(pair: &Pair, console: &Console) -> Result<Option<BandShare>, Failure> {
-    let (side, surface, dem) = match (&pair.a.kind, &pair.b.kind) {
-        (Kind::Surface(surface), Kind::Dem(_)) => (&pair.a, surface, &pair.b_heights),
-        (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
-        _ => return Ok(None),
-    };
-    let way = side::way(&side.source.file, dem.crs.as_ref(), side.crs())?;
-    let triangles = match &way {
-        None => locate(&surface.tin, &dem.grid, console),
-        Some(way) => console.step("looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),
-    };
-    // A height map that is a little off on water contradicts no contour.
-    let band = |i: usize| {
-        let t = Some(triangles[i]).filter(|&t| t != NONE)?;
-        surface.regions.region(t).filter(|region| region.water.is_none()).map(|region| region.band)
-    };
-    Ok(outside_bands(dem, band))
-}
-
-/// The triangles of cell centres in another system, found by walking along each row.
-fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
-    let row = |row: usize| {
-        let mut near = 0;
-        (0..grid.cols).map(move |col| {
-            let Some(p) = way.forward(grid.center(col, row)) else { return NONE };
-            let found = tin.walk(near, p - tin.origin);
-            near = found.unwrap_or_else(|left| left);
-            found.unwrap_or(NONE)
-        })
-    };
-    if tin.is_empty() { vec![NONE; grid.len()] } else { (0..grid.rows).into_par_iter().flat_map_iter(row).collect() }
-}
-
 /// The summary: what was compared, the table, what it means.
 pub fn tell(pair: &Pair, found: &Comparison, console: &Console) {
     console.say(&format!("A          {}", pair.a.source.title()));
@@ -334,30 +229,16 @@ pub fn tell(pair: &Pair, found: &Comparison, console: &Console) {
     console.say("");
     table::lines(found).iter().for_each(|line| console.say(line));
     console.say("");
-    for sentence in pair.notes.iter().cloned().chain(remarks(found, pair.height_sources())) {
+    for sentence in pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))) {
         console.say(&sentence);
     }
     console.say("");
 }
 
-/// The two sides with their heights on one grid.
-impl Pair {
-    fn surface(&self) -> Option<&Surface> {
-        [&self.b, &self.a].into_iter().find_map(Side::surface)
-    }
-
-    fn height_sources(&self) -> [HeightSource; 2] {
-        [&self.a, &self.b].map(|side| match side.kind {
-            Kind::Dem(_) => HeightSource::HeightMap,
-            Kind::Surface(_) => HeightSource::Surface,
-        })
-    }
-
-    fn metres_per_unit(&self) -> DVec2 {
-        self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
-    }
-
-    fn interval(&self) -> Option<Interval> {
-        self.surface().map(|surface| surface.interval)
-    }
+/// What each side's heights come from.
+fn height_sources(pair: &Pair) -> [HeightSource; 2] {
+    [&pair.a, &pair.b].map(|side| match side.kind {
+        Kind::Dem(_) => HeightSource::HeightMap,
+        Kind::Surface(_) => HeightSource::Surface,
+    })
 }

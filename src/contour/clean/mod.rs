@@ -69,9 +69,9 @@ impl Default for CleanParams {
 
 impl CleanParams {
     fn check(&self) -> Result<()> {
-        for (name, value) in [("snap", self.snap), ("separation", self.separation)] {
+        for (name, value) in [("snap distance", self.snap), ("separation", self.separation)] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::Parameter(format!("the {name} distance must be 0 or more map units, not {value}")));
+                return Err(Error::out_of_range(name, value, "0 or more"));
             }
         }
         Ok(())

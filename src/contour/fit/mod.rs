@@ -74,10 +74,7 @@ struct State {
 /// [`Error::Parameter`] for a tolerance that is not above 0. [`Error::Data`] if the map is not clean.
 pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Report<Fitted>> {
     if !(params.tolerance.is_finite() && params.tolerance > 0.0) {
-        return Err(Error::Parameter(format!(
-            "the fitting tolerance must be more than 0 map units, not {}",
-            params.tolerance
-        )));
+        return Err(Error::out_of_range("fitting tolerance", params.tolerance, "more than 0"));
     }
     clean::validate(&map, near)?;
     let near = &near.on(&map);

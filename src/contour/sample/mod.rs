@@ -48,14 +48,11 @@ impl Default for SampleParams {
 impl SampleParams {
     pub(super) fn check(&self) -> Result<()> {
         if !(self.ratio > 0.0 && self.ratio < 1.0) {
-            let ratio = self.ratio;
-            return Err(Error::Parameter(format!(
-                "the sampling ratio must be more than 0 and less than 1, not {ratio}"
-            )));
+            return Err(Error::out_of_range("sampling ratio", self.ratio, "more than 0 and less than 1"));
         }
         match self.least {
             Some(least) if !(least.is_finite() && least > 0.0) => {
-                Err(Error::Parameter(format!("the shortest sampled piece must be more than 0 map units, not {least}")))
+                Err(Error::out_of_range("shortest sampled piece", least, "more than 0"))
             }
             _ => Ok(()),
         }

@@ -143,7 +143,8 @@ pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Compariso
     if let Some(sigma) = params.sigma
         && !(sigma.is_finite() && sigma > 0.0)
     {
-        return Err(Error::Parameter(format!("the standard deviation is {sigma} m, it must be more than 0")));
+        let (name, must) = ("standard deviation", "more than 0");
+        return Err(Error::OutOfRange { name, value: sigma, unit: " m", must });
     }
     let differences = differences(a, b);
     let place = |i: usize| grid.center(i % grid.cols, i / grid.cols);

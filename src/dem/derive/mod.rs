@@ -1,8 +1,10 @@
 //! What is derived from a height map: how steep it is, where it faces, which places are steep and high enough to slide.
 
+mod note;
 mod outline;
 mod slope;
 mod steep;
 
+pub use note::{HeightsFrom, steep_note};
 pub use slope::{aspect, shade, slope};
 pub use steep::{SteepArea, SteepParams, Steeps, steep};

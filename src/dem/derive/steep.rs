@@ -63,10 +63,11 @@ pub struct Steeps {
 /// An angle that is not between 0 and 90 degrees, a height that is negative or not finite.
 pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Steeps> {
     if !(params.angle > 0.0 && params.angle < 90.0) {
-        return Err(Error::Parameter(format!("the angle is {}, it must be between 0 and 90 degrees", params.angle)));
+        return Err(Error::out_of_range("angle", params.angle, "between 0 and 90 degrees"));
     }
     if !(params.height >= 0.0 && params.height.is_finite()) {
-        return Err(Error::Parameter(format!("the height is {} m, it must be 0 or more", params.height)));
+        let (name, must) = ("height", "0 or more");
+        return Err(Error::OutOfRange { name, value: params.height, unit: " m", must });
     }
     let grid = dem.grid;
     let slopes = slope(dem, scale).values;

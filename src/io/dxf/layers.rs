@@ -61,27 +61,18 @@ impl Layers {
             .map(|(layer, _)| layer.as_str())
             .collect();
         if with_lines().next().is_some() && with_lines().all(|(_, content)| content.at_zero == content.lines) {
-            let what = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
+            let place = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
             let texts = match texts {
                 0 => String::new(),
                 n => format!(", and the {n} texts that may tell them are not read"),
             };
-            let message = format!(
-                "there are no elevations {what}: all lines lie at 0{texts}; give the lines their elevations in the \
-                 program that drew them (-a z takes the 0 all the same)"
-            );
-            return Err(Error::file(path, message));
+            return Err(Error::NoElevations { place, texts }.in_file(path));
         }
         if flat.is_empty() || wanted.is_named() {
             return Ok(());
         }
-        let list = shortened(flat.iter().map(|layer| format!("{layer:?}")));
-        let message = format!(
-            "the lines of some layers all lie at 0, which may not be meant as their elevation: {list}; its layers are {}; \
-             name those of contours with --layer A,B",
-            self.list()
-        );
-        Err(Error::file(path, message))
+        let flat = shortened(flat.iter().map(|layer| format!("{layer:?}")));
+        Err(Error::FlatLayers { flat, layers: self.list() }.in_file(path))
     }
 
     fn list(&self) -> String {

@@ -35,7 +35,7 @@ fn known(bytes: &[u8]) -> Option<&'static str> {
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. Blocks are not expanded.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = text::read(path, known)?;
+    let bytes = text::read(path, request.memory, known)?;
     let mut groups = Groups::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
     let mut drawing = Drawing {
         path,

@@ -5,7 +5,8 @@ use crate::io::table::{Feature, Purpose, Request};
 
 /// A table of one straight line a row: the values of the fields, and its z.
 fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]>)]) -> Table {
-    let mut table = Table::new(&Request { elevation_field: named, layer: None, purpose: Purpose::Contours });
+    let mut table =
+        Table::new(&Request { elevation_field: named, layer: None, purpose: Purpose::Contours, memory: None });
     for (number, (values, z)) in (0..).zip(rows) {
         let mut feature = Feature { number, ..Feature::default() };
         for (name, value) in names.iter().zip(*values) {
@@ -70,10 +71,7 @@ fn a_named_field_wins_and_a_missing_one_lists_the_others() {
 fn fields_that_disagree_are_in_doubt_and_fields_that_agree_are_not() {
     let doubt =
         message(read(None, &["elev", "height"], &[(&[num(10.0), num(10.0)], None), (&[num(20.0), num(3.0)], None)]));
-    assert!(
-        doubt.contains("--elevation-field") && doubt.contains("feature 1") && doubt.contains("height (such as 10)"),
-        "{doubt}"
-    );
+    assert!(doubt.contains("in feature 1; its fields are") && doubt.contains("height (such as 10)"), "{doubt}");
     assert_eq!(elevations(read(None, &["elev", "height"], &[(&[num(10.0), text("10.00")], None)])), [10.0]);
     // A field of a known name without a number in it is no candidate.
     assert_eq!(elevations(read(None, &["level", "height"], &[(&[text("minor"), num(7.0)], None)])), [7.0]);
@@ -91,7 +89,7 @@ fn z_is_used_without_a_field_and_checked_with_one() {
     assert_eq!(elevations(read(None, &["elev"], &[(&[num(5.004)], Some([5.0, 5.0]))])), [5.004]);
     assert_eq!(elevations(read(None, &["elev"], &[(&[num(5.0)], Some([0.0, 0.0]))])), [5.0]);
     let doubt = message(read(None, &["elev"], &[(&[num(5.0)], Some([6.0, 6.0]))]));
-    assert!(doubt.contains("z coordinate (6") && doubt.contains("elev (such as 5)"), "{doubt}");
+    assert!(doubt.contains("z coordinate (6)") && doubt.contains("elev (such as 5)"), "{doubt}");
     // Laid over terrain: z says nothing.
     let draped: &[(&[Value], _)] = &[(&[num(5.0)], Some([4.0, 6.0])), (&[num(5.0)], Some([4.0, 4.0]))];
     assert_eq!(elevations(read(None, &["elev"], draped)), [5.0, 5.0]);
@@ -101,7 +99,7 @@ fn z_is_used_without_a_field_and_checked_with_one() {
 fn no_elevation_at_all_is_an_error_that_lists_the_fields() {
     for (z, word) in [(None, "no z"), (Some([0.0, 0.0]), "every z is 0"), (Some([1.0, 2.0]), "varies")] {
         let error = message(read(None, &["id", "kind"], &[(&[num(17.0), text("index")], z)]));
-        assert!(error.contains(word) && error.contains("-a/--elevation-field"), "{error}");
+        assert!(error.contains(word) && error.contains("no field is known to hold elevations"), "{error}");
         assert!(error.contains("id (such as 17), kind (such as \"index\")"), "{error}");
     }
     assert_eq!(elevations(read(Some("z"), &["id"], &[(&[num(17.0)], Some([0.0, 0.0]))])), [0.0]);

@@ -15,7 +15,7 @@ use crate::io::text;
 ///
 /// Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = text::read(path, |_| None)?;
+    let bytes = text::read(path, request.memory, |_| None)?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     if text.trim_ascii().is_empty() {
         return Err(Error::file(path, "the file is empty"));

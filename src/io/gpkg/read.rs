@@ -145,12 +145,8 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
             Ok(chosen)
         }
         many => {
-            let list = names(many);
-            let remedy = match request.purpose {
-                Purpose::Contours => "choose one with --layer",
-                _ => "copy the right one to a file of its own, for instance with 'ogr2ogr one.gpkg all.gpkg LAYER'",
-            };
-            Err(Error::file(path, format!("there are several layers of {what}: {list}; {remedy}")))
+            let layers = many.iter().map(|layer| layer.table.clone()).collect();
+            Err(Error::LayerAmbiguous { what, layers }.in_file(path))
         }
     }
 }

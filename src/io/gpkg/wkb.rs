@@ -217,7 +217,7 @@ mod tests {
     use crate::io::table::{Purpose, Request};
 
     fn table() -> Table {
-        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Contours })
+        Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Contours, memory: None })
     }
 
     /// A line of two vertices whose numbers count up from a half.

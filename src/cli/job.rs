@@ -1,0 +1,121 @@
+//! What every verb does around its own work: paths are checked and outputs opened before it; findings, summary and the
+//! files' final names come after it.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+use tokosen::contour::ContourMap;
+use tokosen::error::{Error, Finding};
+use tokosen::io::StagedOutput;
+use tokosen::io::raster::write_picture;
+use tokosen::surface::Tiling;
+use tokosen::{Input, Options, Terrain};
+
+use super::console::Console;
+use super::input::InputArgs;
+use super::surface::{SurfaceArgs, WaterArgs};
+use super::{Failure, output, summary};
+
+/// A run of a verb that makes something of contours.
+pub struct Job<'a> {
+    console: &'a Console,
+    args: &'a InputArgs,
+    picture: Option<StagedOutput>,
+}
+
+impl<'a> Job<'a> {
+    /// Checks the paths of all files, and opens the picture's, if one is asked for. `inputs` are those beside the contours.
+    pub fn start<'p>(
+        args: &'a InputArgs,
+        inputs: impl IntoIterator<Item = &'p Path>,
+        outputs: impl IntoIterator<Item = &'p Path>,
+        picture: Option<&'p Path>,
+        console: &'a Console,
+    ) -> Result<Self, Failure> {
+        let mut inputs: Vec<&Path> = inputs.into_iter().collect();
+        inputs.extend(args.map.files());
+        let outputs: Vec<&Path> = outputs.into_iter().chain(picture).collect();
+        output::check_paths(&inputs, &outputs)?;
+        if let Some(path) = picture.filter(|path| output::extension(path) != "png") {
+            return Err(Failure::Usage(format!("{}: pictures are written as .png", path.display())));
+        }
+        Ok(Self { console, args, picture: picture.map(output::open).transpose()? })
+    }
+
+    /// Reads and prepares the contours.
+    pub fn read(&self) -> Result<Input, Failure> {
+        self.args.read(self.console)
+    }
+
+    /// Builds the surface between them.
+    pub fn build(&self, input: &mut Input, surface: &SurfaceArgs, options: Options) -> Result<Terrain, Failure> {
+        build(input, surface, &options, self.console)
+    }
+
+    /// Finds the sub-domains between them.
+    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs) -> Result<Tiling, Failure> {
+        let tiled = input.subdivide(water.sea, self.console);
+        tiled.map_err(|error| told(error, &input.findings, self.console).into())
+    }
+
+    /// Draws the picture, still under its temporary name, if one is asked for.
+    pub fn draw(&self, picture: impl FnOnce() -> Result<RgbImage, Error>) -> Result<(), Failure> {
+        let Some(staged) = &self.picture else { return Ok(()) };
+        let written = self
+            .console
+            .step("drawing", || write_picture(&staged.path(), &picture()?).map_err(|e| staged.with_final_name(e)));
+        Ok(written?)
+    }
+
+    /// Tells what was noticed about the input, and what it is.
+    pub fn tell(&self, findings: &[Finding], map: &ContourMap) {
+        summary::findings(findings, self.console);
+        self.args.map.describe(map, self.console);
+    }
+
+    /// Puts the picture in its place.
+    pub fn commit_picture(self) -> Result<(), Failure> {
+        if let Some(picture) = self.picture {
+            self.console.say(&format!("written    {}", commit(picture)?.display()));
+        }
+        Ok(())
+    }
+
+    /// Puts the picture in its place, and tells the end of the summary.
+    pub fn close(self, findings: usize) -> Result<(), Failure> {
+        let console = self.console;
+        self.commit_picture()?;
+        summary::close(findings, console);
+        Ok(())
+    }
+}
+
+/// Builds the surface of an input. Tells the findings when the building ended in an error: what was left out may be why.
+pub fn build(
+    input: &mut Input,
+    surface: &SurfaceArgs,
+    options: &Options,
+    console: &Console,
+) -> Result<Terrain, Failure> {
+    surface.add_to(input)?;
+    let built = Terrain::build_with(input, options, console);
+    // As long as the map is there, nothing was made of it.
+    built.map_err(|error| match input.map.contours.is_empty() {
+        true => told(error, &input.findings, console).into(),
+        false => error.into(),
+    })
+}
+
+/// The error, after the findings were told.
+pub fn told(error: Error, findings: &[Finding], console: &Console) -> Error {
+    console.clear();
+    summary::findings(findings, console);
+    error
+}
+
+/// Puts an output in its place.
+pub fn commit(staged: StagedOutput) -> Result<PathBuf, Failure> {
+    let path = staged.target().to_owned();
+    staged.commit()?;
+    Ok(path)
+}

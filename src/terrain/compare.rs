@@ -1,0 +1,249 @@
+//! The two sides of a comparison, brought onto one grid.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use serde::Serialize;
+
+use super::Terrain;
+use crate::contour::Interval;
+use crate::crs::{Crs, Transform};
+use crate::dem::compare::{height_at, heights_between};
+use crate::dem::{Dem, Grid, looks_like_degrees};
+use crate::error::{Error, Report, Result};
+use crate::io::SpotHeights;
+use crate::io::raster::{DemFile, read_dem};
+use crate::progress::{Progress, step};
+use crate::surface::{Surface, SurfaceKind, heights, heights_on};
+
+/// One side.
+#[derive(Debug)]
+pub struct Side {
+    /// What it is, for people.
+    pub source: SideSource,
+    /// What its heights come from.
+    pub kind: Kind,
+    /// Stated accuracy of the product, as a standard deviation, metres.
+    pub sigma: Option<f64>,
+}
+
+/// What the heights of a side come from.
+#[derive(Debug)]
+pub enum Kind {
+    /// A height map.
+    Dem(Dem),
+    /// The surface between contours.
+    Surface(Box<Surface>),
+}
+
+/// What a side is, for people and for JSON.
+#[derive(Debug, Clone, Serialize)]
+pub struct SideSource {
+    /// The file.
+    pub file: PathBuf,
+    /// `dem` or `contours`.
+    pub kind: &'static str,
+    /// Name of the coordinate reference system.
+    pub crs: Option<String>,
+    /// What it is made of.
+    pub about: String,
+}
+
+impl SideSource {
+    /// In one line.
+    pub fn title(&self) -> String {
+        let crs = self.crs.as_deref().unwrap_or("unknown coordinate reference system");
+        format!("{}: {}, {crs}", self.file.display(), self.about)
+    }
+}
+
+/// Both sides with their heights on one grid.
+#[derive(Debug)]
+pub struct Pair {
+    /// What is measured.
+    pub a: Side,
+    /// What it is measured against.
+    pub b: Side,
+    /// The heights of A.
+    pub a_heights: Dem,
+    /// The heights of B, on the same grid.
+    pub b_heights: Dem,
+    /// How they came onto it, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// The cells that heights are compared at, and the system that they are in.
+pub type Nodes = (Grid, Option<Crs>);
+
+impl Pair {
+    /// Refuses cells in degrees of which neither side says so.
+    ///
+    /// # Errors
+    /// If the coordinates look like degrees and no system is named. The error names `path`.
+    pub fn refuse_degrees((grid, crs): &Nodes, path: &Path) -> Result<()> {
+        if !looks_like_degrees(grid, crs.as_ref()) {
+            return Ok(());
+        }
+        let message = "the coordinates look like degrees, and neither A nor B says so; name the system first, for example \
+                       with 'gdal_translate -a_srs EPSG:6668'";
+        Err(Error::file(path, message))
+    }
+
+    /// Both at the cells of a grid in some system.
+    ///
+    /// # Errors
+    /// If there is no way from the grid's system to that of a side. The error names the side's file.
+    pub fn on(a: Side, b: Side, (grid, crs): Nodes, progress: &dyn Progress) -> Result<Self> {
+        let mut notes = vec![note(&a, &b, &grid)];
+        if let Some(name) = crs.as_ref().and_then(Crs::name) {
+            let nameless = [("A", &a), ("B", &b)].into_iter().filter(|(_, side)| side.crs().is_none());
+            notes.extend(nameless.map(|(letter, _)| {
+                format!("{letter} names no coordinate reference system: it is taken to be in {name}.")
+            }));
+        }
+        let a_heights = a.on(&grid, crs.as_ref(), progress)?;
+        let b_heights = b.on(&grid, crs.as_ref(), progress)?;
+        Ok(Self { a, b, a_heights, b_heights, notes })
+    }
+
+    /// The surface of a side, that of B first.
+    pub fn surface(&self) -> Option<&Surface> {
+        [&self.b, &self.a].into_iter().find_map(Side::surface)
+    }
+
+    /// Metres on the ground in a unit of the grid's system.
+    pub fn metres_per_unit(&self) -> DVec2 {
+        self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
+    }
+
+    /// The vertical interval of the contours, if a side is made of some.
+    pub fn interval(&self) -> Option<Interval> {
+        self.surface().map(|surface| surface.interval)
+    }
+}
+
+fn note(a: &Side, b: &Side, grid: &Grid) -> String {
+    match (&a.kind, &b.kind) {
+        (Kind::Surface(_), Kind::Dem(_)) => "The surface of A is evaluated at the cell centres of B.".into(),
+        (Kind::Dem(_), Kind::Surface(_)) => "The surface of B is evaluated at the cell centres of A.".into(),
+        (Kind::Surface(_), Kind::Surface(_)) => {
+            let [x, y] = [plain(grid.cell.x), plain(grid.cell.y)];
+            format!("Both surfaces are evaluated at the centres of cells of {x} x {y}.")
+        }
+        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid == *grid => "Both have the same cells.".into(),
+        (Kind::Dem(_), Kind::Dem(_)) => {
+            "A is on another grid: it is interpolated (bilinear) at the cell centres of B, which stays as it is.".into()
+        }
+    }
+}
+
+/// The way from one system to another; none if a place is the same in both, or if one of them is not known. `path` is for
+/// the error.
+pub(super) fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>> {
+    let Some((from, to)) = from.zip(to) else { return Ok(None) };
+    let way = Transform::between(from, to).map_err(|error| error.in_file(path))?;
+    Ok(Some(way).filter(|way| !way.is_identity()))
+}
+
+/// A place after a way.
+pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
+    way.map_or(Some(p), |way| way.forward(p))
+}
+
+impl Side {
+    /// Reads a height map.
+    ///
+    /// # Errors
+    /// As [`read_dem`].
+    pub fn read_height_map(path: &Path, progress: &dyn Progress) -> Result<Report<Self>> {
+        let Report { value, findings } = step(progress, "reading", || read_dem(path))?;
+        Ok(Report { value: Self::of_dem(path, value), findings })
+    }
+
+    fn of_dem(path: &Path, DemFile { dem, product }: DemFile) -> Self {
+        let name = product.map_or("height map", |product| product.name());
+        let Grid { cols, rows, cell, .. } = dem.grid;
+        let is_degrees = dem.crs.as_ref().is_some_and(Crs::is_geographic);
+        let (factor, unit) = if is_degrees { (3600.0, " seconds of arc") } else { (1.0, "") };
+        let [x, y] = [plain(cell.x * factor), plain(cell.y * factor)];
+        let source = SideSource {
+            file: path.to_owned(),
+            kind: "dem",
+            crs: dem.crs.as_ref().and_then(Crs::name),
+            about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
+        };
+        Self { source, kind: Kind::Dem(dem), sigma: product.map(|product| product.sigma()) }
+    }
+
+    /// The surface of the contours in a file.
+    pub fn of_terrain(path: &Path, kind: SurfaceKind, terrain: Terrain) -> Self {
+        let Terrain { surface, places, .. } = terrain;
+        let (count, interval) = (surface.map.contours.len(), surface.interval.step);
+        let source = SideSource {
+            file: path.to_owned(),
+            kind: "contours",
+            crs: places.input_crs().and_then(Crs::name),
+            about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
+        };
+        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None }
+    }
+
+    /// The surface, if the side is one.
+    pub fn surface(&self) -> Option<&Surface> {
+        match &self.kind {
+            Kind::Surface(surface) => Some(surface),
+            Kind::Dem(_) => None,
+        }
+    }
+
+    /// The cells of a height map.
+    pub fn nodes(&self) -> Option<Nodes> {
+        match &self.kind {
+            Kind::Dem(dem) => Some((dem.grid, dem.crs.clone())),
+            Kind::Surface(_) => None,
+        }
+    }
+
+    /// The system that the heights are in: for contours the one that they were worked on in.
+    pub fn crs(&self) -> Option<&Crs> {
+        match &self.kind {
+            Kind::Dem(dem) => dem.crs.as_ref(),
+            Kind::Surface(surface) => surface.map.crs.as_ref(),
+        }
+    }
+
+    /// Heights at the cell centres of a grid in some system.
+    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Dem> {
+        let way = way(&self.source.file, crs, self.crs())?;
+        let to_side = |p: DVec2| along(way.as_ref(), p);
+        let values = match &self.kind {
+            Kind::Dem(dem) if dem.grid == *grid && way.is_none() => dem.values.clone(),
+            Kind::Dem(dem) => step(progress, "interpolating", || heights_between(dem, grid, &to_side)),
+            Kind::Surface(surface) if way.is_none() => heights(surface, grid, progress).values,
+            Kind::Surface(surface) => heights_on(surface, grid, &to_side, progress),
+        };
+        Ok(Dem { grid: *grid, values, crs: crs.cloned() })
+    }
+
+    /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.
+    pub(super) fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>> {
+        let way = way(path, checks.crs.as_ref(), self.crs())?;
+        let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
+        Ok(match &self.kind {
+            Kind::Dem(dem) => {
+                (0..checks.points.len()).map(|k| place(k).map_or(f64::NAN, |p| height_at(dem, p))).collect()
+            }
+            Kind::Surface(surface) => {
+                // The points one after the other are the cells of a row.
+                let row = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: checks.points.len(), rows: 1 };
+                let heights = heights_on(surface, &row, &|p: DVec2| place(p.x as usize), &());
+                heights.into_iter().map(f64::from).collect()
+            }
+        })
+    }
+}
+
+/// A size to nine digits: what dividing left behind them says nothing.
+fn plain(size: f64) -> f64 {
+    format!("{size:.8e}").parse().unwrap_or(size)
+}

@@ -1,0 +1,193 @@
+//! Where the cells of a height map are: [`GridSpec`], and the grid that it gives over a surface.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+
+use crate::contour::ContourMap;
+use crate::crs::{Crs, Places, Transform};
+use crate::dem::{Dem, Grid};
+use crate::error::{CrsNeed, Error, Result};
+use crate::io::raster::read_grid;
+use crate::memory;
+use crate::progress::Progress;
+use crate::surface::{Surface, Wanted, heights, heights_on, standard_errors, standard_errors_on};
+use crate::tin::{Frame, FrameRing, frame_ring};
+
+/// The cells that a height map is wanted at.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GridSpec {
+    /// Square cells of this size, units of the working coordinate reference system, on multiples of it over the frame.
+    Cell(f64),
+    /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the frame.
+    Degrees(f64),
+    /// These cells.
+    Cells {
+        /// Size, place and number of the cells.
+        grid: Grid,
+        /// Their coordinate reference system; that of the contours if `None`.
+        crs: Option<Crs>,
+        /// The raster that they are from, for messages.
+        file: Option<PathBuf>,
+    },
+}
+
+/// Cells that a height map may have, whatever the memory.
+const MOST_CELLS: f64 = 4e9;
+/// Bytes that a cell takes while it is found and written: its height, its triangle, its part of the file.
+const BYTES_PER_CELL: f64 = 12.0;
+/// Points on each edge of the frame whose places in another system are looked at: edges are curves there.
+const POINTS_PER_EDGE: u32 = 16;
+
+impl GridSpec {
+    /// The cells of a raster; only its header is read.
+    ///
+    /// # Errors
+    /// As [`read_grid`].
+    pub fn like(path: &Path) -> Result<Self> {
+        let (grid, crs) = read_grid(path)?;
+        Ok(Self::Cells { grid, crs, file: Some(path.to_owned()) })
+    }
+
+    /// Checks the size of the cells.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if it is not a positive number.
+    pub fn check(&self) -> Result<()> {
+        let (name, size) = match self {
+            Self::Cell(size) => ("cell size", *size),
+            Self::Degrees(size) => ("cell size in degrees", *size),
+            Self::Cells { .. } => return Ok(()),
+        };
+        if size.is_finite() && size > 0.0 { Ok(()) } else { Err(Error::out_of_range(name, size, "more than 0")) }
+    }
+
+    /// The cells over contours whose places are these.
+    ///
+    /// # Errors
+    /// As [`GridSpec::check`]. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system. As
+    /// [`Transform::between`] from the cells' system to the working one.
+    pub(crate) fn over(&self, places: &Places) -> Result<Cells> {
+        self.check()?;
+        match self {
+            Self::Cell(size) => Ok(Cells { size: Size::Square(*size), apart: None }),
+            Self::Degrees(size) => {
+                let known = places.input_crs().and_then(Crs::geographic).zip(places.working_crs());
+                let (crs, working) = known.ok_or(Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees })?;
+                let way = Transform::between(&crs, working)?;
+                Ok(Cells { size: Size::Square(*size), apart: Some(Apart { crs, way }) })
+            }
+            Self::Cells { grid, crs, file } => {
+                let size = Size::Given(*grid);
+                // A raster that names no system is taken for one in that of the contours.
+                let known = crs.as_ref().or(places.input_crs()).zip(places.working_crs());
+                let Some((crs, working)) = known else { return Ok(Cells { size, apart: None }) };
+                let way = Transform::between(crs, working).map_err(|error| match file {
+                    Some(file) => error.in_file(file),
+                    None => error,
+                })?;
+                let apart = (!way.is_identity()).then(|| Apart { crs: crs.clone(), way });
+                Ok(Cells { size, apart })
+            }
+        }
+    }
+}
+
+/// The cells of a height map over contours, before the extent of the surface is known.
+pub(crate) struct Cells {
+    size: Size,
+    /// The system that the cells are in, where it is not the working one.
+    apart: Option<Apart>,
+}
+
+/// How the cells are laid.
+enum Size {
+    /// Square, on multiples of their size.
+    Square(f64),
+    /// These.
+    Given(Grid),
+}
+
+/// A system that is not the working one, and the way from it to that.
+struct Apart {
+    crs: Crs,
+    way: Transform,
+}
+
+impl Cells {
+    /// The grid over a frame.
+    pub fn grid(&self, frame: &FrameRing) -> Result<Grid> {
+        let cell = match self.size {
+            Size::Given(grid) => return Ok(grid),
+            Size::Square(cell) => cell,
+        };
+        let (lo, hi) = match &self.apart {
+            None => extent(frame),
+            Some(apart) => extent_in(frame, &apart.way),
+        };
+        if self.apart.is_some() && !(lo.is_finite() && hi.is_finite()) {
+            return Err(Error::Data("the frame has no place in degrees".into()));
+        }
+        let count = ((hi - lo) / cell).ceil();
+        if !count.is_finite() || count.x * count.y > MOST_CELLS {
+            let in_degrees = self.apart.is_some();
+            return Err(Error::TooManyCells { cell, cols: count.x, rows: count.y, in_degrees });
+        }
+        Ok(Grid::on_multiples(lo, hi, cell))
+    }
+
+    /// Refuses, before the surface is found, a height map that there is no room for.
+    pub fn check_room(&self, map: &ContourMap, frame: &Frame, memory: Option<u64>) -> Result<()> {
+        let Grid { cols, rows, .. } = self.grid(&frame_ring(map, frame))?;
+        let what = format!("a height map of {cols} x {rows} cells");
+        let remedy = "choose a larger cell or a smaller frame";
+        memory::check(BYTES_PER_CELL * cols as f64 * rows as f64, memory, what, remedy)
+    }
+
+    /// The system that the cells are in, where `working` is that of the surface.
+    pub fn crs<'a>(&'a self, working: Option<&'a Crs>) -> Option<&'a Crs> {
+        self.apart.as_ref().map_or(working, |apart| Some(&apart.crs))
+    }
+
+    /// What the smooth surface needs to know about the cells: nothing if its nodes cannot be their centres.
+    pub fn wanted(&self) -> Option<Wanted> {
+        match (&self.apart, &self.size) {
+            (Some(_), _) => None,
+            (None, Size::Square(cell)) => Some(Wanted::Cell(*cell)),
+            (None, Size::Given(grid)) => Some(Wanted::Grid(*grid)),
+        }
+    }
+
+    /// The heights of a surface at the centres of the cells.
+    pub fn heights(&self, surface: &Surface, progress: &dyn Progress) -> Result<Dem> {
+        let grid = self.grid(&surface.frame)?;
+        Ok(match &self.apart {
+            Some(Apart { crs, way }) => {
+                let values = heights_on(surface, &grid, &|p| way.forward(p), progress);
+                Dem { grid, values, crs: Some(crs.clone()) }
+            }
+            None => heights(surface, &grid, progress),
+        })
+    }
+
+    /// The standard errors of such heights; `None` if the surface does not know them.
+    pub fn standard_errors(&self, surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
+        match &self.apart {
+            Some(Apart { way, .. }) => standard_errors_on(surface, dem, &|p| way.forward(p)),
+            None => standard_errors(surface, dem),
+        }
+    }
+}
+
+/// The corners of the box around the frame in the system that `way` comes from.
+fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
+    let along =
+        |[a, b]: [DVec2; 2]| (0..POINTS_PER_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_PER_EDGE)));
+    let places = frame.edges().flat_map(along).filter_map(|p| way.inverse(p));
+    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+/// The lower left and the upper right corner of the frame.
+pub(super) fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
+    frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+}

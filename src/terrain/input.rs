@@ -1,0 +1,206 @@
+//! What a terrain is built from: [`Input`], a map on its working plane with all that was noticed about it.
+//!
+//! An input reads a file, or takes lines in memory; names their coordinate reference system; converts elevations to
+//! metres; and brings the lines to the plane that they are worked on in. Spot heights, lakes and a frame are added to it,
+//! each in a coordinate reference system of its own.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use geo::MultiPolygon;
+use glam::DVec3;
+
+use super::arrays;
+use super::plane::{named, on_plane};
+use crate::contour::{ContourMap, ElevationUnit, Fitted, Lake, Sampled};
+use crate::crs::{Crs, Places};
+use crate::error::{Finding, Report, Result};
+use crate::io::{ReadOptions, SpotHeights, read_area, read_contours, read_spot_heights, read_water};
+use crate::progress::{Progress, step};
+use crate::tin::Frame;
+
+/// How contours are taken in.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InputOptions {
+    /// The attribute of a file that holds the elevation, see [`ReadOptions::elevation_field`].
+    pub elevation_field: Option<String>,
+    /// The layer of a file with several, see [`ReadOptions::layer`].
+    pub layer: Option<String>,
+    /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres.
+    pub unit: ElevationUnit,
+    /// The coordinate reference system of the contours, where none is named or a wrong one.
+    pub crs: Option<Crs>,
+    /// The projected system in metres to work in. Without it the contours' own, or for degrees and feet the one that
+    /// [`working_crs`](crate::crs::working_crs) chooses.
+    pub work_crs: Option<Crs>,
+    /// Memory that reading may take, bytes. No limit if `None`.
+    pub memory: Option<u64>,
+}
+
+/// A map on its working plane, and what was noticed about it.
+///
+/// When a step fails, the findings up to then stay here: what was left out of the input may be why.
+#[derive(Debug, Clone, Default)]
+pub struct Input {
+    /// Contours and spot heights, in the working coordinate reference system. Empty once a terrain was made of it.
+    pub map: ContourMap,
+    /// What was noticed, in a fixed order; places are in the working coordinate reference system.
+    pub findings: Vec<Finding>,
+    /// How the working plane lies to the coordinates of the contours.
+    pub places: Places,
+    /// Where the ground ends.
+    pub frame: Frame,
+    /// Lakes, on the working plane.
+    pub lakes: Vec<Lake>,
+    /// Figures of the fit, if one was made; its map is empty.
+    pub fitted: Option<Fitted>,
+    /// Figures of the sampling, if it was done; its map is empty.
+    pub sampled: Option<Sampled>,
+    /// The file of the contours.
+    pub(super) file: Option<PathBuf>,
+    pub(super) unit: ElevationUnit,
+    pub(super) is_prepared: bool,
+    pub(super) is_strict: bool,
+}
+
+impl Input {
+    /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
+    ///
+    /// # Errors
+    /// As [`Input::read_with`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::read_with(path.as_ref(), &InputOptions::default(), &())
+    }
+
+    /// Reads contours and the spot heights that come with them.
+    ///
+    /// # Errors
+    /// As [`read_contours`] and [`Input::from_map`]; the error names the file.
+    pub fn read_with(path: &Path, options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
+        step(progress, "reading", || {
+            let InputOptions { elevation_field, layer, memory, .. } = options.clone();
+            let read = read_contours(path, &ReadOptions { elevation_field, layer, memory })?;
+            let input = Self::from_report(read, options).map_err(|error| error.in_file(path))?;
+            Ok(Self { file: Some(path.to_owned()), ..input })
+        })
+    }
+
+    /// Takes a map in memory. It is moved, its lines are not copied.
+    ///
+    /// # Errors
+    /// [`LooksLikeDegrees`](crate::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
+    /// [`NotProjectedInMetres`](crate::error::Error::NotProjectedInMetres) and
+    /// [`UnknownCrs`](crate::error::Error::UnknownCrs) for a system to work in. As [`Places::project`] if a coordinate has no
+    /// place on the plane.
+    pub fn from_map(map: ContourMap, options: &InputOptions) -> Result<Self> {
+        Self::from_report(Report { value: map, findings: Vec::new() }, options)
+    }
+
+    /// Takes lines as ragged arrays: line `k` has the coordinates from `offsets[k]` to before `offsets[k + 1]` (x east,
+    /// y north) and `elevations[k]`. It becomes feature `k` in findings.
+    ///
+    /// Coordinates are copied once, into a list for each line.
+    ///
+    /// # Errors
+    /// [`Arrays`](crate::error::Error::Arrays) if the arrays do not fit each other. As [`Input::from_map`].
+    pub fn from_arrays(
+        coords: &[[f64; 2]],
+        offsets: &[usize],
+        elevations: &[f64],
+        options: &InputOptions,
+    ) -> Result<Self> {
+        let contours = arrays::contours(coords, offsets, elevations)?;
+        Self::from_map(ContourMap { contours, ..ContourMap::default() }, options)
+    }
+
+    fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
+        let mut findings = Vec::new();
+        let map = read.collect(&mut findings);
+        let map = named(options.unit.map_in_metres(map), options.crs.as_ref(), &mut findings);
+        let (map, places) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
+        Ok(Self { map, findings, places, unit: options.unit, ..Self::default() })
+    }
+
+    /// The file of the contours, if they are from one.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// What messages call the input.
+    pub fn name(&self) -> Cow<'_, str> {
+        self.file.as_ref().map_or("the contours".into(), |file| file.display().to_string().into())
+    }
+
+    /// Reads spot heights from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_spot_heights`] and [`Input::add_spots`]; the error names the file.
+    pub fn read_spots(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
+        step(progress, "reading", || {
+            let mut about = Vec::new();
+            let SpotHeights { points, crs } = read_spot_heights(path, &ReadOptions::default())?.collect(&mut about);
+            let to_working = self.places.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
+            for finding in &mut about {
+                let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
+                finding.place = place.map(|p| p.truncate());
+            }
+            self.findings.append(&mut about);
+            self.add_spots(points, crs.as_ref()).map_err(|error| error.in_file(path))
+        })
+    }
+
+    /// Adds spot heights (x, y, height in the unit of the contours), which the surface then passes through. They are in
+    /// the contours' coordinate reference system if `crs` is `None`.
+    ///
+    /// # Errors
+    /// If there is no way from their system to the working plane, or one has no place on it.
+    pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.places.bring(crs)?;
+        for spot in spots {
+            let spot = spot.truncate().extend(self.unit.metres(spot.z));
+            self.map.spots.push(to_working.point(spot)?);
+        }
+        Ok(())
+    }
+
+    /// Reads lakes from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_water`] and [`Input::add_lakes`]; the error names the file.
+    pub fn read_lakes(&mut self, path: &Path) -> Result<()> {
+        let (lakes, crs) = read_water(path, &ReadOptions::default())?.collect(&mut self.findings);
+        self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Adds lakes: level ground at their height (in the unit of the contours), else at that of their shore. They are in
+    /// the contours' coordinate reference system if `crs` is `None`.
+    ///
+    /// # Errors
+    /// As [`Input::add_spots`].
+    pub fn add_lakes(&mut self, lakes: impl IntoIterator<Item = Lake>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.places.bring(crs)?;
+        for lake in lakes {
+            let polygon = to_working.polygon(&lake.polygon)?;
+            self.lakes.push(self.unit.lake_in_metres(Lake { polygon, ..lake }));
+        }
+        Ok(())
+    }
+
+    /// Reads a boundary polygon from a file: the ground ends there.
+    ///
+    /// # Errors
+    /// As [`read_area`] and [`Input::set_boundary`]; the error names the file.
+    pub fn read_boundary(&mut self, path: &Path) -> Result<()> {
+        let (area, crs) = read_area(path, &ReadOptions::default())?;
+        self.set_boundary(&area, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Ends the ground at a polygon. It is in the contours' coordinate reference system if `crs` is `None`.
+    ///
+    /// # Errors
+    /// As [`Input::add_spots`].
+    pub fn set_boundary(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
+        self.frame = Frame::Polygon(self.places.bring(crs)?.boundary(area)?);
+        Ok(())
+    }
+}

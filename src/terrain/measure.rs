@@ -1,0 +1,114 @@
+//! All figures of a comparison: heights, distances from contours, bands, check points.
+
+use std::path::Path;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::compare::{Kind, Pair, along, way};
+use crate::contour::{ElevationUnit, Interval};
+use crate::crs::Transform;
+use crate::dem::compare::{
+    BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
+};
+use crate::dem::{Grid, locate};
+use crate::error::{Error, Finding, Result};
+use crate::io::{ReadOptions, read_spot_heights};
+use crate::progress::{Progress, step};
+use crate::tin::{NONE, Tin};
+
+/// What a comparison may be told besides the two sides.
+#[derive(Debug, Clone, Default)]
+pub struct MeasureOptions<'a> {
+    /// Stated accuracy as a standard deviation, metres; that of the product if `None`.
+    pub sigma: Option<f64>,
+    /// Contour interval at whose levels terraces are looked for, metres.
+    pub interval: Option<f64>,
+    /// A file of check points.
+    pub points: Option<&'a Path>,
+    /// Unit of their heights.
+    pub unit: ElevationUnit,
+}
+
+/// All figures of a comparison. What was noticed about the check points goes to `findings`.
+///
+/// # Errors
+/// As [`compare`](fn@compare) and [`read_spot_heights`], and if no check point lies where a side has heights.
+pub fn measure(
+    pair: &Pair,
+    options: &MeasureOptions<'_>,
+    findings: &mut Vec<Finding>,
+    progress: &dyn Progress,
+) -> Result<Comparison> {
+    let (a, b) = (&pair.a_heights, &pair.b_heights);
+    let distances = match pair.surface() {
+        Some(surface) => {
+            let way = way(&pair.b.source.file, b.crs.as_ref(), surface.map.crs.as_ref())?;
+            let to_map = |p: DVec2| along(way.as_ref(), p);
+            let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
+            let contours = &surface.map.contours;
+            Some(step(progress, "measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
+        }
+        None => None,
+    };
+    let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
+    // The reference's own figure, else that of what is measured.
+    let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
+    let params =
+        CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
+    let mut found = step(progress, "comparing", || compare(a, b, &params))?;
+    for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
+        // A height map that was interpolated has lost its decimals, and some of its terraces.
+        if let Kind::Dem(dem) = &side.kind
+            && (dem.grid != b.grid || dem.crs != b.crs)
+        {
+            *figures = height_figures(&dem.values, interval.as_ref());
+        }
+    }
+    found.bands = bands(pair, progress)?;
+    if let Some(path) = options.points {
+        let mut checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
+        checks.points.iter_mut().for_each(|point| point.z = options.unit.metres(point.z));
+        for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
+            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
+        }
+        if found.a.points.is_none() && found.b.points.is_none() {
+            return Err(Error::file(path, "no check point lies where A or B have heights"));
+        }
+    }
+    Ok(found)
+}
+
+/// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.
+fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
+    let (side, surface, dem) = match (&pair.a.kind, &pair.b.kind) {
+        (Kind::Surface(surface), Kind::Dem(_)) => (&pair.a, surface, &pair.b_heights),
+        (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
+        _ => return Ok(None),
+    };
+    let way = way(&side.source.file, dem.crs.as_ref(), side.crs())?;
+    let triangles = match &way {
+        None => locate(&surface.tin, &dem.grid, progress),
+        Some(way) => step(progress, "looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),
+    };
+    // A height map that is a little off on water contradicts no contour.
+    let band = |i: usize| {
+        let t = Some(triangles[i]).filter(|&t| t != NONE)?;
+        surface.regions.region(t).filter(|region| region.water.is_none()).map(|region| region.band)
+    };
+    Ok(outside_bands(dem, band))
+}
+
+/// The triangles of cell centres in another system, found by walking along each row.
+fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
+    let row = |row: usize| {
+        let mut near = 0;
+        (0..grid.cols).map(move |col| {
+            let Some(p) = way.forward(grid.center(col, row)) else { return NONE };
+            let found = tin.walk(near, p - tin.origin);
+            near = found.unwrap_or_else(|left| left);
+            found.unwrap_or(NONE)
+        })
+    };
+    if tin.is_empty() { vec![NONE; grid.len()] } else { (0..grid.rows).into_par_iter().flat_map_iter(row).collect() }
+}

@@ -1,0 +1,72 @@
+//! How a terrain is made: [`Options`].
+
+use super::{GridSpec, Input, Preparation};
+use crate::crs::Places;
+use crate::error::Result;
+use crate::surface::{SplineParams, SurfaceKind, SurfaceParams, Triangles, Uncertainty, Water};
+
+use super::grid::Cells;
+
+/// How the lines are prepared and the surface is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// What is done to the lines first.
+    pub preparation: Preparation,
+    /// How heights between contours are found.
+    pub kind: SurfaceKind,
+    /// The method's resolution parameter w: more of it, fewer ridge and canyon lines.
+    pub resolution: f64,
+    /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`].
+    pub tension: Option<f64>,
+    /// Noise of the contours, 0 to 1, seen from them if `None`; see [`SplineParams`].
+    pub noise: Option<f64>,
+    /// The level of the coast, metres: ground that reaches only down to it is the sea.
+    pub sea: Option<f64>,
+    /// The cells of the height map that will be asked for. Where it can, the smooth surface then has its nodes at their
+    /// centres.
+    pub grid: Option<GridSpec>,
+    /// Which triangles the smooth surface gets: [`Triangles::Guide`] is enough for height maps, and quicker.
+    pub triangles: Triangles,
+    /// Whether the expected errors are found too, for [`Terrain::errors`](super::Terrain::errors) and in contours.
+    pub uncertainty: Uncertainty,
+    /// Memory that each step may take, bytes: what needs more is refused. No limit if `None`.
+    pub memory: Option<u64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            preparation: Preparation::default(),
+            kind: SurfaceKind::default(),
+            resolution: 1.0,
+            tension: None,
+            noise: None,
+            sea: None,
+            grid: None,
+            triangles: Triangles::default(),
+            uncertainty: Uncertainty::default(),
+            memory: None,
+        }
+    }
+}
+
+impl Options {
+    /// The cells that are wanted, over contours whose places are these.
+    pub(super) fn cells(&self, places: &Places) -> Result<Option<Cells>> {
+        self.grid.as_ref().map(|grid| grid.over(places)).transpose()
+    }
+
+    /// The parameters of the surface of an input, whose frame and lakes are moved out of it.
+    pub(super) fn surface(&self, input: &mut Input, cells: Option<&Cells>) -> SurfaceParams {
+        SurfaceParams {
+            kind: self.kind,
+            frame: std::mem::take(&mut input.frame),
+            resolution: self.resolution,
+            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
+            spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
+            triangles: self.triangles,
+            uncertainty: self.uncertainty,
+            memory: self.memory,
+        }
+    }
+}

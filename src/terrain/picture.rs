@@ -1,0 +1,64 @@
+//! Pictures of a surface or of sub-domains with lines on them.
+
+use image::RgbImage;
+
+use super::grid::extent;
+use crate::contour::{Contour, ContourLine, Interval, Source};
+use crate::dem::{Dem, Grid, rasterise};
+use crate::error::Result;
+use crate::preview::{Patches, Preview, map_grid, render};
+use crate::skeleton::BreakLine;
+use crate::surface::{Surface, Tiling, heights};
+use crate::tin::FrameRing;
+
+/// How many levels of the input lie between index contours in a picture.
+const INDEX_EVERY: i64 = 5;
+
+/// Draws a surface with contours on it.
+///
+/// # Errors
+/// As [`map_grid`] and [`render`].
+pub fn picture(surface: &Surface, contours: &[ContourLine]) -> Result<RgbImage> {
+    let scene = Scene { frame: &surface.frame, contours, break_lines: &surface.break_lines, patches: None };
+    scene.draw(|grid| heights(surface, grid, &()))
+}
+
+/// Draws a triangulated map with its contours, lines, and areas in colour.
+///
+/// # Errors
+/// As [`map_grid`] and [`render`].
+pub fn tiling_picture(tiling: &Tiling, break_lines: &[BreakLine], patches: Option<&Patches>) -> Result<RgbImage> {
+    let contours: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
+    let scene = Scene { frame: &tiling.frame, contours: &contours, break_lines, patches };
+    scene.draw(|grid| rasterise(&tiling.tin, grid, tiling.map.crs.clone(), &()))
+}
+
+/// What a picture shows.
+struct Scene<'a> {
+    frame: &'a FrameRing,
+    contours: &'a [ContourLine],
+    break_lines: &'a [BreakLine],
+    patches: Option<&'a Patches>,
+}
+
+impl Scene<'_> {
+    /// Draws it over anything that has heights on a grid.
+    fn draw(&self, heights: impl FnOnce(&Grid) -> Dem) -> Result<RgbImage> {
+        let (lo, hi) = extent(self.frame);
+        let dem = heights(&map_grid(lo, hi)?);
+        let Self { contours, break_lines, patches, .. } = *self;
+        render(&Preview { dem: &dem, contours, break_lines, patches, title: None })
+    }
+}
+
+/// A contour of the input as a line of the output.
+fn contour_line(contour: &Contour, interval: &Interval) -> ContourLine {
+    ContourLine {
+        elevation: contour.elevation,
+        points: contour.points.clone(),
+        source: Source::Input,
+        index: interval.index_of(contour.elevation) % INDEX_EVERY == 0,
+        depression: false,
+        expected: None,
+    }
+}

@@ -1,0 +1,45 @@
+//! From the coordinates of the contours to the plane that they are worked on in.
+
+use crate::contour::ContourMap;
+use crate::crs::{Crs, CrsKind, Places, working_crs};
+use crate::error::{CrsNeed, Error, Finding, FindingKind, Result};
+
+/// The map with the system that the caller names.
+pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {
+    let Some(crs) = crs else { return map };
+    findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
+    ContourMap { crs: Some(crs.clone()), ..map }
+}
+
+/// The map on the plane that it is worked on in, with the findings' places.
+pub(super) fn on_plane(
+    map: ContourMap,
+    work: Option<&Crs>,
+    findings: &mut Vec<Finding>,
+) -> Result<(ContourMap, Places)> {
+    if let Some(work) = work
+        && !(work.kind() == Some(CrsKind::Projected) && work.length_unit().is_none_or(|unit| unit.metres == 1.0))
+    {
+        return Err(Error::NotProjectedInMetres { name: work.name().unwrap_or_default() });
+    }
+    let kind = map.crs.as_ref().and_then(Crs::kind);
+    if kind.is_none() && map.looks_like_degrees() {
+        return Err(Error::LooksLikeDegrees);
+    }
+    if work.is_some() && map.crs.is_none() {
+        return Err(Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs });
+    }
+    let working = match (work, &map.crs) {
+        (Some(work), _) => work.clone(),
+        (None, Some(crs)) if kind.is_some() => working_crs(crs, map.contours.iter().flat_map(|c| &c.points).copied())?,
+        (None, crs) => {
+            let places = Places::unmoved(crs.clone());
+            return Ok((map, places));
+        }
+    };
+    let (map, places) = Places::project(map, &working)?.collect(findings);
+    for finding in findings {
+        finding.place = finding.place.and_then(|p| places.on_plane(p));
+    }
+    Ok((map, places))
+}

@@ -1,0 +1,251 @@
+//! What is done to the lines before all else: they are examined, repaired, cleaned, fitted and sampled.
+
+use super::Input;
+use crate::check::{LineParams, correct, examine, first_causes, merged};
+use crate::contour::{CleanParams, ContourMap, FitParams, SampleParams, clean, find_interval, fit, sample};
+use crate::error::{Error, Finding, FindingKind, Report, Result, Severity};
+use crate::progress::{Progress, step};
+use crate::surface::{Tiling, Water, tiling, tiling_with_water};
+use crate::tin::Frame;
+
+/// How far a map is repaired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Repair {
+    /// Not at all: lines that must be cut or joined are an error.
+    None,
+    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, pieces of lines
+    /// that cross.
+    #[default]
+    Safe,
+    /// Also elevations, gaps and stray vertices, as the findings propose.
+    All,
+}
+
+/// How the lines are prepared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preparation {
+    /// Ends of one elevation that are at most so far apart are joined, units of the working coordinate reference system.
+    pub snap: f64,
+    /// How far the lines are repaired.
+    pub repair: Repair,
+    /// Whether errors and warnings about the input end the work.
+    pub strict: bool,
+    /// Tolerance of a fit with smooth curves, units of the working coordinate reference system; none is made if `None`.
+    pub fit: Option<f64>,
+    /// Vertices are added until their neighbours on the line are at most so many times as far away as the nearest other
+    /// contour; none are if `None`.
+    pub sample: Option<f64>,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Self { snap: 0.01, repair: Repair::Safe, strict: false, fit: None, sample: None }
+    }
+}
+
+/// The findings that tell of a change to the lines.
+const REPAIRS: &[FindingKind] = &[
+    FindingKind::NonFinitePoint,
+    FindingKind::RepeatedPoint,
+    FindingKind::PointLine,
+    FindingKind::DuplicateLine,
+    FindingKind::Spike,
+    FindingKind::OverlappingLines,
+    FindingKind::SelfCross,
+    FindingKind::LevelsCross,
+    FindingKind::ClosedGap,
+    FindingKind::SpotOnLine,
+    FindingKind::Relabelled,
+    FindingKind::JoinedGap,
+    FindingKind::Straightened,
+];
+
+/// How often a map is looked at again after its corrections: one can show the next.
+const ROUNDS: usize = 3;
+
+/// Whether a finding tells of a change to the lines.
+pub fn is_repair(finding: &Finding) -> bool {
+    REPAIRS.contains(&finding.kind)
+}
+
+impl Preparation {
+    /// Checks the parameters. Every step does so itself; this is for callers who ask before they read.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the first parameter that is.
+    pub fn check(&self) -> Result<()> {
+        if !(self.snap.is_finite() && self.snap >= 0.0) {
+            return Err(Error::out_of_range("snap distance", self.snap, "0 or more"));
+        }
+        if let Some(tolerance) = self.fit.filter(|t| !(t.is_finite() && *t > 0.0)) {
+            return Err(Error::out_of_range("fitting tolerance", tolerance, "more than 0"));
+        }
+        if let Some(ratio) = self.sample.filter(|r| !(*r > 0.0 && *r < 1.0)) {
+            return Err(Error::out_of_range("sampling ratio", ratio, "more than 0 and less than 1"));
+        }
+        Ok(())
+    }
+
+    fn near(&self) -> CleanParams {
+        CleanParams { snap: self.snap, ..CleanParams::default() }
+    }
+
+    fn sampling(&self) -> Option<SampleParams> {
+        self.sample.map(|ratio| SampleParams { ratio, ..SampleParams::default() })
+    }
+}
+
+impl Input {
+    /// Examines, repairs and cleans the lines, and fits and samples them where that is asked for.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a parameter. [`Error::NeedsRepair`] where repair is needed and not allowed, and
+    /// [`Error::Strict`] where anything is wrong and may not be. As [`clean`](fn@clean), [`fit`](fn@fit) and
+    /// [`sample`](fn@sample). The findings up to then stay in the input.
+    pub fn prepare(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
+        self.clean(params, progress)?;
+        let repairs = self.findings.iter().filter(|finding| is_repair(finding)).count();
+        if params.repair == Repair::None && repairs > 0 {
+            return Err(Error::NeedsRepair { input: self.name().into_owned(), places: repairs });
+        }
+        let near = params.near();
+        if let Some(tolerance) = params.fit {
+            let map = std::mem::take(&mut self.map);
+            let fit_params = FitParams { tolerance, sampling: params.sampling() };
+            let fitted = step(progress, "fitting", || fit(map, &fit_params, &near));
+            let mut fitted = self.named(fitted)?.collect(&mut self.findings);
+            self.map = std::mem::take(&mut fitted.map);
+            self.fitted = Some(fitted);
+        }
+        if let Some(sampling) = params.sampling() {
+            let map = std::mem::take(&mut self.map);
+            let sampled = step(progress, "sampling", || sample(map, &sampling, &near));
+            let mut sampled = self.named(sampled)?.collect(&mut self.findings);
+            self.map = std::mem::take(&mut sampled.map);
+            self.sampled = Some(sampled);
+        }
+        self.is_strict = params.strict;
+        self.check_strict()?;
+        self.is_prepared = true;
+        Ok(())
+    }
+
+    /// Examines, repairs and cleans the lines.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a parameter, and as [`clean`](fn@clean). The findings up to then stay in the input.
+    pub fn clean(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
+        params.check()?;
+        self.clean_lines(params, progress)?;
+        if params.repair == Repair::All {
+            self.correct_ground(params, progress)?;
+        }
+        Ok(())
+    }
+
+    /// Cleans the lines. Where an elevation jumps along a line, or a vertex stands out of it, that is mended first, if all
+    /// repairs are asked for.
+    fn clean_lines(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
+        let (near, line_params) = (params.near(), LineParams { snap: params.snap });
+        let mut map = std::mem::take(&mut self.map);
+        let (told, cleaned) = step(progress, "cleaning", || {
+            let mut judged = examine(&map, &line_params);
+            if params.repair == Repair::All && !judged.corrections.is_empty() {
+                map = correct(std::mem::take(&mut map), &judged.corrections).collect(&mut self.findings);
+                judged = examine(&map, &line_params);
+            }
+            (judged.findings, clean(map, &near))
+        });
+        match cleaned {
+            Ok(Report { value, findings: cleaning }) => {
+                self.map = value;
+                self.findings.extend(merged(told, cleaning, params.snap.max(near.separation)));
+                Ok(())
+            }
+            Err(error) => {
+                self.findings.extend(told);
+                self.named(Err(error))
+            }
+        }
+    }
+
+    /// Makes the corrections of elevations and the joins that the ground between the lines proposes.
+    fn correct_ground(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
+        for _ in 0..ROUNDS {
+            // A map that no surface can be made of is told by the step that makes it.
+            let Ok(tiled) = tiling(self.map.clone(), &Frame::Hull, progress) else { break };
+            let corrections = tiled.value.corrections;
+            if corrections.is_empty() {
+                break;
+            }
+            let map = correct(std::mem::take(&mut self.map), &corrections).collect(&mut self.findings);
+            let cleaned = step(progress, "cleaning", || clean(map, &params.near()));
+            self.map = self.named(cleaned)?.collect(&mut self.findings);
+        }
+        Ok(())
+    }
+
+    /// Adds what the ground between contours shows of them to the findings, each fault once, and returns the map.
+    ///
+    /// A map of fewer than two levels has no such ground, which is a finding too.
+    ///
+    /// # Errors
+    /// As [`tiling`]. The findings stay in the input.
+    pub fn judge(&mut self, progress: &dyn Progress) -> Result<ContourMap> {
+        let map = std::mem::take(&mut self.map);
+        let flat = find_interval(&map.contours).is_none().then(|| map.clone());
+        match (tiling(map, &Frame::Hull, progress), flat) {
+            (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {
+                self.findings.push(Finding::general(FindingKind::TooFewLevels, error.to_string()));
+                Ok(map)
+            }
+            (tiled, _) => Ok(self.found(tiled)?.map),
+        }
+    }
+
+    /// Triangulates the map and finds its sub-domains, with the lakes of the input and the sea at the level `sea`.
+    /// The map is moved out of the input.
+    ///
+    /// # Errors
+    /// As [`tiling_with_water`], and [`Error::Strict`] where anything is wrong and may not be. The findings stay in the
+    /// input.
+    pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Tiling> {
+        let map = std::mem::take(&mut self.map);
+        let water = Water { lakes: std::mem::take(&mut self.lakes), sea };
+        let tiled = self.found(tiling_with_water(map, &self.frame, &water, progress))?;
+        self.check_strict()?;
+        Ok(tiled)
+    }
+
+    /// Where anything is wrong with the input and may not be, that is an error.
+    pub(super) fn check_strict(&self) -> Result<()> {
+        if self.is_strict { all_right(&self.name(), &self.findings) } else { Ok(()) }
+    }
+
+    /// What was made of the ground between contours. What was noticed about it goes to the other findings, each fault
+    /// once.
+    pub(super) fn found<T>(&mut self, result: Result<Report<T>>) -> Result<T> {
+        let value = self.named(result)?.collect(&mut self.findings);
+        self.findings = first_causes(std::mem::take(&mut self.findings));
+        Ok(value)
+    }
+
+    /// The result, with the file that the contours are from in its error.
+    fn named<T>(&self, result: Result<T>) -> Result<T> {
+        result.map_err(|error| match &self.file {
+            Some(file) => error.in_file(file),
+            None => error,
+        })
+    }
+}
+
+/// Whether no finding is an error or a warning.
+///
+/// # Errors
+/// [`Error::Strict`] with the number of those that are.
+pub fn all_right(input: &str, findings: &[Finding]) -> Result<()> {
+    match findings.iter().filter(|finding| finding.kind.severity() > Severity::Note).count() {
+        0 => Ok(()),
+        findings => Err(Error::Strict { input: input.to_owned(), findings }),
+    }
+}
