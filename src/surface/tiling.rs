@@ -215,7 +215,7 @@ impl Tiling {
         let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
-        let tin = outline.applied(finer).with_gaps(&gaps);
+        let tin = outline.applied(finer).with_gaps(&gaps.bridges, &gaps.gates);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
@@ -324,7 +324,7 @@ impl Parts {
             let mut triangulation = Triangulation::new(self.input(map, frame))?;
             let tin = self.within_frame(triangulation.tin()?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
-            let tin = self.ponds.mark(tin.with_gaps(&gaps));
+            let tin = self.ponds.mark(tin.with_gaps(&gaps.bridges, &gaps.gates));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);

@@ -113,7 +113,7 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let gaps = close_gaps(&tin, &ends, 10.0);
-        (tin.clone().with_gaps(&gaps), gaps)
+        (tin.clone().with_gaps(&gaps.bridges, &gaps.gates), gaps)
     }
 
     #[test]

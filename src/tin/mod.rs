@@ -180,10 +180,10 @@ impl Tin {
     }
 
     /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
-    pub fn with_gaps(mut self, gaps: &Gaps) -> Self {
+    pub fn with_gaps(mut self, bridges: &[[u32; 2]], gates: &[[u32; 2]]) -> Self {
         let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
-        let bridges: HashSet<[u32; 2]> = gaps.bridges.iter().copied().map(sorted).collect();
-        let gates: HashSet<[u32; 2]> = gaps.gates.iter().copied().map(sorted).collect();
+        let bridges: HashSet<[u32; 2]> = bridges.iter().copied().map(sorted).collect();
+        let gates: HashSet<[u32; 2]> = gates.iter().copied().map(sorted).collect();
         let ends: HashSet<u32> = bridges.iter().chain(&gates).flatten().copied().collect();
         for t in 0..self.len() as u32 {
             for i in 0..3 {

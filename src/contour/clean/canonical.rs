@@ -5,13 +5,9 @@ use std::cmp::Ordering;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::order::compare_points;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};
-
-/// By x, then by y.
-pub(super) fn compare_points(a: &DVec2, b: &DVec2) -> Ordering {
-    a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y))
-}
 
 /// By elevation, then by the points in turn, then by feature. Lines that are equal in this order are the same in all.
 fn compare_lines(a: &Contour, b: &Contour) -> Ordering {

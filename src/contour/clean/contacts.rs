@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use super::canonical::is_closed;
 use super::meet::{Meeting, distance, meeting};
-use super::segments::{Bounds, Run, Runs, Segment, Segments};
+use super::segment::{Bounds, Segment};
+use super::segments::{Run, Runs, Segments};
 use crate::contour::Contour;
 use crate::error::{Error, Result};
 

@@ -10,7 +10,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::meet::{self, Meeting, meeting, point_distance};
-use super::segments::{Segment, Segments};
+use super::segment::Segment;
+use super::segments::Segments;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::canonical::compare_points;
+use super::order::compare_points;
 use super::removed::{self, SegmentKey};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};

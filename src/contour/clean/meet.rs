@@ -3,8 +3,8 @@
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-use super::canonical::compare_points;
-use super::segments::Segment;
+use super::order::compare_points;
+use super::segment::Segment;
 
 /// How two segments meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -15,8 +15,10 @@ mod join;
 mod levels;
 mod meet;
 mod nodes;
+mod order;
 mod points;
 mod removed;
+mod segment;
 mod segments;
 mod split;
 mod spots;
@@ -31,7 +33,8 @@ use rayon::prelude::*;
 
 pub(crate) use self::meet::{Meeting, meeting, place, point_distance};
 pub(crate) use self::points::{is_height, is_place};
-pub(crate) use self::segments::{Runs, Segment, Segments};
+pub(crate) use self::segment::Segment;
+pub(crate) use self::segments::{Runs, Segments};
 
 use self::contacts::Contacts;
 use self::removed::{Removed, Why};

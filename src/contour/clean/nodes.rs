@@ -8,10 +8,11 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use super::canonical::compare_points;
 use super::meet::{Meeting, meeting};
+use super::order::compare_points;
 use super::removed::Removed;
-use super::segments::{Segment, Segments};
+use super::segment::Segment;
+use super::segments::Segments;
 use crate::bits::bits;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Result};

@@ -3,7 +3,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::canonical::{compare_points, has_repeated_vertex};
+use super::canonical::has_repeated_vertex;
+use super::order::compare_points;
 use crate::contour::Contour;
 use crate::error::{Error, Finding, FindingKind, Report, Result};
 

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::canonical::compare_points;
+use super::order::compare_points;
 use crate::bits::bits;
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};

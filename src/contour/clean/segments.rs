@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::meet::point_distance;
 use super::removed::{self, SegmentKey};
+use super::segment::{Bounds, Segment};
 use crate::contour::Contour;
 use crate::contour::oriented::{BoxTree, OrientedBox};
 use crate::error::{Error, Result};
@@ -23,48 +24,6 @@ pub(crate) struct Segments<'a> {
     lines: &'a [Contour],
     /// Number of each line's first segment, and at the end the number of all.
     starts: Vec<u32>,
-}
-
-/// One segment.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Segment {
-    pub(crate) a: DVec2,
-    pub(crate) b: DVec2,
-}
-
-impl Segment {
-    pub(super) fn bounds(&self) -> Bounds {
-        Bounds { min: self.a.min(self.b), max: self.a.max(self.b) }
-    }
-}
-
-/// An upright rectangle.
-#[derive(Clone, Copy)]
-pub(crate) struct Bounds {
-    pub(crate) min: DVec2,
-    pub(crate) max: DVec2,
-}
-
-impl Bounds {
-    /// Grown by `margin` on all sides.
-    pub(crate) fn grown(self, margin: f64) -> Self {
-        Self { min: self.min - margin, max: self.max + margin }
-    }
-
-    /// Whether they share a point.
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-
-    /// The least one that holds points.
-    fn around(points: &[DVec2]) -> Self {
-        let none = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
-        points.iter().fold(none, |b, &p| Self { min: b.min.min(p), max: b.max.max(p) })
-    }
-
-    fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
 }
 
 /// A run of successive segments of one line.

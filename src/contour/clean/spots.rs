@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::canonical::compare_points;
 use super::meet::{Meeting, meeting, point_distance};
+use super::order::compare_points;
 use super::points::{is_height, is_place, tidy};
-use super::segments::{Bounds, Runs, Segment, Segments};
+use super::segment::{Bounds, Segment};
+use super::segments::{Runs, Segments};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind, Report, Result};
 

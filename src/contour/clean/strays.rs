@@ -16,7 +16,8 @@ use super::canonical::is_closed;
 use super::contacts::{Contact, Placed, contact};
 use super::meet::{Meeting, meeting, point_distance};
 use super::removed::{Removed, Why};
-use super::segments::{Runs, Segment, Segments};
+use super::segment::Segment;
+use super::segments::{Runs, Segments};
 use crate::contour::Contour;
 use crate::error::{Finding, FindingKind};
 

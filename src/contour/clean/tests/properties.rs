@@ -354,7 +354,7 @@ proptest! {
             .zip(&contours)
             .flat_map(|(line, contour)| {
                 contour.points.windows(2).enumerate().map(move |(number, w)| contacts::Placed {
-                    segment: crate::contour::clean::segments::Segment { a: w[0], b: w[1] },
+                    segment: crate::contour::clean::Segment { a: w[0], b: w[1] },
                     contour,
                     line,
                     number,
