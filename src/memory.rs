@@ -2,7 +2,7 @@
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Refuses work that needs more memory than there is.
 ///

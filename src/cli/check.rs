@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec2;
 use serde_json::{Value, json};
+use tokosen::base::error::{Error, Finding, FindingKind, Proposal, Severity};
 use tokosen::contour::{ContourMap, distinct_levels, find_interval};
 use tokosen::crs::Crs;
-use tokosen::error::{Error, Finding, FindingKind, Proposal, Severity};
 use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
+use tokosen::subdomains::Frame;
 use tokosen::surface::tiling;
-use tokosen::tin::Frame;
 
 use super::console::Console;
 use super::map::MapArgs;

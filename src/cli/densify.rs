@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::error::Error;
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::crs::Crs;
-use tokosen::error::Error;
 use tokosen::io::layer::{Layer, of_contours};
 use tokosen::io::{Content, VectorFormat, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target, contour_layers};

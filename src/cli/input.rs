@@ -1,7 +1,7 @@
 //! The arguments about the input: the map, and what is done to its lines before all else.
 
 use clap::Args;
-use tokosen::contour::{FitParams, Fitted, SampleParams, Sampled, fit, sample};
+use tokosen::resample::{FitParams, Fitted, SampleParams, Sampled, fit, sample};
 
 use super::console::Console;
 use super::map::{Input, MapArgs};

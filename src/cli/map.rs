@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use tokosen::contour::{CleanParams, ContourMap, ElevationUnit, find_interval};
+use tokosen::base::error::{Error, Finding, Severity};
+use tokosen::clean::CleanParams;
+use tokosen::contour::{ContourMap, ElevationUnit, find_interval};
 use tokosen::crs::{Crs, Places};
-use tokosen::error::{Error, Finding, Severity};
 use tokosen::io::{ReadOptions, read_contours, read_spot_heights};
 
 use super::console::Console;

@@ -4,17 +4,20 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use glam::DVec2;
+use tokosen::base::Grid;
+use tokosen::base::error::Error;
 use tokosen::contour::ContourMap;
 use tokosen::crs::{Crs, Places, Transform};
-use tokosen::dem::{Dem, Grid};
-use tokosen::error::Error;
+use tokosen::dem::Dem;
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, read_grid, write_raster, write_with_errors,
 };
 use tokosen::memory;
-use tokosen::surface::{Surface, Uncertainty, Wanted, heights, heights_on, standard_errors, standard_errors_on};
-use tokosen::tin::{Frame, FrameRing, frame_ring};
+use tokosen::spline::Wanted;
+use tokosen::subdomains::{Frame, FrameRing, frame_ring};
+use tokosen::surface::{Surface, Uncertainty, heights, heights_on};
+use tokosen::validate::{standard_errors, standard_errors_on};
 
 use super::Failure;
 use super::console::Console;

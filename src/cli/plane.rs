@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use clap::Args;
+use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::ContourMap;
 use tokosen::crs::{Bringer, Crs, CrsKind, Places, Returner, working_crs};
-use tokosen::error::{Error, Finding, FindingKind};
 use tokosen::io::looks_like_degrees;
 
 use super::Failure;

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
+use tokosen::base::Grid;
 use tokosen::contour::{Contour, ContourLine, Interval, Source};
-use tokosen::dem::{Dem, Grid, rasterise};
+use tokosen::dem::{Dem, rasterise};
+use tokosen::draw::preview::{Model, Patches, Preview, map_grid, render, render_model};
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
 use tokosen::mesh::Mesh;
-use tokosen::preview::{Model, Patches, Preview, map_grid, render, render_model};
 use tokosen::skeleton::BreakLine;
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::subdomains::FrameRing;
 use tokosen::surface::{Surface, Tiling, heights};
-use tokosen::tin::FrameRing;
 
 use super::Failure;
 use super::console::Console;

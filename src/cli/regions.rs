@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::draw::preview::{Patch, PatchClass, Patches};
 use tokosen::io::layer::of_landforms;
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
-use tokosen::preview::{Patch, PatchClass, Patches};
+use tokosen::subdomains::{Landform, LandformClass, landforms};
 use tokosen::surface::{Tiling, tiling_with_water};
-use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;

@@ -1,11 +1,12 @@
 //! How far a map is repaired before the work: `--repair`.
 
 use clap::ValueEnum;
+use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::check::{LineParams, correct, examine, merged};
-use tokosen::contour::{ContourMap, clean};
-use tokosen::error::{Error, Finding, FindingKind};
+use tokosen::clean::clean;
+use tokosen::contour::ContourMap;
+use tokosen::subdomains::Frame;
 use tokosen::surface::tiling;
-use tokosen::tin::Frame;
 
 use super::console::Console;
 use super::map::{Input, MapArgs};

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::error::Error;
+use tokosen::base::error::Error;
+use tokosen::draw::preview::{Patch, PatchClass, Patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{VectorFormat, contour_files, write_layers_back};
-use tokosen::preview::{Patch, PatchClass, Patches};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::surface::tiling_with_water;
 use tokosen::tin::{Tin, TriangleKind};

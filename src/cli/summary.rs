@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use tokosen::base::error::{Error, Finding, FindingKind, Report, Severity};
 use tokosen::check::first_causes;
-use tokosen::error::{Error, Finding, FindingKind, Report, Severity};
 use tokosen::skeleton::BreakKind;
-use tokosen::surface::{Chosen, Lesson, Reason, Surface};
+use tokosen::surface::Surface;
+use tokosen::validate::{Chosen, Lesson, Reason};
 
 use super::console::Console;
 

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use tokosen::error::Error;
+use tokosen::base::error::Error;
 use tokosen::io::{ReadOptions, read_area};
-use tokosen::surface::{SplineParams, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
-use tokosen::tin::Frame;
+use tokosen::spline::SplineParams;
+use tokosen::subdomains::Frame;
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
 
 use super::Failure;
 use super::console::Console;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::error::Error;
 use tokosen::contour::Lake;
-use tokosen::error::Error;
 use tokosen::io::{ReadOptions, read_water};
-use tokosen::surface::Water;
+use tokosen::subdomains::Water;
 
 use super::Failure;
 use super::map::Input;

@@ -9,17 +9,18 @@ use clap::Args;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
+use tokosen::base::Grid;
+use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ElevationUnit, Interval};
 use tokosen::crs::Transform;
 use tokosen::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, difference, height_figures,
     outside_bands,
 };
-use tokosen::dem::{Grid, locate};
-use tokosen::error::{Error, Finding};
+use tokosen::dem::locate;
+use tokosen::draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
 use tokosen::io::{Content, ReadOptions, StagedOutput, content, read_spot_heights};
-use tokosen::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 use tokosen::surface::Surface;
 use tokosen::tin::{NONE, Tin};
 

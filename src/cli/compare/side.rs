@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 use serde::Serialize;
+use tokosen::base::Grid;
+use tokosen::base::error::{Error, Finding};
 use tokosen::crs::{Crs, Transform};
 use tokosen::dem::compare::{height_at, heights_between};
-use tokosen::dem::{Dem, Grid, looks_like_degrees};
-use tokosen::error::{Error, Finding};
+use tokosen::dem::{Dem, looks_like_degrees};
 use tokosen::io::raster::{DemFile, read_dem};
 use tokosen::io::{Content, SpotHeights};
 use tokosen::surface::{Surface, Triangles, heights, heights_on};
