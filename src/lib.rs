@@ -12,13 +12,13 @@
 //! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
 //! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
 //! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
-//! | [`contour::clean`](fn@contour::clean) | a map | the same map made sound, and what was wrong with it |
-//! | [`contour::fit`](fn@contour::fit) | a clean map | a [`Fitted`](contour::Fitted) one: smooth lines within a tolerance |
-//! | [`contour::sample`](fn@contour::sample) | a clean map | a [`Sampled`](contour::Sampled) one: vertices as dense as the contours around ask |
+//! | [`clean::clean`](fn@clean::clean) | a map | the same map made sound, and what was wrong with it |
+//! | [`resample::fit`](fn@resample::fit) | a clean map | a [`Fitted`](resample::Fitted) one: smooth lines within a tolerance |
+//! | [`resample::sample`](fn@resample::sample) | a clean map | a [`Sampled`](resample::Sampled) one: vertices as dense as the contours around ask |
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
-//! | [`tin::regions`] | a triangulation | [`Regions`](tin::Regions): sub-domains with the band of levels of each |
+//! | [`subdomains::regions`] | a triangulation | [`Regions`](subdomains::Regions): sub-domains with the band of levels of each |
 //! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |
-//! | [`tin::landforms`] | both | a [`Landform`](tin::Landform) a sub-domain: outline, class, nesting tree |
+//! | [`subdomains::landforms`] | both | a [`Landform`](subdomains::Landform) a sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling, skeleton and smooth surface, heights everywhere |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem) |
@@ -27,15 +27,15 @@
 //! | [`io::raster::read_dem`] | a file | a [`Dem`](dem::Dem) that is there already |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | rasters of them, and [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
-//! | [`preview::render`] | all of them | a picture |
+//! | [`draw::preview::render`] | all of them | a picture |
 //! | [`dem::compare::compare`] | two height maps | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
 //! | [`dem::compare::difference`] | two height maps | a [`Dem`](dem::Dem) of their differences |
-//! | [`report::remarks`], [`report::comparison_page`] | a comparison | sentences, and a page for people |
+//! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a page for people |
 //! | [`crs::Places::give_back`] | a coordinate reference system | the way of lines and areas out to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
 //! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
-//! input comes back beside the result as [findings](error::Finding).
+//! input comes back beside the result as [findings](base::error::Finding).
 //!
 //! # Units and axes
 //!
@@ -77,28 +77,30 @@
 //! # }
 //! ```
 
-mod bits;
+pub mod base;
 pub mod check;
+pub mod clean;
 pub mod contour;
 pub mod crs;
 pub mod dem;
+pub mod draw;
 #[cfg(test)]
 #[path = "../tests/common/draws.rs"]
 mod draws;
-pub mod error;
+mod geometry;
 pub mod io;
 mod memory;
 pub mod mesh;
-pub mod preview;
-pub mod progress;
-pub mod report;
-mod rows;
+pub mod resample;
 pub mod skeleton;
 pub mod slice;
+pub mod spline;
+pub mod subdomains;
 pub mod surface;
 pub mod terrain;
 pub mod tin;
+pub mod validate;
 
+pub use base::error::{Error, Result};
 pub use contour::Interval;
-pub use error::{Error, Result};
 pub use terrain::{GridSpec, Input, InputOptions, Options, Terrain};

@@ -1,6 +1,6 @@
 //! Whether there is room for what is asked for: told before the work, not by the system in the middle of it.
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Refuses work that needs more memory than the caller's budget, if there is one.
 ///

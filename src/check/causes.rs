@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::error::{Finding, FindingKind, Proposal};
+use crate::base::error::{Finding, FindingKind, Proposal};
 
 /// The findings without those that only follow from another: a line whose elevation is known to be wrong contradicts the
 /// ground around it as well, a piece that was cut out leaves a gap, and a line far from the others moves the frame away from

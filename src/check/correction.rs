@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
+use crate::base::error::{Finding, FindingKind, Report};
 use crate::contour::{Contour, ContourMap};
-use crate::error::{Finding, FindingKind, Report};
 
 /// A change to a clean map.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +104,7 @@ pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<Contou
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::{CleanParams, clean};
+    use crate::clean::{CleanParams, clean};
 
     #[test]
     fn vertices_are_left_out_of_lines_and_rings() {

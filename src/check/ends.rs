@@ -12,9 +12,10 @@ use super::graph::Graph;
 use super::grid::{Label, LevelGrid};
 use super::labels::Wrong;
 use super::{Correction, Ground, Judged};
-use crate::bits::bits;
-use crate::error::{Finding, FindingKind, Proposal};
-use crate::tin::{Link, NONE, OpenEnd, Sight, line_starts};
+use crate::base::bits::bits;
+use crate::base::error::{Finding, FindingKind, Proposal};
+use crate::subdomains::{Link, OpenEnd, Sight, line_starts};
+use crate::tin::NONE;
 
 /// Links to the frame longer than so many times that of nine in ten ends stop short of it.
 const SHORT_OF_FRAME: f64 = 8.0;

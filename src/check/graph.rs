@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use super::grid::{Label, LevelGrid};
 use crate::contour::ContourMap;
-use crate::tin::{Gaps, NONE, Regions, Tin, line_starts, piece_of};
+use crate::subdomains::{Gaps, Regions, line_starts, piece_of};
+use crate::tin::{NONE, Tin};
 
 /// Regions at the frame with so many gates lie beyond a ragged outline: they border on every level and tell nothing.
 const RAGGED_GATES: u32 = 8;

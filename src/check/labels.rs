@@ -8,9 +8,10 @@ use super::bands::{Explanation, Span, levels_between, separates};
 use super::graph::{Graph, Stretch};
 use super::grid::{Label, LevelGrid, is_other_unit, likeness};
 use super::{Correction, Ground, Judged};
+use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::contour::ContourMap;
-use crate::error::{Finding, FindingKind, Proposal};
-use crate::tin::{NONE, VertexKind, line_at, line_starts};
+use crate::subdomains::{line_at, line_starts};
+use crate::tin::{NONE, VertexKind};
 
 /// How much less plausible it is that an innermost contour has the level of the contours around it.
 const FACING: f64 = 1.0;

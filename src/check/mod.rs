@@ -7,6 +7,7 @@
 mod bands;
 mod causes;
 mod correction;
+mod depressions;
 mod ends;
 mod graph;
 mod grid;
@@ -18,12 +19,14 @@ mod widths;
 
 pub use causes::first_causes;
 pub use correction::{Correction, Judged, correct};
+pub(crate) use depressions::contradicted_marks;
 pub use lines::{LineParams, examine, merged};
 
 use self::graph::Graph;
 use self::grid::LevelGrid;
 use crate::contour::ContourMap;
-use crate::tin::{FrameRing, Gaps, Link, OpenEnd, Regions, Tin};
+use crate::subdomains::{FrameRing, Gaps, Link, OpenEnd, Regions};
+use crate::tin::Tin;
 
 /// A triangulated map, as it is judged.
 #[derive(Clone, Copy)]

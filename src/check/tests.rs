@@ -3,11 +3,12 @@
 use glam::DVec2;
 
 use super::Correction;
+use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::check::correct;
-use crate::contour::{CleanParams, Contour, ContourMap, clean};
-use crate::error::{Finding, FindingKind, Proposal};
+use crate::clean::{CleanParams, clean};
+use crate::contour::{Contour, ContourMap};
+use crate::subdomains::Frame;
 use crate::surface::{Tiling, tiling};
-use crate::tin::Frame;
 
 /// Kinds that the check of labels, ends and missing contours makes.
 const JUDGED: [FindingKind; 7] = [

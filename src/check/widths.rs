@@ -2,7 +2,8 @@
 
 use super::graph::Graph;
 use super::grid::Label;
-use crate::tin::{Regions, Tin, VertexKind};
+use crate::subdomains::Regions;
+use crate::tin::{Tin, VertexKind};
 
 /// Spread of the widths of neighbouring sub-domains, as a standard deviation of their logarithms.
 const SPREAD: f64 = 0.5;

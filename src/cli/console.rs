@@ -5,9 +5,9 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tokosen::base::error::Finding;
+use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Places;
-use tokosen::error::Finding;
-use tokosen::progress::{Progress, step};
 
 /// The terminal, and how long each step took.
 pub struct Console {

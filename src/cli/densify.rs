@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
-use tokosen::error::{Error, Finding};
 use tokosen::io::layer::{Layer, of_contours};
 use tokosen::io::{Content, StagedOutput, VectorFormat, content, contour_files, write_layers_back};
 use tokosen::slice::Target;

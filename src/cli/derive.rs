@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::error::{Error, Finding};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, shade, slope, steep, steep_note};
 use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale, looks_like_degrees};
-use tokosen::error::{Error, Finding};
 use tokosen::io::layer::steep_areas;
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
 use tokosen::io::{Content, StagedOutput, VectorFormat, content, write_layers};

@@ -1,6 +1,6 @@
 //! What the user sees of the library's errors: its sentence, with the flag that helps.
 
-use tokosen::error::{CrsNeed, Error, ZCoordinate};
+use tokosen::base::error::{CrsNeed, Error, ZCoordinate};
 
 /// The text of an error with its causes, and with the flag that helps. Some errors say the words of their own cause
 /// themselves, others repeat it with a number before it.

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use tokosen::Input;
-use tokosen::contour::{Fitted, Sampled};
+use tokosen::resample::{Fitted, Sampled};
 use tokosen::terrain::Preparation;
 
 use super::Failure;

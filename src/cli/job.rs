@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use image::RgbImage;
+use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
-use tokosen::error::{Error, Finding};
 use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
 use tokosen::surface::Tiling;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams};
-use tokosen::preview::{Model, render_model};
 use tokosen::surface::Triangles;
 
 use super::console::Console;

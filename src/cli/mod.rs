@@ -25,7 +25,7 @@ mod surface;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use tokosen::error::Error;
+use tokosen::base::error::Error;
 
 use console::Console;
 

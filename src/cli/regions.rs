@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use tokosen::io::layer::of_landforms;
 use tokosen::io::{VectorFormat, write_layers_back};
+use tokosen::subdomains::{Landform, LandformClass, landforms};
 use tokosen::terrain::{landform_patches, tiling_picture};
-use tokosen::tin::{Landform, LandformClass, landforms};
 
 use super::console::Console;
 use super::input::InputArgs;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use tokosen::error::{Finding, FindingKind, Severity};
+use tokosen::base::error::{Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
-use tokosen::surface::{Chosen, Lesson, Reason, Surface};
+use tokosen::surface::Surface;
+use tokosen::validate::{Chosen, Lesson, Reason};
 
 use super::console::Console;
 

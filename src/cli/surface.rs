@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles};
-use tokosen::tin::Frame;
 use tokosen::{GridSpec, Input, Options};
 
 use super::input::first_given;

@@ -11,10 +11,10 @@ use geo::MultiPolygon;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::border::{Border, OnEdge, rings, with_vertices};
-use super::clean::{Meeting, Segment, meeting, place, point_distance};
 use super::{Contour, ContourMap};
-use crate::bits::bits;
+use crate::base::bits::bits;
+use crate::geometry::{Border, OnEdge, rings, with_vertices};
+use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
 
 /// How often new vertices are looked for. Three times are nearly always enough.
 const ROUNDS: usize = 16;

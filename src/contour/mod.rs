@@ -1,28 +1,19 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
-mod border;
-pub mod clean;
 mod clip;
-pub mod fit;
 mod interval_search;
 mod lake;
 mod levels;
 mod line;
-pub(crate) mod oriented;
 mod outlying;
-pub mod sample;
 mod source_raster;
 mod unit;
 
-pub(crate) use border::{Border, rings, tolerance, with_corners_at, with_vertices};
-pub use clean::{CleanParams, clean};
 pub use clip::{Clipped, clip};
-pub use fit::{FitParams, Fitted, fit};
 pub use lake::Lake;
 pub use levels::{Interval, distinct_levels, find_interval};
 pub use line::{ContourLayer, ContourLine, LineError, Source};
 pub(crate) use outlying::{outlying_vertices, without_outlying};
-pub use sample::{SampleParams, Sampled, sample};
 pub use source_raster::{SourceRaster, source_raster};
 pub use unit::ElevationUnit;
 

@@ -8,7 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::Contour;
-use crate::dem::Grid;
+use crate::base::Grid;
 
 /// Vertices that rows and columns are looked for in.
 const SAMPLE: usize = 200_000;

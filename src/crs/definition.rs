@@ -6,7 +6,7 @@
 
 use super::wkt::Node;
 use super::{Crs, CrsKind, definition};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Parameters of a system.
 #[derive(Debug, Clone, PartialEq)]

@@ -17,9 +17,9 @@ use rayon::prelude::*;
 
 use super::definition::label;
 use super::{Crs, Transform};
-use crate::bits::bits;
+use crate::base::bits::bits;
+use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 use crate::contour::{Contour, ContourMap};
-use crate::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 
 /// Steps of coordinates on the plane to the metre.
 const STEPS: f64 = 1e6;

@@ -15,7 +15,7 @@ use proj4rs::Proj;
 
 use super::Crs;
 use super::definition::{DEGREE, Definition, Shift, label};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// A way from one system to another and back.
 #[derive(Clone)]

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::definition::{DEGREE, Definition, Shift, label};
 use super::{Crs, CrsKind, Transform};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// How far data may lie from a UTM zone's meridian, degrees of longitude: a degree over the border of the zone.
 const UTM_REACH: f64 = 4.0;

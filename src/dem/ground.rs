@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::{Dem, Grid};
+use super::Dem;
+use crate::base::Grid;
 use crate::crs::Crs;
 
 /// Metres on the ground in a map unit, east and north.

@@ -3,10 +3,11 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Dem, Grid};
+use super::Dem;
+use crate::base::Grid;
+use crate::base::progress::Progress;
+use crate::base::rows::Rows;
 use crate::crs::Crs;
-use crate::progress::Progress;
-use crate::rows::Rows;
 use crate::tin::{NONE, Tin};
 
 /// Rows that one task fills.

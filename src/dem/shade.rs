@@ -174,7 +174,7 @@ pub(super) fn map_gradients(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dem::Grid;
+    use crate::base::Grid;
 
     /// A plane that rises by `slope` a map unit.
     fn plane(slope: DVec2, cell: DVec2) -> Dem {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::raster::READABLE_EXTENSIONS;
 use super::{VectorFormat, gsi};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// What can be read from a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

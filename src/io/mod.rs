@@ -30,10 +30,11 @@ use std::path::{Path, PathBuf};
 use geo::MultiPolygon;
 use glam::DVec3;
 
+use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Lake};
 use crate::crs::{Crs, Returner};
-use crate::error::{Error, Report, Result};
-use crate::tin::{Landform, Regions, Tin};
+use crate::subdomains::{Landform, Regions};
+use crate::tin::Tin;
 use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
@@ -102,7 +103,7 @@ impl VectorFormat {
 ///
 /// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
 /// A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]), whose contours are cut at the edges of
-/// squares; their ends meet there, so that [`clean`](fn@crate::contour::clean) joins them. Of a DXF, polylines, lines and
+/// squares; their ends meet there, so that [`clean`](fn@crate::clean::clean) joins them. Of a DXF, polylines, lines and
 /// points are read; arcs in polylines become chords that stay within 0.01 units, and blocks are not expanded.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is
 /// the extension of the output, the second an ending that replaces that extension.

@@ -9,8 +9,8 @@ use glam::DVec2;
 
 use super::depression::may_mark;
 use super::elevation::is_elevation_name;
+use crate::base::error::Finding;
 use crate::crs::Crs;
-use crate::error::Finding;
 
 /// What a reader is asked for.
 pub(super) struct Request<'a> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::memory::check;
 
 /// Text has no zero byte. So many bytes are looked at before the others are read: enough to tell what is no text at all,

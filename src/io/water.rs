@@ -5,8 +5,8 @@ use std::path::Path;
 use super::area::{check_polygons, single_polygons, united_polygons};
 use super::elevation::polygon_heights;
 use super::table::Table;
+use crate::base::error::Result;
 use crate::contour::Lake;
-use crate::error::Result;
 
 /// The polygons of a table as lakes, in the order of the file.
 pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Vec<Lake>> {

@@ -8,8 +8,8 @@ mod validate;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::surface::Surface;
 use crate::tin::Tin;
 
@@ -188,8 +188,8 @@ mod tests {
 
     use super::*;
     use crate::contour::{Contour, ContourMap};
+    use crate::subdomains::Frame;
     use crate::surface::{SurfaceParams, build};
-    use crate::tin::Frame;
 
     /// Ground that rises to the east by a metre a unit, cut to the polygons.
     fn slope(polygons: Vec<Polygon<f64>>) -> Surface {

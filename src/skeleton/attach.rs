@@ -7,7 +7,8 @@ use std::collections::{HashMap, HashSet, VecDeque};
 
 use super::axis::{Arrival, Draft, End};
 use super::eliminate::Elimination;
-use crate::tin::{NONE, Regions, Side, Tin, TriangleKind};
+use crate::subdomains::{Regions, Side};
+use crate::tin::{NONE, Tin, TriangleKind};
 
 /// How many triangles are looked at for each arrival.
 const TRIALS: usize = 256;

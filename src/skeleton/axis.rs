@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::attach::attach;
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
-use crate::tin::{NONE, Regions, Side, Tin, TriangleKind, VertexKind};
+use crate::subdomains::{Regions, Side};
+use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
 /// Triangles no wider than this share of the map's size hold no points. Points nearer to each other than that are one to
 /// the frame and to the ends of contours too.
@@ -211,7 +212,8 @@ mod tests {
     use super::*;
     use crate::contour::Interval;
     use crate::skeleton::eliminate;
-    use crate::tin::{TinInput, regions, triangle_kinds, triangulate};
+    use crate::subdomains::regions;
+    use crate::tin::{TinInput, triangle_kinds, triangulate};
 
     /// Axis points in a slit of this width, between two higher lines.
     fn points_in_slit(width: f64) -> usize {

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::tin::{Band, Side};
+use crate::subdomains::{Band, Side};
 
 /// The share of the band that a top without a spot height may use.
 const REACH: f64 = 0.9;

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::Skeleton;
-use crate::tin::{Regions, Tin, TriangleKind};
+use crate::subdomains::Regions;
+use crate::tin::{Tin, TriangleKind};
 
 /// An edge of a junction triangle that was kept.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::tin::{NONE, Regions, Tin, TriangleKind, VertexKind};
+use crate::subdomains::Regions;
+use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
 /// What elimination decided, by triangle.
 #[derive(Debug, Clone)]

@@ -24,8 +24,9 @@ use std::collections::{BinaryHeap, HashMap};
 use glam::DVec2;
 
 use super::axis::{Axis, AxisPoint, End};
-use crate::rows::Rows;
-use crate::tin::{NONE, Regions, Side, Tin};
+use crate::base::rows::Rows;
+use crate::subdomains::{Regions, Side};
+use crate::tin::{NONE, Tin};
 
 /// How far a hollow must lie below the way over to a deeper one, as a share of the band, to be one of its own.
 const DEPTH: f64 = 0.1;

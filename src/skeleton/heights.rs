@@ -11,8 +11,9 @@ use rstar::{PointDistance, RTree};
 use super::axis::AxisPoint;
 use super::caps::Cap;
 use super::sight::{nearest_in_sight, sees};
-use crate::rows::Rows;
-use crate::tin::{Region, Regions, Side, Tin, VertexKind};
+use crate::base::rows::Rows;
+use crate::subdomains::{Region, Regions, Side};
+use crate::tin::{Tin, VertexKind};
 
 /// How many segments are tried for one that can be seen before the view is searched instead.
 const SIGHT_TRIALS: usize = 16;

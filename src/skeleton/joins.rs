@@ -11,7 +11,8 @@ use std::collections::{HashMap, HashSet};
 use super::attach::beyond;
 use super::axis::{Draft, End};
 use super::eliminate::Elimination;
-use crate::tin::{NONE, Regions, Side, Tin};
+use crate::subdomains::{Regions, Side};
+use crate::tin::{NONE, Tin};
 
 /// How far from the tip along the axis a line may arrive to be joined, in widths of the bend there.
 const REACH: f64 = 2.0;

@@ -10,7 +10,8 @@ use glam::DVec3;
 use super::axis::{Axis, End};
 use super::flow::{Flow, is_ridge};
 use super::{BreakKind, BreakLine, LineEnd};
-use crate::tin::{NONE, Regions, Tin, VertexKind};
+use crate::subdomains::Regions;
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// Traces the lines of an axis along its flow, in the order of their first pieces. All run downhill.
 pub fn break_lines(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow) -> Vec<BreakLine> {

@@ -26,7 +26,8 @@ pub use lines::break_lines;
 
 use glam::DVec3;
 
-use crate::tin::{Regions, Tin, TriangleKind, triangle_kinds};
+use crate::subdomains::Regions;
+use crate::tin::{Tin, TriangleKind, triangle_kinds};
 
 /// Which way the ground falls from a break line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -7,13 +7,14 @@ use rayon::prelude::*;
 
 use super::trace::as_given;
 use super::{Target, ascends_right, signed_area, slice};
-use crate::bits::bits;
+use crate::base::bits::bits;
+use crate::base::error::{Error, Result};
+use crate::base::progress::Progress;
 use crate::contour::{ContourLayer, ContourLine, LineError, Source};
-use crate::error::{Error, Result};
 use crate::memory;
-use crate::progress::Progress;
-use crate::surface::{Surface, line_error};
+use crate::surface::Surface;
 use crate::tin::Tin;
+use crate::validate::line_error;
 
 /// Bytes that a vertex of a new contour takes: while it is traced, in its layer, and while that is written.
 const BYTES_A_VERTEX: f64 = 64.0;

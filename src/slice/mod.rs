@@ -5,7 +5,7 @@ mod layer;
 mod target;
 mod trace;
 
-pub use crate::tin::{ascends_right, signed_area};
+pub use crate::subdomains::{ascends_right, signed_area};
 pub use layer::{LayerParams, contour_layers};
 pub use target::Target;
 pub use trace::{Traced, slice};

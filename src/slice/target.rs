@@ -1,7 +1,7 @@
 //! Which levels an output layer asks for.
 
+use crate::base::error::{Error, Result};
 use crate::contour::Interval;
-use crate::error::{Error, Result};
 
 /// The most levels that one target may ask for.
 const MOST_LEVELS: f64 = 1e6;

@@ -17,9 +17,10 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::progress::Progress;
-use crate::rows::Rows;
-use crate::tin::{NONE, Regions, Side, Tin, VertexKind};
+use crate::base::progress::Progress;
+use crate::base::rows::Rows;
+use crate::subdomains::{Regions, Side};
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// Crossings of triangles and levels that are held at a time, to bound memory.
 const BATCH: usize = 1 << 25;
@@ -352,7 +353,8 @@ fn push_line(points: Vec<DVec2>, lines: &mut Vec<Vec<DVec2>>) {
 mod tests {
     use super::*;
     use crate::contour::Interval;
-    use crate::tin::{TinInput, regions, triangulate};
+    use crate::subdomains::regions;
+    use crate::tin::{TinInput, triangulate};
 
     /// A square of level 0 with inner points, sliced.
     fn lines_of(points: &[(f64, f64, f64)], level: f64) -> Vec<Vec<DVec2>> {

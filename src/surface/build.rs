@@ -5,20 +5,22 @@ use std::collections::HashSet;
 use glam::DVec2;
 
 use super::nodes::{push_axis, with_nodes};
-use super::sheet::Sheet;
-use super::spline::{self, Chosen, bytes_on, choose, draft, spline, working_grid};
 use super::tiling::{Prepared, Tiling, prepare};
-use super::uncertainty::error_field;
 use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use crate::base::error::{Error, Finding, Report, Result};
+use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::locate;
-use crate::error::{Error, Finding, Report, Result};
 use crate::memory;
-use crate::progress::Progress;
 use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
-use crate::tin::{Gaps, Regions, Side, Tin, Triangulation};
+use crate::spline::{self, bytes_on, draft, spline, working_grid};
+use crate::subdomains::Sheet;
+use crate::subdomains::{Gaps, Regions, Side};
+use crate::tin::{Tin, Triangulation};
+use crate::validate::error_field;
+use crate::validate::{Chosen, choose};
 
-/// Builds the surface of a clean map (see [`clean`](fn@crate::contour::clean)).
+/// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
 ///
 /// # Errors
 /// As [`tiling_with_water`](super::tiling_with_water), and when the parameters are out of range.
@@ -111,7 +113,7 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
 }
 
 /// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `tiled`.
-pub(super) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
+pub(crate) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
     let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
     let input = triangulation.input();
     tiled.push_borders(input);
@@ -120,7 +122,7 @@ pub(super) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution
 }
 
 /// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.
-pub(super) fn with_skeleton(tiled: Tiling, (skeleton, tin): (Skeleton, Tin)) -> (Tiling, Vec<BreakLine>, Axis) {
+pub(crate) fn with_skeleton(tiled: Tiling, (skeleton, tin): (Skeleton, Tin)) -> (Tiling, Vec<BreakLine>, Axis) {
     (tiled.retriangulated(tin, None), skeleton.lines, skeleton.axis)
 }
 

@@ -3,32 +3,29 @@
 //! [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours as it stands: flat triangles on
 //! ridges, in valleys and on tops. [`SurfaceKind::Skeleton`] is the paper's: ridge and canyon lines go into the
 //! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
-//! [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`]).
+//! [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
 
 mod build;
-mod depressions;
 mod nodes;
 mod parted;
 mod sample;
-mod sheet;
-pub mod spline;
 mod tiling;
 mod trusted;
-mod uncertainty;
-mod water;
 
 pub use build::build;
+pub(crate) use build::{finer, with_skeleton};
 pub use sample::{heights, heights_on};
-pub use spline::{Accuracy, Chosen, Knobs, Reason, SplineParams, Wanted, WorkingGrid};
 pub use tiling::{Tiling, tiling, tiling_with_water};
-pub use uncertainty::{ErrorField, ErrorModel, Lesson, line_error, standard_errors, standard_errors_on};
-pub use water::Water;
 
 use glam::DVec2;
 
 use crate::contour::{ContourMap, Interval};
 use crate::skeleton::BreakLine;
-use crate::tin::{Frame, FrameRing, Regions, Tin};
+use crate::spline::{SplineParams, WorkingGrid};
+use crate::subdomains::Water;
+use crate::subdomains::{Frame, FrameRing, Regions};
+use crate::tin::Tin;
+use crate::validate::{Chosen, ErrorField};
 
 /// How heights between contours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -9,13 +9,13 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::WorkingGrid;
 use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
-use super::spline::Lattice;
 use super::tiling::Tiling;
+use crate::base::error::Result;
 use crate::contour::source_raster;
-use crate::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
+use crate::spline::Lattice;
+use crate::spline::WorkingGrid;
 use crate::tin::{InnerPoint, NONE, PartedEdge, TinInput, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
@@ -34,7 +34,7 @@ const LARGEST: usize = 16;
 ///
 /// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
 /// `triangles`.
-pub(super) fn with_nodes(
+pub(crate) fn with_nodes(
     mut tiled: Tiling,
     mut axis: Axis,
     working: &WorkingGrid,
@@ -89,7 +89,7 @@ pub(super) fn with_nodes(
 
 /// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the
 /// pieces lead to.
-pub(super) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
+pub(crate) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
     let each = axis.points.iter().zip(heights);
     let points: Vec<u32> = each.map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis)).collect();
     for piece in &axis.pieces {
@@ -159,7 +159,7 @@ fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Ve
 
 /// The height of an axis point on the smooth surface, from the one that it has in the triangulation. The grid does not know
 /// what lies between its nodes: the nearer a point is to a contour, the more it keeps of that.
-pub(super) fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
+pub(crate) fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
     let smooth = f64::from(working.at(place));
     let share = (contour_distance / working.grid.cell.max_element()).min(1.0);
     if smooth.is_nan() { before } else { before + share * (smooth - before) }
@@ -316,7 +316,7 @@ impl Squares<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dem::Grid;
+    use crate::base::Grid;
 
     const SIDE: usize = 33;
 

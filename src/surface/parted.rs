@@ -11,17 +11,17 @@ use std::ops::Range;
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-use super::WorkingGrid;
 use super::nodes::smooth_height;
 use super::tiling::Tiling;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
+use crate::spline::WorkingGrid;
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
 /// Rounding takes a place between two others no more than so many steps between large numbers off their line.
 const MOST_STEPS: usize = 4;
 
 /// An edge of the triangulation and the axis points on it, from its first end to its second.
-pub(super) struct PartedPiece {
+pub(crate) struct PartedPiece {
     pub edge: [u32; 2],
     pub points: Range<usize>,
 }
@@ -30,7 +30,7 @@ pub(super) struct PartedPiece {
 /// to `axis`, and their heights on the smooth surface to `heights`.
 ///
 /// `vertices` are those of the axis points.
-pub(super) fn part_long_pieces(
+pub(crate) fn part_long_pieces(
     tiled: &Tiling,
     axis: &mut Axis,
     (vertices, heights): (&[u32], &mut Vec<f64>),
@@ -88,7 +88,7 @@ pub(super) fn part_long_pieces(
 /// The points are added to `points`; like corners of the frame they have no heights yet.
 ///
 /// Edges with something beyond them stay: a polygon that is not convex, and contours that end beside a straight border.
-pub(super) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<InnerPoint>) -> Vec<PartedEdge> {
+pub(crate) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<InnerPoint>) -> Vec<PartedEdge> {
     let tin = &tiled.tin;
     let narrow = narrow(tin);
     let mut parted = Vec::new();

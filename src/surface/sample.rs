@@ -3,10 +3,12 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::spline::on_contours;
-use super::{Surface, WorkingGrid};
-use crate::dem::{Dem, Grid, height, locate, rasterise};
-use crate::progress::Progress;
+use super::Surface;
+use crate::base::Grid;
+use crate::base::progress::Progress;
+use crate::dem::{Dem, height, locate, rasterise};
+use crate::spline::WorkingGrid;
+use crate::spline::on_contours;
 use crate::tin::{NONE, Tin};
 
 /// Rows that one task fills.
@@ -126,7 +128,7 @@ impl WorkingGrid {
     }
 
     /// The height at a position: a node's own within a millionth of a cell, else interpolated; NaN off the grid.
-    pub(super) fn at(&self, p: glam::DVec2) -> f32 {
+    pub(crate) fn at(&self, p: glam::DVec2) -> f32 {
         let grid = &self.grid;
         let first = grid.center(0, 0);
         let (x, y) = ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y);

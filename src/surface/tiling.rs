@@ -6,21 +6,22 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::WorkingGrid;
-use super::depressions::contradicted_marks;
-use super::sheet::Sheet;
-use super::water::{Ponds, Shores, Water, lake_finding, leave_out_vanished, sea_level, settle};
-use crate::bits::bits;
+use crate::base::bits::bits;
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::base::progress::Progress;
+use crate::check::contradicted_marks;
 use crate::check::{Correction, Ground, Judged, judge};
-use crate::contour::{Border, Clipped, ContourMap, Interval, clip, find_interval, with_corners_at};
-use crate::error::{Error, Finding, FindingKind, Report, Result};
-use crate::progress::Progress;
+use crate::contour::{Clipped, ContourMap, Interval, clip, find_interval};
+use crate::geometry::{Border, with_corners_at};
 use crate::skeleton::{AxisPoint, axis_heights};
-use crate::tin::{
-    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, Tin, TinInput, Triangulation, VertexKind,
-    agreeing_at_corners, close_gaps, contradicted_lakes, frame_ring, link_open_ends, links_at, regions, sub_domains,
-    with_water,
+use crate::spline::WorkingGrid;
+use crate::subdomains::Sheet;
+use crate::subdomains::water::{Ponds, Shores, Water, lake_finding, leave_out_vanished, sea_level, settle};
+use crate::subdomains::{
+    Band, Frame, FrameRing, Gaps, KeptBands, Link, OpenEnd, Outline, Regions, agreeing_at_corners, close_gaps,
+    contradicted_lakes, frame_ring, link_open_ends, links_at, regions, sub_domains, with_water,
 };
+use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 
 /// Triangles that one task looks at.
 const CHUNK: usize = 1 << 14;
@@ -42,17 +43,17 @@ pub struct Tiling {
     /// it came in where the frame is no polygon.
     pub corrections: Vec<Correction>,
     /// As [`Judged::doubted`].
-    pub(super) doubted: Vec<u32>,
+    pub(crate) doubted: Vec<u32>,
     /// What closes the gaps between open ends.
-    pub(super) gaps: Gaps,
+    pub(crate) gaps: Gaps,
     parts: Parts,
     /// The triangulation itself, to which points can be added, until it is taken.
-    pub(super) triangulation: Triangulation,
+    pub(crate) triangulation: Triangulation,
     /// Number of its points; those that are computed come after them.
-    pub(super) given: usize,
+    pub(crate) given: usize,
 }
 
-/// Triangulates a clean map (see [`clean`](fn@crate::contour::clean)) and finds its sub-domains.
+/// Triangulates a clean map (see [`clean`](fn@crate::clean::clean)) and finds its sub-domains.
 ///
 /// # Errors
 /// When the map has fewer than two levels, when a contour line crosses another, or when the points have no extent.
@@ -77,7 +78,7 @@ pub fn tiling_with_water(
 }
 
 /// A map in its frame, ready to be triangulated.
-pub(super) struct Prepared {
+pub(crate) struct Prepared {
     /// The map, cut to the frame.
     pub map: ContourMap,
     /// The frame's outline.
@@ -93,7 +94,7 @@ pub(super) struct Prepared {
 ///
 /// # Errors
 /// When the map has fewer than two levels, or as [`tiling_with_water`] for the sea.
-pub(super) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
+pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();
     let (map, frame) = match wanted {
@@ -176,7 +177,7 @@ impl Prepared {
 
 impl Tiling {
     /// What the triangles do not tell, with the area of the triangles inside the frame.
-    pub(super) fn sheet(&self) -> Sheet<'_> {
+    pub(crate) fn sheet(&self) -> Sheet<'_> {
         let tin = &self.tin;
         let doubled = |t: u32| {
             let [a, b, c] = tin.corners(t);
@@ -192,7 +193,7 @@ impl Tiling {
     }
 
     /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
-    pub(super) fn push_borders(&self, input: &mut TinInput) {
+    pub(crate) fn push_borders(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
@@ -202,20 +203,20 @@ impl Tiling {
     }
 
     /// The spot heights that agree with the contours around them.
-    pub(super) fn used_spots(&self) -> impl Iterator<Item = DVec3> {
+    pub(crate) fn used_spots(&self) -> impl Iterator<Item = DVec3> {
         self.map.spots.iter().zip(&self.parts.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
     }
 
     /// The same with a finer triangulation, which more points and edges were added to.
     ///
     /// Corners of the frame get the heights of `working`, if there is one.
-    pub(super) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
+    pub(crate) fn retriangulated(self, finer: Tin, working: Option<&WorkingGrid>) -> Self {
         let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, parts, given, .. } = self;
         let kept = KeptBands::new(&tin, regions);
         let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
         let before = (!parts.ponds.is_empty()).then_some(tin);
-        let tin = outline.applied(finer).with_gaps(&gaps);
+        let tin = outline.applied(finer).with_gaps(&gaps.bridges, &gaps.gates);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
@@ -313,7 +314,7 @@ impl Parts {
             let mut triangulation = Triangulation::new(self.input(map, frame))?;
             let tin = self.within_frame(triangulation.tin()?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
-            let tin = self.ponds.mark(tin.with_gaps(&gaps));
+            let tin = self.ponds.mark(tin.with_gaps(&gaps.bridges, &gaps.gates));
             let (tin, report) = known_regions(tin, interval);
             let heights = self.ponds.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);

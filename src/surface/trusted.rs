@@ -1,15 +1,15 @@
 //! What of a map can be trusted to learn from. Beside wrong labels all ground looks rough where levels are hidden, and bands are
 //! those of other ground.
 
-use super::sheet::Sheet;
 use super::tiling::Tiling;
 use crate::check::{Correction, correct};
 use crate::contour::ContourMap;
+use crate::subdomains::Sheet;
 
 impl Tiling {
     /// The map with the elevations that are proposed for wrong labels, without the lines whose label is wrong though none is
     /// proposed; `None` if the ground around contradicts no label.
-    pub(super) fn trusted(&self) -> Option<ContourMap> {
+    pub(crate) fn trusted(&self) -> Option<ContourMap> {
         let is_label = |c: &&Correction| matches!(c, Correction::Label { .. });
         let labels: Vec<Correction> = self.corrections.iter().filter(is_label).cloned().collect();
         if labels.is_empty() && self.doubted.is_empty() {
@@ -22,7 +22,7 @@ impl Tiling {
     }
 
     /// Numbers of the lines whose label the ground around contradicts, ascending.
-    pub(super) fn wrong_lines(&self) -> Vec<u32> {
+    pub(crate) fn wrong_lines(&self) -> Vec<u32> {
         let label = |c: &Correction| if let Correction::Label { line, .. } = c { Some(*line) } else { None };
         let mut lines: Vec<u32> =
             self.corrections.iter().filter_map(label).chain(self.doubted.iter().copied()).collect();
@@ -32,7 +32,7 @@ impl Tiling {
     }
 
     /// Another map in the same frame.
-    pub(super) fn sheet_of<'a>(&'a self, map: &'a ContourMap) -> Sheet<'a> {
+    pub(crate) fn sheet_of<'a>(&'a self, map: &'a ContourMap) -> Sheet<'a> {
         Sheet::new(map, &self.frame, self.interval)
     }
 }

@@ -6,9 +6,9 @@
 
 use glam::DVec2;
 
+use crate::base::error::{ArrayFault, Error, Result};
 use crate::contour::{Contour, ContourLayer, ContourLine};
 use crate::crs::Returner;
-use crate::error::{ArrayFault, Error, Result};
 
 /// Lines as ragged arrays.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -6,14 +6,15 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::Terrain;
+use crate::base::Grid;
+use crate::base::error::{Error, Report, Result};
+use crate::base::progress::{Progress, step};
 use crate::contour::Interval;
 use crate::crs::{Crs, Transform};
 use crate::dem::compare::{height_at, heights_between};
-use crate::dem::{Dem, Grid, looks_like_degrees};
-use crate::error::{Error, Report, Result};
+use crate::dem::{Dem, looks_like_degrees};
 use crate::io::SpotHeights;
 use crate::io::raster::{DemFile, read_dem};
-use crate::progress::{Progress, step};
 use crate::surface::{Surface, SurfaceKind, heights, heights_on};
 
 /// One side.

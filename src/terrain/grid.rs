@@ -4,15 +4,18 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
+use crate::base::Grid;
+use crate::base::error::{CrsNeed, Error, Result};
+use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::crs::{Crs, Places, Transform};
-use crate::dem::{Dem, Grid};
-use crate::error::{CrsNeed, Error, Result};
+use crate::dem::Dem;
 use crate::io::raster::read_grid;
 use crate::memory;
-use crate::progress::Progress;
-use crate::surface::{Surface, Wanted, heights, heights_on, standard_errors, standard_errors_on};
-use crate::tin::{Frame, FrameRing, frame_ring};
+use crate::spline::Wanted;
+use crate::subdomains::{Frame, FrameRing, frame_ring};
+use crate::surface::{Surface, heights, heights_on};
+use crate::validate::{standard_errors, standard_errors_on};
 
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,12 +12,13 @@ use glam::DVec3;
 
 use super::arrays;
 use super::plane::{named, on_plane};
-use crate::contour::{ContourMap, ElevationUnit, Fitted, Lake, Sampled};
+use crate::base::error::{Finding, Report, Result};
+use crate::base::progress::{Progress, step};
+use crate::contour::{ContourMap, ElevationUnit, Lake};
 use crate::crs::{Crs, Places};
-use crate::error::{Finding, Report, Result};
 use crate::io::{ReadOptions, SpotHeights, read_area, read_contours, read_spot_heights, read_water};
-use crate::progress::{Progress, step};
-use crate::tin::Frame;
+use crate::resample::{Fitted, Sampled};
+use crate::subdomains::Frame;
 
 /// How contours are taken in.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -88,9 +89,9 @@ impl Input {
     /// Takes a map in memory. It is moved, its lines are not copied.
     ///
     /// # Errors
-    /// [`LooksLikeDegrees`](crate::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
-    /// [`NotProjectedInMetres`](crate::error::Error::NotProjectedInMetres) and
-    /// [`UnknownCrs`](crate::error::Error::UnknownCrs) for a system to work in. As [`Places::project`] if a coordinate has no
+    /// [`LooksLikeDegrees`](crate::base::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
+    /// [`NotProjectedInMetres`](crate::base::error::Error::NotProjectedInMetres) and
+    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Places::project`] if a coordinate has no
     /// place on the plane.
     pub fn from_map(map: ContourMap, options: &InputOptions) -> Result<Self> {
         Self::from_report(Report { value: map, findings: Vec::new() }, options)
@@ -102,7 +103,7 @@ impl Input {
     /// Coordinates are copied once, into a list for each line.
     ///
     /// # Errors
-    /// [`Arrays`](crate::error::Error::Arrays) if the arrays do not fit each other. As [`Input::from_map`].
+    /// [`Arrays`](crate::base::error::Error::Arrays) if the arrays do not fit each other. As [`Input::from_map`].
     pub fn from_arrays(
         coords: &[[f64; 2]],
         offsets: &[usize],

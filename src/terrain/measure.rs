@@ -6,15 +6,16 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::compare::{Kind, Pair, along, way};
+use crate::base::Grid;
+use crate::base::error::{Error, Finding, Result};
+use crate::base::progress::{Progress, step};
 use crate::contour::{ElevationUnit, Interval};
 use crate::crs::Transform;
 use crate::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
 };
-use crate::dem::{Grid, locate};
-use crate::error::{Error, Finding, Result};
+use crate::dem::locate;
 use crate::io::{ReadOptions, read_spot_heights};
-use crate::progress::{Progress, step};
 use crate::tin::{NONE, Tin};
 
 /// What a comparison may be told besides the two sides.

@@ -26,12 +26,13 @@ pub use patches::{landform_patches, triangle_patches};
 pub use picture::{picture, tiling_picture};
 pub use prepare::{Preparation, Repair, all_right, is_repair};
 
+use crate::base::Grid;
+use crate::base::error::{Error, Finding, Result};
+use crate::base::progress::Progress;
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, Places, Returner};
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Finding, Result};
+use crate::dem::Dem;
 use crate::mesh::{Mesh, MeshParams, mesh};
-use crate::progress::Progress;
 use crate::slice::{LayerParams, Target, contour_layers};
 use crate::surface::{Surface, build};
 

@@ -1,9 +1,11 @@
 //! How a terrain is made: [`Options`].
 
 use super::{GridSpec, Input, Preparation};
+use crate::base::error::Result;
 use crate::crs::Places;
-use crate::error::Result;
-use crate::surface::{SplineParams, SurfaceKind, SurfaceParams, Triangles, Uncertainty, Water};
+use crate::spline::SplineParams;
+use crate::subdomains::Water;
+use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 
 use super::grid::Cells;
 

@@ -1,8 +1,9 @@
 //! Areas in colour for pictures of sub-domains and of triangles.
 
-use crate::preview::{Patch, PatchClass, Patches};
+use crate::draw::preview::{Patch, PatchClass, Patches};
 use crate::skeleton::Skeleton;
-use crate::tin::{Landform, LandformClass, Tin, TriangleKind};
+use crate::subdomains::{Landform, LandformClass};
+use crate::tin::{Tin, TriangleKind};
 
 /// Sub-domains, coloured by class: warm for high ground, cool for low.
 pub fn landform_patches(forms: &[Landform], tin: &Tin) -> Patches {

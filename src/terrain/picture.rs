@@ -3,13 +3,14 @@
 use image::RgbImage;
 
 use super::grid::extent;
+use crate::base::Grid;
+use crate::base::error::Result;
 use crate::contour::{Contour, ContourLine, Interval, Source};
-use crate::dem::{Dem, Grid, rasterise};
-use crate::error::Result;
-use crate::preview::{Patches, Preview, map_grid, render};
+use crate::dem::{Dem, rasterise};
+use crate::draw::preview::{Patches, Preview, map_grid, render};
 use crate::skeleton::BreakLine;
+use crate::subdomains::FrameRing;
 use crate::surface::{Surface, Tiling, heights};
-use crate::tin::FrameRing;
 
 /// How many levels of the input lie between index contours in a picture.
 const INDEX_EVERY: i64 = 5;

@@ -1,8 +1,8 @@
 //! From the coordinates of the contours to the plane that they are worked on in.
 
+use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use crate::contour::ContourMap;
 use crate::crs::{Crs, CrsKind, Places, working_crs};
-use crate::error::{CrsNeed, Error, Finding, FindingKind, Result};
 
 /// The map with the system that the caller names.
 pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {

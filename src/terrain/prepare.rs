@@ -1,12 +1,14 @@
 //! What is done to the lines before all else: they are examined, repaired, cleaned, fitted and sampled.
 
 use super::Input;
+use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
+use crate::base::progress::{Progress, step};
 use crate::check::{LineParams, correct, examine, first_causes, merged};
-use crate::contour::{CleanParams, ContourMap, FitParams, SampleParams, clean, find_interval, fit, sample};
-use crate::error::{Error, Finding, FindingKind, Report, Result, Severity};
-use crate::progress::{Progress, step};
-use crate::surface::{Tiling, Water, tiling, tiling_with_water};
-use crate::tin::Frame;
+use crate::clean::{CleanParams, clean};
+use crate::contour::{ContourMap, find_interval};
+use crate::resample::{FitParams, SampleParams, fit, sample};
+use crate::subdomains::{Frame, Water};
+use crate::surface::{Tiling, tiling, tiling_with_water};
 
 /// How far a map is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -9,7 +9,7 @@ use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulat
 
 use super::walk::is_found;
 use super::{CONSTRAINT, NONE, Tin, TinInput};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// spade's triangulation.
 pub(super) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;

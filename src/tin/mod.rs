@@ -1,43 +1,19 @@
-//! The triangulation ([`Tin`]), the sub-domains in it ([`Regions`]) and the kinds of its triangles ([`TriangleKind`]).
+//! The triangulation ([`Tin`]), the sub-domains in it ([`Regions`](crate::subdomains::Regions)) and the kinds of its triangles ([`TriangleKind`]).
 //!
 //! A [`Tin`] is a handful of flat arrays, built once and never changed: corner indices, neighbours and constraint flags
 //! a triangle, position and height a vertex. Side data (sub-domain, kind) are further flat arrays indexed by triangle.
 
 mod build;
-mod frame;
-mod gates;
 mod input;
-mod kept;
 mod kinds;
-mod landforms;
-mod links;
-mod local;
 mod locate;
-mod orient;
-mod outline;
 mod refine;
-mod regions;
-mod touch;
 mod walk;
-mod waters;
 
 pub use build::{Triangulation, triangulate};
-pub use frame::{Frame, FrameRing, frame_ring};
-pub use gates::{Gaps, close_gaps};
 pub use input::TinInput;
-pub use kept::KeptBands;
 pub use kinds::{TriangleKind, triangle_kinds};
-pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
-pub use links::{Link, OpenEnd, link_open_ends};
-pub(crate) use links::{Sight, links_at};
-pub use local::local_bands;
-pub use orient::{ascends_right, signed_area};
-pub(crate) use orient::{line_at, line_starts, piece_of};
-pub use outline::Outline;
 pub use refine::{InnerPoint, PartedEdge};
-pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
-pub use touch::agreeing_at_corners;
-pub use waters::{contradicted_lakes, with_water};
 
 use std::collections::HashSet;
 
@@ -48,9 +24,9 @@ use robust::{Coord, orient2d};
 pub const NONE: u32 = u32::MAX;
 
 /// Flags of a triangle's first edge; those of the others are one and two bits further on.
-const CONSTRAINT: u16 = 1;
-const GATE: u16 = 1 << 3;
-const CONTOUR: u16 = 1 << 6;
+pub(crate) const CONSTRAINT: u16 = 1;
+pub(crate) const GATE: u16 = 1 << 3;
+pub(crate) const CONTOUR: u16 = 1 << 6;
 
 /// What a vertex stands for, and so where its height comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -87,9 +63,9 @@ pub struct Tin {
     /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
     pub neighbours: Vec<[u32; 3]>,
     /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate; bit i+6: a piece of a contour.
-    edges: Vec<u16>,
+    pub(crate) edges: Vec<u16>,
     /// Whether the triangle lies inside the frame.
-    inside: Vec<bool>,
+    pub(crate) inside: Vec<bool>,
     /// Number of the lake that the triangle lies in, [`NONE`] on land; empty without lakes.
     lakes: Vec<u32>,
 }
@@ -180,10 +156,10 @@ impl Tin {
     }
 
     /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
-    pub fn with_gaps(mut self, gaps: &Gaps) -> Self {
+    pub fn with_gaps(mut self, bridges: &[[u32; 2]], gates: &[[u32; 2]]) -> Self {
         let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
-        let bridges: HashSet<[u32; 2]> = gaps.bridges.iter().copied().map(sorted).collect();
-        let gates: HashSet<[u32; 2]> = gaps.gates.iter().copied().map(sorted).collect();
+        let bridges: HashSet<[u32; 2]> = bridges.iter().copied().map(sorted).collect();
+        let gates: HashSet<[u32; 2]> = gates.iter().copied().map(sorted).collect();
         let ends: HashSet<u32> = bridges.iter().chain(&gates).flatten().copied().collect();
         for t in 0..self.len() as u32 {
             for i in 0..3 {

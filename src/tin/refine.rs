@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use super::build::{Face, faces};
 use super::{CONSTRAINT, NONE, Tin, TinInput, VertexKind};
-use crate::error::Result;
-use crate::rows::Rows;
+use crate::base::error::Result;
+use crate::base::rows::Rows;
 
 /// Triangles and points that are enough for a part.
 const PART: usize = 1 << 18;
@@ -246,7 +246,8 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
 mod tests {
     use super::*;
     use crate::contour::Interval;
-    use crate::tin::{regions, triangulate};
+    use crate::subdomains::regions;
+    use crate::tin::triangulate;
 
     /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
     fn nested(open: usize) -> TinInput {

@@ -10,16 +10,17 @@
 use std::collections::HashSet;
 
 use glam::DVec2;
-use tokosen::contour::clean::validate;
-use tokosen::contour::{
-    CleanParams, Contour, ContourLayer, ContourMap, FitParams, SampleParams, Source, clean, fit, sample,
-};
-use tokosen::dem::Grid;
-use tokosen::error::Result;
+use tokosen::base::Grid;
+use tokosen::base::error::Result;
+use tokosen::clean::validate;
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourLayer, ContourMap, Source};
 use tokosen::mesh::{MeshParams, mesh};
+use tokosen::resample::{FitParams, SampleParams, fit, sample};
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::subdomains::{Band, landforms};
 use tokosen::surface::{Surface, SurfaceParams, build, heights};
-use tokosen::tin::{Band, VertexKind, landforms};
+use tokosen::tin::VertexKind;
 
 use crate::common;
 

@@ -97,7 +97,7 @@ fn geopackage(dir: &TempDir, layers: &[(&str, &str)]) -> PathBuf {
     path
 }
 
-fn read(path: &Path) -> tokosen::error::Result<(MultiPolygon<f64>, Option<Crs>)> {
+fn read(path: &Path) -> tokosen::base::error::Result<(MultiPolygon<f64>, Option<Crs>)> {
     read_area(path, &ReadOptions::default())
 }
 

@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use crate::common::Random;
 use crate::guarantees::{Lines, hold, map_of};
 use glam::DVec2;
-use tokosen::contour::{FitParams, SampleParams};
+use tokosen::resample::{FitParams, SampleParams};
+use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, SurfaceParams};
-use tokosen::tin::Frame;
 
 type Line = (f64, Vec<DVec2>);
 

@@ -8,12 +8,13 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
+use tokosen::base::error::{Finding, FindingKind};
 use tokosen::check::{LineParams, correct, examine, first_causes, merged};
-use tokosen::contour::{CleanParams, ContourMap, clean};
-use tokosen::error::{Finding, FindingKind};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::ContourMap;
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::subdomains::Frame;
 use tokosen::surface::tiling;
-use tokosen::tin::Frame;
 
 /// Coordinates of the map's south-west corner.
 const CORNER: [f64; 2] = [-20_000.0, -35_000.0];

@@ -5,8 +5,9 @@ use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
-use tokosen::contour::{CleanParams, ContourMap, clean};
-use tokosen::error::{FindingKind, Report};
+use tokosen::base::error::{FindingKind, Report};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::ContourMap;
 use tokosen::io::gsi::{GsiDem, Product, read_dem};
 use tokosen::io::{ReadOptions, read_area, read_contours, read_spot_heights, read_water};
 use zip::ZipWriter;

@@ -14,9 +14,10 @@ use crate::common::Terrain;
 use crate::guarantees::{bits, check, check_dem, clean_map, layer_of, map_of, pairs};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
-use tokosen::contour::{CleanParams, FitParams, SampleParams, fit, sample};
+use tokosen::clean::CleanParams;
+use tokosen::resample::{FitParams, SampleParams, fit, sample};
+use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, SurfaceParams, build};
-use tokosen::tin::Frame;
 
 fn check_terrain(terrain: &Terrain, frame: &Frame) {
     let map = clean_map(map_of(&terrain.contours()));

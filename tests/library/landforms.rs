@@ -7,12 +7,13 @@ use std::path::Path;
 
 use geo::{Area, Contains, Relate, Validation, line_string, point};
 use glam::DVec2;
-use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
-use tokosen::error::FindingKind;
+use tokosen::base::error::FindingKind;
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::subdomains::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Slope, Tableland, Valley};
+use tokosen::subdomains::{BorderKind, Frame, Landform, LandformClass, landforms};
 use tokosen::surface::{Tiling, tiling};
-use tokosen::tin::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Slope, Tableland, Valley};
-use tokosen::tin::{BorderKind, Frame, Landform, LandformClass, landforms};
 
 use crate::common;
 
@@ -43,7 +44,7 @@ fn ring(level: f64, x: f64, y: f64, radius: f64) -> (f64, Vec<DVec2>) {
 
 /// The outline of a landform.
 fn polygon(tiled: &Tiling, form: &Landform) -> geo::Polygon<f64> {
-    let line = |ring: &tokosen::tin::Ring| ring.points(&tiled.tin).iter().map(|p| (p.x, p.y)).collect();
+    let line = |ring: &tokosen::subdomains::Ring| ring.points(&tiled.tin).iter().map(|p| (p.x, p.y)).collect();
     geo::Polygon::new(line(&form.rings[0]), form.rings[1..].iter().map(line).collect())
 }
 

@@ -9,8 +9,8 @@ use glam::{DVec2, DVec3};
 use rusqlite::Connection;
 use shapefile::dbase::FieldValue;
 use shapefile::{PolygonRing, Shape as Read};
+use tokosen::base::error::Result;
 use tokosen::crs::Crs;
-use tokosen::error::Result;
 use tokosen::io::layer::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use tokosen::io::{ReadOptions, StagedOutput, contour_files, read_area, write_layers};
 

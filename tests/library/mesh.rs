@@ -7,7 +7,8 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
-use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::mesh::{Mesh, MeshParams, mesh};

@@ -9,9 +9,9 @@ use flatgeobuf::geozero::{ColumnValue, FeatureProcessor, GeomProcessor, Property
 use flatgeobuf::{ColumnType, FgbReader, FgbWriter, FgbWriterOptions, GeometryType};
 use glam::{DVec2, DVec3};
 use tempfile::TempDir;
+use tokosen::base::error::{FindingKind, Result};
 use tokosen::contour::{Contour, ContourLayer, ContourLine, Source};
 use tokosen::crs::Crs;
-use tokosen::error::{FindingKind, Result};
 use tokosen::io::layer::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, read_spot_heights, read_water};
 use tokosen::io::{write_contours, write_layers};

@@ -9,9 +9,10 @@ use glam::DVec2;
 use tempfile::TempDir;
 use tiff::encoder::{Compression, Predictor, TiffEncoder, colortype};
 use tiff::tags::Tag;
+use tokosen::base::Grid;
+use tokosen::base::error::{Error, FindingKind};
 use tokosen::crs::Crs;
-use tokosen::dem::{Dem, Grid};
-use tokosen::error::{Error, FindingKind};
+use tokosen::dem::Dem;
 use tokosen::io::raster::{
     PngEncoding, Quantity, RasterParams, read_dem, read_grid, write_dem, write_raster, write_shade,
 };

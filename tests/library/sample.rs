@@ -5,7 +5,9 @@ use crate::common;
 use crate::common::Terrain;
 use glam::DVec2;
 use proptest::prelude::*;
-use tokosen::contour::{CleanParams, Contour, ContourMap, SampleParams, Sampled, clean, sample};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
+use tokosen::resample::{SampleParams, Sampled, sample};
 
 fn clean_map(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
     let contours = (0u64..).zip(lines).map(|(feature, (elevation, points))| Contour {

@@ -7,11 +7,13 @@ use std::path::Path;
 
 use crate::common::{Terrain, all_kinds};
 use glam::DVec2;
-use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
+use tokosen::subdomains::{Frame, Side};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Tiling, build, tiling};
-use tokosen::tin::{Frame, Side, VertexKind};
+use tokosen::tin::VertexKind;
 
 fn tiling_of(map: ContourMap) -> Tiling {
     let map = clean(map, &CleanParams::default()).unwrap().value;

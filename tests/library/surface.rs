@@ -3,12 +3,15 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
 use glam::{DVec2, DVec3};
-use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
-use tokosen::dem::{Grid, rasterise};
-use tokosen::error::{Finding, FindingKind};
+use tokosen::base::Grid;
+use tokosen::base::error::{Finding, FindingKind};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap, Source};
+use tokosen::dem::rasterise;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Chosen, Reason, Surface, SurfaceParams, build, heights};
-use tokosen::tin::Frame;
+use tokosen::subdomains::Frame;
+use tokosen::surface::{Surface, SurfaceParams, build, heights};
+use tokosen::validate::{Chosen, Reason};
 
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
     let corner =

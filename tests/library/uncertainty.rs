@@ -1,12 +1,13 @@
 //! The expected error against ground that is known: waves whose contours are cut finely.
 
 use glam::DVec2;
-use tokosen::contour::{CleanParams, Contour, ContourMap, Source, clean};
-use tokosen::dem::Grid;
+use tokosen::base::Grid;
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap, Source};
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{
-    Lesson, Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, Wanted, build, heights, standard_errors,
-};
+use tokosen::spline::Wanted;
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build, heights};
+use tokosen::validate::{Lesson, standard_errors};
 
 const STEP: f64 = 10.0;
 const CELLS: usize = 160;

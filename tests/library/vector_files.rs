@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 use tempfile::TempDir;
+use tokosen::base::error::{FindingKind, Report, Result};
 use tokosen::contour::{ContourLayer, ContourLine, ContourMap, Source};
 use tokosen::crs::Crs;
-use tokosen::error::{FindingKind, Report, Result};
 use tokosen::io::{ReadOptions, StagedOutput, read_contours, read_spot_heights, write_contours};
 
 const FORMATS: [&str; 5] = ["dxf", "fgb", "geojson", "gpkg", "shp"];

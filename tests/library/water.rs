@@ -9,12 +9,15 @@ use crate::common;
 use crate::common::Random;
 use geo::{LineString, Polygon};
 use glam::DVec2;
-use tokosen::contour::{CleanParams, Contour, ContourLayer, ContourMap, Lake, Source, clean};
-use tokosen::dem::{Grid, rasterise};
-use tokosen::error::{Error, Finding, FindingKind};
+use tokosen::base::Grid;
+use tokosen::base::error::{Error, Finding, FindingKind};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourLayer, ContourMap, Lake, Source};
+use tokosen::dem::rasterise;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Water, build};
-use tokosen::tin::Frame;
+use tokosen::subdomains::Frame;
+use tokosen::subdomains::Water;
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 
 fn circle(center: (f64, f64), radius: f64) -> Vec<DVec2> {
     (0..=40).map(|k| DVec2::from(center) + radius * DVec2::from_angle(f64::from(k % 40) * TAU / 40.0)).collect()

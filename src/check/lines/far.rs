@@ -7,9 +7,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::shape::{Box2, Shape, median, steps};
+use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
 use crate::crs::{Crs, CrsKind};
-use crate::error::{Finding, FindingKind};
 
 /// A vertex is far if both its segments are longer than so many usual ones of its line,
 const JUMP_STEPS: f64 = 50.0;

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::ends::{At, End, place};
+use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::check::{Correction, Judged};
 use crate::contour::{Contour, ContourMap};
-use crate::error::{Finding, FindingKind, Proposal};
 
 /// Fewest pieces of a line whose majority tells its elevation: of two, either may be wrong.
 const VOTERS: usize = 3;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap, ElevationUnit, find_interval};
-use crate::error::{Finding, FindingKind};
 
 /// Numbers that stand for no data, in the file's unit; those of either sign are here once.
 const NO_DATA: &[f64] = &[0.0, 999.0, 9999.0, 99_999.0, 999_999.0, 32_767.0, 32_768.0, 65_535.0];

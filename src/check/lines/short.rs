@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::ends::At;
 use super::shape::Shape;
+use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
-use crate::error::{Finding, FindingKind};
 
 /// A line that reaches no further than this share of the usual distance between vertices is none. Contours traced on height
 /// maps have rings of three thousandths of it.

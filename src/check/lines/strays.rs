@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::check::{Correction, Judged};
 use crate::contour::{Contour, ContourMap, outlying_vertices};
-use crate::error::{Finding, FindingKind, Proposal};
 
 pub(super) fn find(map: &ContourMap) -> Judged {
     let of_line = |(line, contour): (usize, &Contour)| {

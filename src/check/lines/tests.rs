@@ -3,11 +3,11 @@
 use glam::DVec2;
 use proptest::prelude::*;
 
-use super::*;
+use crate::base::error::Proposal;
+use crate::check::lines::*;
 use crate::check::{Correction, correct};
 use crate::contour::Contour;
 use crate::crs::Crs;
-use crate::error::Proposal;
 
 const PARAMS: LineParams = LineParams { snap: 0.01 };
 
@@ -121,7 +121,7 @@ fn a_jump_and_what_cleaning_tells_of_it_are_one_fault() {
         line(3, 30.0, &[(5.0, -5.0), (5.0, 5.0)]),
     ];
     let told = found(contours.clone());
-    let cleaning = crate::contour::clean(map(contours), &crate::contour::CleanParams::default()).unwrap().findings;
+    let cleaning = crate::clean::clean(map(contours), &crate::clean::CleanParams::default()).unwrap().findings;
     assert_eq!(kinds(&cleaning), [FindingKind::LevelsCross; 2]);
     let all = merged(told, cleaning, PARAMS.snap);
     assert_eq!(kinds(&all), [FindingKind::LevelJump, FindingKind::LevelsCross]);

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec2;
 use serde::Serialize;
+use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, difference};
-use tokosen::error::{Error, Finding};
+use tokosen::draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
 use tokosen::io::{Content, StagedOutput, content};
-use tokosen::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 use tokosen::terrain::{Kind, MeasureOptions, Pair, SideSource, measure};
 
 use super::console::Console;

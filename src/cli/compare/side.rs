@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use tokosen::GridSpec;
+use tokosen::base::error::Finding;
 use tokosen::crs::Transform;
-use tokosen::error::Finding;
 use tokosen::io::Content;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{Nodes, Pair, Side};

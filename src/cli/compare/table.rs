@@ -1,7 +1,7 @@
 //! The figures as a table of text.
 
 use tokosen::dem::compare::{Comparison, Statistics};
-use tokosen::report::{Group, decimals_for, groups};
+use tokosen::draw::report::{Group, decimals_for, groups};
 
 const COLUMNS: [&str; 11] =
     ["cells", "bias", "RMSE", "RMSE-b", "MAE", "median", "NMAD", "LE90", "LE95", "lowest", "highest"];

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::Extreme;
 use super::statistics::sum;
 use crate::dem::Dem;
-use crate::tin::Band;
+use crate::subdomains::Band;
 
 /// How much of a height map lies outside the bands of the sub-domains that its cells lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -55,7 +55,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::dem::Grid;
+    use crate::base::Grid;
 
     #[test]
     fn cells_outside_are_counted_with_their_excess() {

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
 
+use crate::base::Grid;
 use crate::contour::Contour;
-use crate::dem::Grid;
 
 /// Distance of every cell centre that `is_wanted` to the nearest contour line, in units of the contours' map; NaN
 /// for the others, and where there is no contour. `to_map` takes a place of the grid to the contours' coordinates.

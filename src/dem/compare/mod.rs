@@ -29,8 +29,8 @@ use serde::Serialize;
 
 use super::Dem;
 use super::shade::steepness;
+use crate::base::error::{Error, Result};
 use crate::contour::Interval;
-use crate::error::{Error, Result};
 use classes::{distance_bounds, elevation_bounds, round_up};
 use statistics::sum;
 
@@ -247,7 +247,7 @@ fn significance(differences: &[f64], overall: &Statistics, sigma: f64) -> Signif
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dem::Grid;
+    use crate::base::Grid;
 
     fn plane(height: impl Fn(f64, f64) -> f64) -> Dem {
         let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::splat(10.0), cols: 20, rows: 10 };

@@ -3,7 +3,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::dem::{Dem, Grid};
+use crate::base::Grid;
+use crate::dem::Dem;
 
 /// A place so near to a cell centre, in cells, has that cell's height, whatever the cells around have.
 const ON_CENTRE: f64 = 1e-6;

@@ -42,7 +42,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::dem::Grid;
+    use crate::base::Grid;
 
     fn plane(rise: DVec2) -> Dem {
         let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::new(5.0, 4.0), cols: 7, rows: 6 };

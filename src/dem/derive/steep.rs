@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use super::outline::{Joined, outlines, pieces};
 use super::slope::slope;
+use crate::base::error::{Error, Result};
 use crate::dem::{Dem, GroundScale};
-use crate::error::{Error, Result};
 
 /// Which places are steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,8 +167,8 @@ impl Measure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::Grid;
     use crate::crs::Crs;
-    use crate::dem::Grid;
 
     const METRES: GroundScale = GroundScale::Uniform(DVec2::ONE);
 

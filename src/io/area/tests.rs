@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::*;
+use crate::io::area::*;
 use crate::io::table::{Feature, Purpose, Request, Rings};
 
 const PATH: &str = "frame.geojson";

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::arc;
 use super::groups::{Group, Groups};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Groups from this code on belong to other programs.
 const FIRST_FOREIGN: i32 = 1000;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::names::Wanted;
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// What a layer's name contains if its lines are contours, in lower case.
 const CONTOUR_WORDS: &[&str] = &["contour", "isoline", "hoehenlinie", "höhenlinie", "curva", "courbe", "等高線"];

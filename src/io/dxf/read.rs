@@ -6,7 +6,7 @@ use super::entity::{Entity, HAS_HEIGHTS, IS_MESH, Plane, Polyline};
 use super::groups::Groups;
 use super::layers::Layers;
 use super::names::{Script, Wanted};
-use crate::error::{Error, Finding, FindingKind, Result};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
 

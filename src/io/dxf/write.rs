@@ -13,7 +13,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::tables::{self, MODEL_SPACE};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 
 /// Handles up to here belong to the tables, those above to layers and entities.

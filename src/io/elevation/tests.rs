@@ -1,6 +1,6 @@
 //! The rules by which the elevation is found, on tables made by hand.
 
-use super::*;
+use crate::io::elevation::*;
 use crate::io::table::{Feature, Purpose, Request};
 
 /// A table of one straight line a row: the values of the fields, and its z.

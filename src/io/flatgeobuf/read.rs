@@ -7,8 +7,8 @@ use std::path::Path;
 use ::flatgeobuf::{Header, size_prefixed_root_as_feature, size_prefixed_root_as_header};
 
 use super::{geometry, properties};
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Table};
 
 /// The first bytes of a file: the format's name and its version, twice; the last byte may be any.

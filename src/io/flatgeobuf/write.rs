@@ -8,8 +8,8 @@ use ::flatgeobuf::geozero::error::Result as Written;
 use ::flatgeobuf::geozero::{ColumnValue, FeatureProcessor, GeomProcessor, PropertyProcessor};
 use ::flatgeobuf::{ColumnType, FgbCrs, FgbWriter, FgbWriterOptions, GeometryType};
 
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
 
 /// Features of more vertices do not fit: their tables end at 2 GB, and a vertex takes 24 bytes.

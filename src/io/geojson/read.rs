@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use super::coordinates::{Coordinates, Part};
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
 use crate::io::text;
 

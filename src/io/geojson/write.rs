@@ -6,8 +6,8 @@ use std::path::Path;
 
 use glam::DVec2;
 
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::layer::{Cell, Layer, Outer, Shape};
 
 /// Writes one file.

@@ -7,8 +7,8 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
 use super::{quoted, wkb};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 
 /// A layer with geometry.

@@ -13,7 +13,7 @@ use zip::ZipArchive;
 
 use super::meter::{LARGEST_DOCUMENT, Metered, Source};
 use super::xml::unreadable;
-use crate::error::{Error, Finding, FindingKind, Result};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 
 /// Archives lie in archives at most so deep, and folders in folders.
 const DEEPEST: usize = 3;

@@ -12,7 +12,7 @@ use super::meter::Source;
 use super::product::Product;
 use super::tuples::TupleList;
 use super::xml::{Step, Xml};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// The name of the root element of every document.
 const ROOT: &str = "Dataset";

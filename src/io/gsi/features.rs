@@ -21,7 +21,7 @@ use super::meter::Source;
 use super::nothing;
 use super::tuples::number;
 use super::xml::{Step, Xml};
-use crate::error::{Error, Finding, FindingKind, Result};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::shapefile::grouped;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
 

@@ -33,8 +33,8 @@ use std::path::Path;
 pub(super) use features::read;
 pub use product::Product;
 
+use crate::base::error::{Error, Report, Result};
 use crate::dem::Dem;
-use crate::error::{Error, Report, Result};
 use archive::{Seen, each_document, has_extension, item_of};
 use datum::Datums;
 use meter::Source;

@@ -11,8 +11,9 @@ use glam::DVec2;
 use super::dem::Tile;
 use super::mesh::{Mesh, in_cells};
 use super::product::Product;
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Finding, FindingKind, Result};
+use crate::base::Grid;
+use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::dem::Dem;
 
 /// A height map may have so many cells; they take 4 GB.
 const MOST_CELLS: i64 = 1 << 30;

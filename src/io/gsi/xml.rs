@@ -9,7 +9,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::meter::Source;
-use crate::error::{Cause, Error, Result};
+use crate::base::error::{Cause, Error, Result};
 
 /// Elements lie in each other at most so deep; the deepest that is published has some 12.
 const DEEPEST: usize = 100;

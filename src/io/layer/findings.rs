@@ -1,7 +1,7 @@
 //! The layer of findings.
 
 use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::error::{Finding, Proposal};
+use crate::base::error::{Finding, Proposal};
 
 const COLUMNS: &[Column] = &[
     Column { name: "code", kind: Kind::Text(24) },

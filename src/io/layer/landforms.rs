@@ -1,7 +1,8 @@
 //! The layer of sub-domains.
 
 use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-use crate::tin::{Landform, Regions, Tin};
+use crate::subdomains::{Landform, Regions};
+use crate::tin::Tin;
 
 /// Name of the layer.
 pub(in crate::io) const NAME: &str = "regions";

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 mod contours;
 mod findings;

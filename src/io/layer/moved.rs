@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Layer, Row, Shape};
+use crate::base::error::{Error, Result};
 use crate::crs::Returner;
-use crate::error::{Error, Result};
 
 /// A shape that holds its vertices.
 enum Moved {

@@ -62,7 +62,7 @@ pub fn skeleton_triangles<'a>(tiling: &Tiling, skeleton: &Skeleton) -> Layer<'a>
     let rows = inside.map(|t| {
         let corner = |k: usize| tin.point(tin.triangles[t as usize][k]).truncate();
         let ring: Vec<DVec2> = [0, 1, 2, 0].map(corner).to_vec();
-        let level = |of: fn(&crate::tin::Band) -> f64| {
+        let level = |of: fn(&crate::subdomains::Band) -> f64| {
             let level = tiling.regions.region(t).map(|r| of(&r.band)).filter(|level| level.is_finite());
             level.map_or(Cell::Null, Cell::Real)
         };

@@ -18,7 +18,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::mesh::Mesh;
 
 /// The extensions [`write_mesh`] knows, for messages and help texts.

@@ -11,9 +11,10 @@ use glam::DVec2;
 
 use super::read::{Coding, Heights, room};
 use super::{Quantity, create, sidecar, write_text};
+use crate::base::Grid;
+use crate::base::error::{Error, Report, Result};
 use crate::crs::Crs;
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Report, Result};
+use crate::dem::Dem;
 use crate::io::text;
 
 /// Longest word of a file. Doubles written out in full have about 330 digits.

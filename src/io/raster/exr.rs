@@ -18,9 +18,9 @@ use exr::prelude::{
 use super::pam::{self, Band};
 use super::read::{Coding, Heights, check_size};
 use super::{Filled, Quantity, STANDARD_ERROR, create, geo_transform, sidecar};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
-use crate::error::{Error, Finding, FindingKind, Report, Result};
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";

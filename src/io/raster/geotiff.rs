@@ -17,8 +17,9 @@ use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfigurati
 
 use super::geokeys::GeoKeys;
 use super::{Filled, Quantity, STANDARD_ERROR, create};
-use crate::dem::{Dem, Grid};
-use crate::error::Result;
+use crate::base::Grid;
+use crate::base::error::Result;
+use crate::dem::Dem;
 
 /// Side of a tile in cells; a multiple of 16, as the format wants.
 const TILE: usize = 256;

@@ -13,8 +13,8 @@ use super::STANDARD_ERROR;
 use super::like::{self, Tiff};
 use super::read::{Coding, Heights, check_size, metres_in, room, unit_finding};
 use super::sidecar::{Aux, elements};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::dem::Dem;
-use crate::error::{Error, Finding, FindingKind, Report, Result};
 
 /// What GDAL keeps in its own tag: scale, offset and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);

@@ -13,8 +13,9 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 use super::png as grey;
 use super::sidecar::Placement;
 use super::{Quantity, create, pam};
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Result};
+use crate::base::Grid;
+use crate::base::error::{Error, Result};
+use crate::dem::Dem;
 
 /// Cells along a tile's side.
 const SIDE: u32 = 256;

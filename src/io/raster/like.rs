@@ -15,9 +15,9 @@ use tiff::tags::Tag;
 
 use super::geokeys::GeoKeys;
 use super::sidecar::{self, Aux, Placement};
+use crate::base::Grid;
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::dem::Grid;
-use crate::error::{Error, Result};
 
 /// An open TIFF and what its header says.
 pub(super) struct Tiff {

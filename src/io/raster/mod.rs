@@ -31,8 +31,9 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Result};
+use crate::base::Grid;
+use crate::base::error::{Error, Result};
+use crate::dem::Dem;
 
 pub use picture::{write_picture, write_shade};
 pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
@@ -215,7 +216,7 @@ enum Filled {
     /// The operating system refused.
     Io(std::io::Error),
     /// The format's library refused.
-    Format(crate::error::Cause),
+    Format(crate::base::error::Cause),
 }
 
 impl From<std::io::Error> for Filled {
@@ -281,7 +282,7 @@ mod tests {
             write_with_errors(&path, &dem, &errors).unwrap();
             let report = read_dem(&path).unwrap();
             let kinds: Vec<_> = report.findings.iter().map(|f| f.kind).collect();
-            assert_eq!(kinds, [crate::error::FindingKind::UnknownCrs], "nothing is left out of {extension}");
+            assert_eq!(kinds, [crate::base::error::FindingKind::UnknownCrs], "nothing is left out of {extension}");
             let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
             assert!(bits(&report.value.dem.values) == bits(&dem.values), "{extension}");
             let read = read_standard_errors(&path).unwrap().unwrap();

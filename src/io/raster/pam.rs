@@ -7,8 +7,8 @@ use std::path::Path;
 use quick_xml::escape::escape;
 
 use super::{beside, geo_transform, write_text};
+use crate::base::error::Result;
 use crate::dem::Dem;
-use crate::error::Result;
 
 /// How stored values become heights, and which one of them means that there is no data.
 #[derive(Clone, Copy)]

@@ -6,8 +6,8 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError, RgbImage};
 
 use super::{Filled, check, create, pam};
+use crate::base::error::{Error, Result};
 use crate::dem::Dem;
-use crate::error::{Error, Result};
 
 /// Writes a picture as PNG. The name must end in `.png`.
 ///

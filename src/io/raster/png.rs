@@ -16,8 +16,8 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 use super::pam::{self, Band};
 use super::{Filled, Quantity, create, geo_transform};
+use crate::base::error::Result;
 use crate::dem::Dem;
-use crate::error::Result;
 
 /// The finest step, metres. Finer ones would only spread the rounding of 32-bit heights.
 const FINEST_EXPONENT: i32 = -4;

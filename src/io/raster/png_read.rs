@@ -13,9 +13,9 @@ use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformat
 use super::read::{Coding, Heights, check_size, metres_in, unit_finding};
 use super::sidecar::{self, Aux, Placement};
 use super::{exr, gsi_tile};
+use crate::base::error::{Error, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
-use crate::error::{Error, Report, Result};
 
 /// The coordinate reference system of elevation tiles.
 const WEB_MERCATOR: u32 = 3857;

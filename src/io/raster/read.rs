@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use super::{asc, exr, geotiff_read, like, png_read};
+use crate::base::Grid;
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
-use crate::dem::{Dem, Grid};
-use crate::error::{Error, Finding, FindingKind, Report, Result};
+use crate::dem::Dem;
 use crate::io::gsi::{self, GsiDem, Product};
 
 /// The extensions [`read_dem`] knows, for messages and help texts.

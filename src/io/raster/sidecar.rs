@@ -8,9 +8,9 @@ use quick_xml::escape::unescape;
 use quick_xml::events::Event;
 
 use super::beside;
+use crate::base::Grid;
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::dem::Grid;
-use crate::error::{Error, Result};
 
 /// Where a raster's cells are, and in which order the file has its rows.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{Quantity, create};
+use crate::base::error::Result;
 use crate::dem::Dem;
-use crate::error::Result;
 
 /// Writes `dem` to `path`. All numbers have the digits that give the very same number again.
 pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {

@@ -11,7 +11,7 @@ use std::path::Path;
 use encoding_rs::Encoding;
 
 use super::encoding;
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::io::layer::{Cell, Column, Kind, Row};
 use crate::io::table::Value;
 

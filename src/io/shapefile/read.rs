@@ -8,8 +8,8 @@ use glam::DVec2;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
 use super::{companion, dbf, polygon};
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
 
 /// Reads a shapefile; records are numbered from 0, as GIS programs show them.

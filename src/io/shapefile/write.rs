@@ -8,8 +8,8 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use super::dbf;
+use crate::base::error::{Error, Result};
 use crate::crs::Crs;
-use crate::error::{Error, Result};
 use crate::io::layer::{Bounds, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 
 /// Shape type of areas without z.

@@ -6,9 +6,11 @@
 
 use geo::{LineString, MultiPolygon, Polygon, Validation};
 use glam::{DVec2, DVec3};
-use tokosen::contour::{Contour, ContourMap, FitParams, Lake, SampleParams};
-use tokosen::surface::{SurfaceKind, SurfaceParams, Triangles, Water};
-use tokosen::tin::Frame;
+use tokosen::contour::{Contour, ContourMap, Lake};
+use tokosen::resample::{FitParams, SampleParams};
+use tokosen::subdomains::Frame;
+use tokosen::subdomains::Water;
+use tokosen::surface::{SurfaceKind, SurfaceParams, Triangles};
 
 use crate::guarantees::{Lines, hold};
 

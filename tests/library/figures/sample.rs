@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use glam::DVec2;
-use tokosen::contour::{CleanParams, ContourMap, clean};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::ContourMap;
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{Elimination, eliminate};
+use tokosen::subdomains::{Frame, Side};
 use tokosen::surface::{Tiling, tiling};
-use tokosen::tin::{Frame, Side, TriangleKind, triangle_kinds};
+use tokosen::tin::{TriangleKind, triangle_kinds};
 
 /// Where the drawings have their zero, map coordinates.
 pub const ORIGIN: DVec2 = DVec2::new(14_000.0, -16_500.0);

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use tokosen::skeleton::{BreakKind, skeleton};
-use tokosen::tin::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
-use tokosen::tin::{LandformClass, landforms};
+use tokosen::subdomains::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
+use tokosen::subdomains::{LandformClass, landforms};
 
 use super::sample::{Counts, Sample, sample};
 

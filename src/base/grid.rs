@@ -1,0 +1,41 @@
+//! Where the cells of a raster lie.
+
+use glam::DVec2;
+
+/// A raster's placement: north is up, row 0 is the northernmost, column 0 the westernmost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Outer corner of the north-west cell, map units.
+    pub corner: DVec2,
+    /// Cell size in x and y, map units, both positive.
+    pub cell: DVec2,
+    /// Number of columns.
+    pub cols: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl Grid {
+    /// Square cells on multiples of their size that cover a box.
+    pub fn on_multiples(lo: DVec2, hi: DVec2, cell: f64) -> Self {
+        let (west_south, east_north) = ((lo / cell).floor(), (hi / cell).ceil());
+        let count = (east_north - west_south).max(DVec2::ONE);
+        let corner = DVec2::new(west_south.x, east_north.y) * cell;
+        Self { corner, cell: DVec2::splat(cell), cols: count.x as usize, rows: count.y as usize }
+    }
+
+    /// Centre of a cell, map units.
+    pub fn center(&self, col: usize, row: usize) -> DVec2 {
+        DVec2::new(self.corner.x + (col as f64 + 0.5) * self.cell.x, self.corner.y - (row as f64 + 0.5) * self.cell.y)
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.cols * self.rows
+    }
+
+    /// Whether the grid has no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}

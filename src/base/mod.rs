@@ -1,0 +1,9 @@
+//! What every other module builds on: errors and findings, progress, the [`Grid`] of a raster, and small data structures.
+
+pub(crate) mod bits;
+pub mod error;
+mod grid;
+pub mod progress;
+pub(crate) mod rows;
+
+pub use grid::Grid;

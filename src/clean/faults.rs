@@ -1,0 +1,242 @@
+//! What is told of lines that meet: one finding a place, however many pairs of segments show it.
+//!
+//! Two lines with a common vertex make four pairs of segments that meet, and two that run along each other make hundreds.
+//! Pairs of the same two lines that share the place, or a stretch from place to place, are one fault. Each clean crossing
+//! is a fault of its own.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::segments::Segments;
+use crate::base::error::{Finding, FindingKind};
+use crate::contour::Contour;
+use crate::geometry::Segment;
+use crate::geometry::{self, Meeting, meeting, point_distance};
+
+/// Pairs whose places are all told. Of more, on maps with fewer segments, only those that led to a cut are.
+const TOLD_PAIRS: usize = 1_000_000;
+/// How much of the size of coordinates their rounding may be.
+const ROUNDING: f64 = 1e-15;
+/// Lines that stay near each other for so many times the distance that counts as near run along each other.
+const ALONG: f64 = 100.0;
+
+/// Two segments that meet.
+struct Pair {
+    segments: (u32, u32),
+    meeting: Meeting,
+    /// The ends of what they have in common; equal for a point.
+    common: [DVec2; 2],
+    /// Whether they cross and no end of theirs is near the other.
+    is_clean_cross: bool,
+}
+
+/// Findings about the conflicts, of which each has one of its segments in a cut: pairs of a segment that goes and one that
+/// it goes for. Conflicts and cuts are sorted.
+pub(super) fn findings(
+    segments: &Segments,
+    conflicts: Vec<(u32, u32)>,
+    cuts: &[(u32, u32)],
+    separation: f64,
+) -> Vec<Finding> {
+    let mut told = conflicts;
+    if told.len() > TOLD_PAIRS.max(segments.len()) {
+        told = cuts.iter().map(|&(s, t)| (s.min(t), s.max(t))).collect();
+        told.par_sort_unstable();
+        told.dedup();
+    }
+    let pairs: Vec<Pair> = told.par_iter().map(|&(s, t)| pair(segments, s, t, separation)).collect();
+    let groups = groups(segments, &pairs, separation);
+    groups.par_iter().map(|group| finding(segments, &pairs, group, cuts, separation)).collect()
+}
+
+/// Within this two places are one.
+fn tolerance(p: DVec2, separation: f64) -> f64 {
+    2.0 * separation + ROUNDING * p.abs().max_element()
+}
+
+fn pair(segments: &Segments, i: u32, j: u32, separation: f64) -> Pair {
+    let (s, t) = (segments.get(i), segments.get(j));
+    let near = |p: &DVec2, of: &Segment| point_distance(*p, of) <= tolerance(*p, separation);
+    let of_s = [s.a, s.b].into_iter().filter(|p| near(p, &t));
+    let of_t = [t.a, t.b].into_iter().filter(|p| near(p, &s));
+    let ends: Vec<DVec2> = of_s.chain(of_t).collect();
+    let meeting = meeting(&s, &t);
+    let place = || geometry::place(&s, &t);
+    let mut common = ends.first().map_or_else(|| [place(); 2], |&p| [p; 2]);
+    for (k, &p) in ends.iter().enumerate() {
+        for &q in &ends[k + 1..] {
+            if p.distance(q) > common[0].distance(common[1]) {
+                common = [p, q];
+            }
+        }
+    }
+    if common[0].distance(common[1]) <= 2.0 * tolerance(common[0], separation) {
+        // A point: where they touch exactly, if they do.
+        common = [if meeting == Meeting::Apart { common[0] } else { place() }; 2];
+    }
+    Pair { segments: (i, j), meeting, common, is_clean_cross: ends.is_empty() && meeting == Meeting::Cross }
+}
+
+/// Numbers of the pairs that are one fault, in the order of their first pairs.
+fn groups(segments: &Segments, pairs: &[Pair], separation: f64) -> Vec<Vec<usize>> {
+    let mut parent: Vec<usize> = (0..pairs.len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for (i, pair) in pairs.iter().enumerate().filter(|(_, pair)| !pair.is_clean_cross) {
+        let (s, t) = pair.segments;
+        for s in around(segments, s) {
+            for t in around(segments, t) {
+                let Ok(j) = pairs.binary_search_by_key(&(s.min(t), s.max(t)), |p| p.segments) else { continue };
+                let other = &pairs[j];
+                if j == i || other.is_clean_cross || !share_a_place(pair, other, separation) {
+                    continue;
+                }
+                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for i in 0..pairs.len() {
+        groups.entry(root(&mut parent, i)).or_default().push(i);
+    }
+    groups.into_values().collect()
+}
+
+/// A segment with those before and after it on its line.
+fn around(segments: &Segments, s: u32) -> impl Iterator<Item = u32> {
+    let line = segments.line_number(s);
+    let (first, last) = (segments.start(line as u32), segments.start(line as u32 + 1) - 1);
+    let is_closed = segments.lines()[line].is_closed();
+    let before = if s > first { Some(s - 1) } else { is_closed.then_some(last) };
+    let after = if s < last { Some(s + 1) } else { is_closed.then_some(first) };
+    before.into_iter().chain([s]).chain(after)
+}
+
+fn share_a_place(a: &Pair, b: &Pair, separation: f64) -> bool {
+    let is_same = |p: &DVec2, q: &DVec2| p.distance(*q) <= 2.0 * tolerance(*p, separation);
+    a.common.iter().any(|p| b.common.iter().any(|q| is_same(p, q)))
+}
+
+/// A line's share in a fault.
+struct Side<'a> {
+    line: &'a Contour,
+    /// How many segments of it go, and their length.
+    count: usize,
+    length: f64,
+}
+
+fn finding(segments: &Segments, pairs: &[Pair], group: &[usize], cuts: &[(u32, u32)], separation: f64) -> Finding {
+    let of_group = || group.iter().map(|&i| &pairs[i]);
+    let first = &pairs[group[0]];
+    let lines = [segments.line_number(first.segments.0), segments.line_number(first.segments.1)];
+    let mut involved: Vec<u32> = of_group().flat_map(|p| [p.segments.0, p.segments.1]).collect();
+    involved.sort_unstable();
+    involved.dedup();
+    let side = |line: usize| {
+        let goes = |s: &&u32| segments.line_number(**s) == line && cuts.binary_search_by_key(*s, |c| c.0).is_ok();
+        let lengths = involved.iter().filter(goes).map(|&s| length(segments.get(s)));
+        let (count, length) = lengths.fold((0, 0.0), |(n, sum), length| (n + 1, sum + length));
+        Side { line: &segments.lines()[line], count, length }
+    };
+    let (mut one, mut other) = (side(lines[0]), side(lines[1]));
+    if lines[0] == lines[1] {
+        other = Side { line: other.line, count: 0, length: 0.0 };
+    } else if other.length > one.length {
+        (one, other) = (other, one);
+    }
+
+    let stretch: f64 = of_group().map(|p| p.common[0].distance(p.common[1])).sum();
+    let overlaps = of_group().any(|p| p.meeting == Meeting::Overlap);
+    let is_along = overlaps || stretch > ALONG * tolerance(first.common[0], separation);
+    let (elevation, feature) = (one.line.elevation, one.line.feature);
+    let whom = if other.line.elevation == elevation && other.line.feature == feature {
+        "itself".to_owned()
+    } else {
+        format!("the contour {} m (feature {})", other.line.elevation, other.line.feature)
+    };
+    let (kind, place, how) = if is_along {
+        let [from, to] = ends(segments, of_group());
+        let along =
+            format!("runs along {whom} for {stretch:.3} map units, ending {} of where it starts", way(to - from));
+        (FindingKind::OverlappingLines, from, along)
+    } else {
+        let same = other.line.elevation == elevation;
+        let kind = if same { FindingKind::SelfCross } else { FindingKind::LevelsCross };
+        let place = first.common[0];
+        let verb = if of_group().any(|p| p.meeting == Meeting::Cross) || crosses_at(segments, &involved, lines, place) {
+            format!("crosses {whom}")
+        } else if of_group().all(|p| p.meeting == Meeting::Apart) {
+            format!("comes nearer than {separation} map units to {whom}")
+        } else {
+            format!("touches {whom}")
+        };
+        (kind, place, verb)
+    };
+    let message = format!("the contour {elevation} m (feature {feature}) {how}; {}", what_goes(&one, &other));
+    Finding::at(kind, place, message).about(feature, elevation).about(other.line.feature, other.line.elevation)
+}
+
+fn what_goes(one: &Side, other: &Side) -> String {
+    let count = |n: usize| if n == 1 { "one segment".to_owned() } else { format!("{n} segments") };
+    let length = one.length + other.length;
+    match (one.count, other.count) {
+        (1, 0) => format!("one segment of it, {length:.3} map units long, was left out"),
+        (n, 0) => format!("{n} segments of it, {length:.3} map units long, were left out"),
+        (n, m) => {
+            format!("{} of it and {} of the other, {length:.3} map units long, were left out", count(n), count(m))
+        }
+    }
+}
+
+/// The two ends of what runs along, in the order of the first line.
+fn ends<'a>(segments: &Segments, pairs: impl Iterator<Item = &'a Pair>) -> [DVec2; 2] {
+    let key = |s: u32, p: DVec2| (s, segments.get(s).a.distance(p));
+    let mut places: Vec<((u32, f64), DVec2)> =
+        pairs.flat_map(|pair| pair.common.map(|p| (key(pair.segments.0, p), p))).collect();
+    places.sort_by(|a, b| a.0.0.cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)));
+    let line = segments.line_number(places[0].0.0);
+    if segments.lines()[line].is_closed() {
+        // A stretch may go over the ring's start: it begins after the widest part of the ring that is not in it.
+        let count = segments.start(line as u32 + 1) - segments.start(line as u32);
+        let apart = |i: usize| {
+            let (before, here) = (places[(i + places.len() - 1) % places.len()].0.0, places[i].0.0);
+            if i == 0 { here + count - before } else { here - before }
+        };
+        let start = (0..places.len()).max_by(|&i, &j| apart(i).cmp(&apart(j)).then(j.cmp(&i))).unwrap_or(0);
+        places.rotate_left(start);
+    }
+    [places[0].1, places[places.len() - 1].1]
+}
+
+/// Whether two lines that have a point in common go through each other there.
+fn crosses_at(segments: &Segments, involved: &[u32], lines: [usize; 2], place: DVec2) -> bool {
+    let arms = |line: usize| -> Vec<f64> {
+        let own = involved.iter().filter(|&&s| segments.line_number(s) == line);
+        let ends = own.flat_map(|&s| {
+            let Segment { a, b } = segments.get(s);
+            [a, b]
+        });
+        ends.filter(|&p| p != place).map(|p| (p - place).to_angle()).collect()
+    };
+    let ([a, b], [c, d]) = (&arms(lines[0])[..], &arms(lines[1])[..]) else { return false };
+    let turn = |to: &f64| (to - a).rem_euclid(std::f64::consts::TAU);
+    lines[0] != lines[1] && (turn(c) < turn(b)) != (turn(d) < turn(b))
+}
+
+fn length(s: Segment) -> f64 {
+    s.a.distance(s.b)
+}
+
+/// A way in words.
+fn way(to: DVec2) -> String {
+    let part = |d: f64, words: [&str; 2]| format!("{:.3} {}", d.abs(), words[usize::from(d < 0.0)]);
+    format!("{} and {}", part(to.x, ["east", "west"]), part(to.y, ["north", "south"]))
+}

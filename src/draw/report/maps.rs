@@ -1,0 +1,177 @@
+//! Pictures of height maps: hillshades and the map of differences, small enough for a page.
+
+use std::ops::Range;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use glam::DVec2;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
+
+use crate::base::Grid;
+use crate::base::error::{Error, Result};
+use crate::dem::Dem;
+use crate::dem::shade::{ShadeParams, hillshade};
+
+/// Longest side of a picture, pixels.
+const LONGEST: usize = 1000;
+/// Where there is no data.
+const VOID: [u8; 3] = [205, 205, 200];
+/// Colours of differences from the lowest to the highest; the middle is 0. Blue and red are told apart by nearly everyone.
+const STOPS: [[u8; 3]; 7] =
+    [[24, 65, 130], [67, 130, 190], [160, 200, 224], [246, 246, 244], [245, 176, 142], [212, 94, 74], [130, 20, 40]];
+/// Share of the hillshade in the map of differences.
+const RELIEF: f64 = 0.35;
+
+/// How many cells on a side go into one pixel.
+pub(super) fn reduction(grid: &Grid) -> usize {
+    grid.cols.max(grid.rows).div_ceil(LONGEST).max(1)
+}
+
+/// The columns and rows of a grid that are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Window {
+    pub cols: Range<usize>,
+    pub rows: Range<usize>,
+}
+
+/// What is shown around cells with data, as a share of the longer side of the box around them.
+const MARGIN: f64 = 0.05;
+
+impl Window {
+    /// The box around the cells with data, with a margin: a small map in a large one would be a spot in its pictures.
+    pub fn around_data(dem: &Dem) -> Self {
+        let Grid { cols, rows, .. } = dem.grid;
+        let row_box = |row: usize| {
+            let values = &dem.values[row * cols..(row + 1) * cols];
+            let first = values.iter().position(|v| v.is_finite())?;
+            Some((first, values.iter().rposition(|v| v.is_finite())?, row, row))
+        };
+        let union = |a: (usize, usize, usize, usize), b: (usize, usize, usize, usize)| {
+            (a.0.min(b.0), a.1.max(b.1), a.2.min(b.2), a.3.max(b.3))
+        };
+        let found = (0..rows).into_par_iter().filter_map(row_box).reduce_with(union);
+        let Some((west, east, north, south)) = found else { return Self { cols: 0..cols, rows: 0..rows } };
+        let margin = (MARGIN * (east - west + 1).max(south - north + 1) as f64).ceil() as usize;
+        let with_margin =
+            |low: usize, high: usize, count: usize| low.saturating_sub(margin)..(high + margin + 1).min(count);
+        Self { cols: with_margin(west, east, cols), rows: with_margin(north, south, rows) }
+    }
+
+    /// Its cells.
+    pub fn of(&self, grid: &Grid) -> Grid {
+        let corner = grid.corner + DVec2::new(self.cols.start as f64, -(self.rows.start as f64)) * grid.cell;
+        Grid { corner, cell: grid.cell, cols: self.cols.len(), rows: self.rows.len() }
+    }
+}
+
+/// The mean of the heights in blocks of cells of a window, so that no side has more than [`LONGEST`] of them.
+pub(super) fn reduced(dem: &Dem, window: &Window) -> Dem {
+    let shown = window.of(&dem.grid);
+    let Grid { corner, cell, cols, rows } = shown;
+    let step = reduction(&shown);
+    let cell_row = |row: usize| {
+        let start = (row + window.rows.start) * dem.grid.cols + window.cols.start;
+        &dem.values[start..start + cols]
+    };
+    let grid = Grid { corner, cell: cell * step as f64, cols: cols.div_ceil(step), rows: rows.div_ceil(step) };
+    let mean = |i: usize| {
+        let (col, row) = (i % grid.cols * step, i / grid.cols * step);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for r in row..(row + step).min(rows) {
+            for value in &cell_row(r)[col..(col + step).min(cols)] {
+                if value.is_finite() {
+                    sum += f64::from(*value);
+                    count += 1.0;
+                }
+            }
+        }
+        if count > 0.0 { (sum / count) as f32 } else { f32::NAN }
+    };
+    let values = (0..grid.len()).into_par_iter().map(mean).collect();
+    Dem { grid, values, crs: None }
+}
+
+/// The hillshade of a reduced height map as a data URI.
+pub(super) fn shaded(dem: &Dem, metres_per_unit: DVec2) -> Result<String> {
+    let params = ShadeParams { metres_per_unit, ..ShadeParams::soft() };
+    let pixels = hillshade(dem, &params).into_iter().flat_map(|light| {
+        if light.is_nan() { VOID } else { [(f64::from(light) * 255.0).round().clamp(0.0, 255.0) as u8; 3] }
+    });
+    data_uri(&dem.grid, &pixels.collect::<Vec<u8>>())
+}
+
+/// The map of reduced differences, coloured from −limit to limit over the relief of `ground`, as a data URI.
+pub(super) fn differences(difference: &Dem, ground: &Dem, limit: f64, metres_per_unit: DVec2) -> Result<String> {
+    let params = ShadeParams { metres_per_unit, ..ShadeParams::soft() };
+    let level = params.level();
+    let light = hillshade(ground, &params);
+    let pixels = difference.values.iter().zip(light).flat_map(|(&d, light)| {
+        if d.is_nan() {
+            return VOID;
+        }
+        let relief = if light.is_nan() { 1.0 } else { 1.0 - RELIEF * (1.0 - f64::from(light) / level) };
+        color(f64::from(d) / limit).map(|c| (f64::from(c) * relief).round().clamp(0.0, 255.0) as u8)
+    });
+    data_uri(&difference.grid, &pixels.collect::<Vec<u8>>())
+}
+
+/// The colour of a share of the limit, −1 to 1.
+pub(super) fn color(share: f64) -> [u8; 3] {
+    let at = (share.clamp(-1.0, 1.0) + 1.0) / 2.0 * (STOPS.len() - 1) as f64;
+    let first = (at as usize).min(STOPS.len() - 2);
+    let weight = at - first as f64;
+    std::array::from_fn(|i| {
+        (f64::from(STOPS[first][i]) * (1.0 - weight) + f64::from(STOPS[first + 1][i]) * weight).round() as u8
+    })
+}
+
+/// A picture of 8-bit colours, as PNG in a data URI.
+fn data_uri(grid: &Grid, pixels: &[u8]) -> Result<String> {
+    let mut bytes = Vec::new();
+    let (width, height) = (grid.cols as u32, grid.rows as u32);
+    PngEncoder::new(&mut bytes)
+        .write_image(pixels, width, height, ExtendedColorType::Rgb8)
+        .map_err(|e| Error::Data(format!("a picture of the report cannot be made: {e}")))?;
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(bytes)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_height_maps_are_averaged() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 1501, rows: 3 };
+        let mut values: Vec<f32> = (0..grid.len()).map(|i| (i % 1501) as f32).collect();
+        values[0] = f32::NAN;
+        let dem = Dem { grid, values, crs: None };
+        let small = reduced(&dem, &Window { cols: 0..1501, rows: 0..3 });
+        assert_eq!((small.grid.cols, small.grid.rows, small.grid.cell), (751, 2, DVec2::splat(2.0)));
+        assert_eq!((small.values[0], small.values[1], small.values[750]), (2.0 / 3.0, 2.5, 1500.0));
+    }
+
+    #[test]
+    fn pictures_are_of_the_cells_with_data() {
+        let grid = Grid { corner: DVec2::new(100.0, 50.0), cell: DVec2::new(2.0, 3.0), cols: 40, rows: 30 };
+        let inside = |i: usize| (10..30).contains(&(i % 40)) && (28..30).contains(&(i / 40));
+        let values = (0..grid.len()).map(|i| if inside(i) { i as f32 } else { f32::NAN }).collect();
+        let dem = Dem { grid, values, crs: None };
+        // A cell of margin around 20 x 2 cells, and none beyond the last row.
+        let window = Window::around_data(&dem);
+        assert_eq!(window, Window { cols: 9..31, rows: 27..30 });
+        let small = reduced(&dem, &window);
+        assert_eq!(small.grid, Grid { corner: DVec2::new(118.0, -31.0), cols: 22, rows: 3, ..grid });
+        assert_eq!((small.values[23], small.values[42]), ((28 * 40 + 10) as f32, (28 * 40 + 29) as f32));
+        assert!(small.values[22].is_nan() && small.values[..22].iter().all(|v| v.is_nan()));
+        let empty = Dem { values: vec![f32::NAN; grid.len()], ..dem };
+        assert_eq!(Window::around_data(&empty), Window { cols: 0..40, rows: 0..30 });
+    }
+
+    #[test]
+    fn colours_run_from_blue_to_red_over_white() {
+        assert_eq!((color(-2.0), color(0.0), color(1.0)), (STOPS[0], STOPS[3], STOPS[6]));
+        assert_eq!(color(f64::NAN).len(), 3);
+    }
+}

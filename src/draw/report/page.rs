@@ -1,0 +1,238 @@
+//! The page of a comparison.
+
+use glam::DVec2;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::charts;
+use super::maps::{self, Window};
+use super::profile::{self, Profile};
+use super::table::{Row, decimals_for, groups, number, thousands};
+use super::words::{HeightSource, remarks};
+use crate::base::Grid;
+use crate::base::error::Result;
+use crate::dem::Dem;
+use crate::dem::compare::{Comparison, difference, round_limit};
+
+const STYLE: &str = include_str!("style.css");
+
+/// What the page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparisonPage<'a> {
+    /// What A is, such as a file's name.
+    pub a_name: &'a str,
+    /// What B is.
+    pub b_name: &'a str,
+    /// What the heights of A and of B come from.
+    pub sources: [HeightSource; 2],
+    /// How both came onto one grid, and whatever else is to be said; sentences.
+    pub notes: &'a [String],
+    /// Heights of A.
+    pub a: &'a Dem,
+    /// Heights of B at the same cells.
+    pub b: &'a Dem,
+    /// The figures.
+    pub found: &'a Comparison,
+    /// Metres a map unit in x and y, as for the figures.
+    pub metres_per_unit: DVec2,
+}
+
+/// The page as HTML: one file that needs no other.
+///
+/// # Errors
+/// If a chart or a picture cannot be made.
+pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
+    let &ComparisonPage { a_name, b_name, sources, notes, a, b, found, metres_per_unit } = page;
+    let d = difference(a, b);
+    let profile = profile::profile(found, a, b, metres_per_unit);
+    let window = Window::around_data(&d);
+    let (small_a, small_b) = (maps::reduced(a, &window), maps::reduced(b, &window));
+    let limit = round_limit(&found.overall);
+    let map = maps::differences(&maps::reduced(&d, &window), &small_b, limit, metres_per_unit)?;
+    let view = View::new(&window.of(&b.grid), metres_per_unit);
+    let levels = match (&found.a.levels, &found.b.levels) {
+        (None, None) => None,
+        (a, b) => Some(charts::levels(a.as_ref(), b.as_ref())?),
+    };
+    let chart = |svg: String, caption: Markup| {
+        html! { figure { (PreEscaped(svg)) figcaption { (caption) } } }
+    };
+    let letters = html! { span.a { "A" } " and " span.b { "B" } };
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (a_name) " against " (b_name) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Heights compared: " span.a { "A" } " − " span.b { "B" } }
+                dl.sides {
+                    dt.a { "A" } dd { (a_name) }
+                    dt.b { "B" } dd { (b_name) }
+                }
+                (key_figures(found))
+                ul {
+                    @for note in notes.iter().cloned().chain(remarks(found, sources)) { li { (note) } }
+                }
+                h2 { "Where they differ" }
+                figure {
+                    (view.picture(&map, difference_marks(&view, found, &profile)))
+                    div.bar style=(format!("background: linear-gradient(to right, {})", gradient())) {}
+                    div.bar-labels {
+                        @for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                            span { (number(share * limit, decimals_for(limit))) @if share == 1.0 { " m" } }
+                        }
+                    }
+                    figcaption {
+                        "A − B over the relief of B: blue where A is lower, red where it is higher; grey: no data. "
+                        "Circles: the extreme differences. Line: the profile below."
+                        @if view.grid.len() < b.grid.len() { " The pictures end where there is nothing to compare." }
+                    }
+                }
+                h2 { "Both side by side" }
+                div.pair {
+                    figure { (view.picture(&maps::shaded(&small_a, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.a { "A" } } }
+                    figure { (view.picture(&maps::shaded(&small_b, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.b { "B" } } }
+                }
+                h2 { "Charts" }
+                div.pair {
+                    (chart(charts::difference_histogram(&d, found)?, html! { "How often which difference occurs; red line: the bias." }))
+                    (chart(charts::scatter(a, b)?, html! { "A against B, cell by cell; red line: equal heights." }))
+                    (chart(charts::profile(&profile)?, html! { "Heights of " (letters) " along the line in the map, through the largest difference." }))
+                    @if let Some(svg) = levels {
+                        (chart(svg, html! { "Heights of " (letters) " above the contour level below; grey line: ground without terraces." }))
+                    }
+                }
+                h2 { "Figures" }
+                (tables(found))
+                h2 { "What they mean" }
+                (meanings())
+            }
+        }
+    };
+    Ok(markup.into_string())
+}
+
+fn key_figures(found: &Comparison) -> Markup {
+    let s = &found.overall;
+    let metres = |v: f64| format!("{} m", number(v, decimals_for(s.rmse)));
+    let mut figures =
+        vec![(metres(s.rmse), "RMSE"), (metres(s.bias), "bias"), (metres(s.mae), "MAE"), (metres(s.le90), "LE90")];
+    figures.extend(found.slope.map(|slope| (format!("{}°", number(slope.rmse, 2)), "slope RMSE")));
+    figures.push((thousands(s.cells), "cells compared"));
+    html! {
+        div.figures {
+            @for (value, name) in figures { div { b { (value) } span { (name) } } }
+        }
+    }
+}
+
+const COLUMNS: [&str; 11] =
+    ["cells", "bias", "RMSE", "de-biased", "MAE", "median", "NMAD", "LE90", "LE95", "lowest", "highest"];
+
+fn tables(found: &Comparison) -> Markup {
+    let decimals = decimals_for(found.overall.rmse);
+    let row = |row: &Row| {
+        html! {
+            tr {
+                th scope="row" { (row.label) }
+                @if let Some(s) = &row.statistics {
+                    td { (thousands(s.cells)) }
+                    @for v in [s.bias, s.rmse, s.rmse_debiased, s.mae, s.median, s.nmad, s.le90, s.le95, s.lowest.value, s.highest.value] {
+                        td { (number(v, decimals)) }
+                    }
+                } @else {
+                    td.none colspan=(COLUMNS.len()) { "no cells" }
+                }
+            }
+        }
+    };
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "metres" } @for column in COLUMNS { th scope="col" { (column) } } } }
+                tbody {
+                    @for (k, group) in groups(found).into_iter().enumerate() {
+                        @if k > 0 { tr.group { th colspan=(COLUMNS.len() + 1) { (group.title) } } }
+                        @for r in &group.rows { (row(r)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn meanings() -> Markup {
+    html! {
+        p.note {
+            "Differences d are A − B, so that they are above 0 where A is higher. Bias: mean of d. RMSE: root of the mean of d²; "
+            "de-biased: the same about the bias. MAE: mean of |d|. NMAD: 1.4826 times the median of |d − median|, which "
+            "a few gross errors do not change. LE90, LE95: 90 % and 95 % of the cells have a smaller |d|. Slopes are Horn's, "
+            "from eight neighbours; the slope RMSE counts cells that have all of them in both. Classes include their lower "
+            "bound."
+        }
+    }
+}
+
+/// The map's frame in the pictures: metres from the north-west corner.
+struct View {
+    grid: Grid,
+    metres_per_unit: DVec2,
+}
+
+impl View {
+    fn new(grid: &Grid, metres_per_unit: DVec2) -> Self {
+        Self { grid: *grid, metres_per_unit }
+    }
+
+    fn size(&self) -> DVec2 {
+        self.grid.cell * DVec2::new(self.grid.cols as f64, self.grid.rows as f64) * self.metres_per_unit
+    }
+
+    /// A place in the picture.
+    fn at(&self, p: DVec2) -> DVec2 {
+        let d = p - self.grid.corner;
+        DVec2::new(d.x, -d.y) * self.metres_per_unit
+    }
+
+    /// A length in the picture: a share of its longer side.
+    fn share(&self, share: f64) -> f64 {
+        self.size().max_element() * share
+    }
+
+    /// A picture in its true proportions with marks over it. Its cells may reach beyond the grid by less than one.
+    fn picture(&self, data_uri: &str, marks: Markup) -> Markup {
+        let size = self.size();
+        let reduced = maps::reduction(&self.grid);
+        let whole = |count: usize| (count.div_ceil(reduced) * reduced) as f64;
+        let image = self.grid.cell * DVec2::new(whole(self.grid.cols), whole(self.grid.rows)) * self.metres_per_unit;
+        html! {
+            svg.map viewBox=(format!("0 0 {} {}", size.x, size.y)) role="img" {
+                image href=(data_uri) width=(image.x) height=(image.y) preserveAspectRatio="none" {}
+                (marks)
+            }
+        }
+    }
+}
+
+fn difference_marks(view: &View, found: &Comparison, profile: &Profile) -> Markup {
+    let [from, to] = profile.ends.map(|p| view.at(p));
+    let spots = [found.overall.lowest.place, found.overall.highest.place].map(|p| view.at(p));
+    html! {
+        line x1=(from.x) y1=(from.y) x2=(to.x) y2=(to.y) stroke="#111" stroke-width=(view.share(0.003)) {}
+        @for p in spots {
+            circle cx=(p.x) cy=(p.y) r=(view.share(0.012)) fill="none" stroke="#111" stroke-width=(view.share(0.003)) {}
+        }
+    }
+}
+
+/// The colours of the scale for a style sheet.
+fn gradient() -> String {
+    let colors = (-6..=6).map(|k| {
+        let [r, g, b] = maps::color(f64::from(k) / 6.0);
+        format!("rgb({r},{g},{b})")
+    });
+    colors.collect::<Vec<_>>().join(", ")
+}

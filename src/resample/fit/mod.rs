@@ -1,0 +1,208 @@
+//! Fitting: smooth lines in place of ragged ones (Zhang, Konno and Tokuyama 2005, section 3.1).
+//!
+//! Each line is approximated by a cubic B-spline with uniform knots and chord-length parameters, periodic for a closed
+//! line, clamped at both ends for an open one, with as few control points as doubling and bisecting finds. Vertices are
+//! put on the curve where it bends, or evenly for sampling. Lines that would meet others, or pass over a line or a spot
+//! height without meeting it, are fitted again with half the tolerance, in the end left as they are.
+
+mod least_squares;
+mod over;
+mod spline;
+#[cfg(test)]
+mod tests;
+mod vertices;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use self::vertices::{Placing, largest_distance, near as is_near};
+use super::sample::{self, Cut, SampleParams};
+use crate::base::error::{Error, Report, Result};
+use crate::clean::{self, CleanParams};
+use crate::contour::{Contour, ContourMap};
+
+/// How often the tolerance of a line is halved before the line is left as it is.
+const HALVINGS: u8 = 3;
+/// Rounds of looking for conflicts after which every line in one is left as it is.
+const ROUNDS: usize = 6;
+
+/// How near the fitted lines stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitParams {
+    /// Largest distance of a line's vertices from the fitted line and back, map units.
+    pub tolerance: f64,
+    /// Vertices at even distances along the curves, as dense as [`sample`](fn@sample::sample) asks wherever they can lie
+    /// on the curve. None: where the curves bend.
+    pub sampling: Option<SampleParams>,
+}
+
+/// A fitted map, with figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// The fitted lines, in standard form and order as after cleaning.
+    pub map: ContourMap,
+    /// Control points of all fitted lines.
+    pub control_points: usize,
+    /// Largest distance from an input vertex to the fitted line or back, map units. An upper bound: looked for near the
+    /// same share of the lines' lengths.
+    pub deviation: f64,
+    /// Vertices of the input.
+    pub vertices_before: usize,
+    /// Vertices of the fitted map.
+    pub vertices_after: usize,
+    /// Lines fitted with half the tolerance, a quarter, an eighth, because they met or passed others.
+    pub narrowed: [usize; HALVINGS as usize],
+    /// Lines left as they are, because they met others, have too few points, or no curve is near enough.
+    pub unchanged: usize,
+}
+
+/// A line with what its fit came to.
+struct State {
+    line: Contour,
+    halvings: u8,
+    control_points: usize,
+    /// The curve, where more points of it may be wanted.
+    curve: Option<spline::Line>,
+}
+
+/// Fits all lines of a clean map; see the module's first lines.
+///
+/// The ends of open lines stay bit for bit. The result passes [`validate`](clean::validate). Spot heights that come to
+/// lie on a contour are left out, with a finding.
+///
+/// # Errors
+/// [`Error::Parameter`] for a tolerance that is not above 0. [`Error::Data`] if the map is not clean.
+pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Report<Fitted>> {
+    if !(params.tolerance.is_finite() && params.tolerance > 0.0) {
+        return Err(Error::out_of_range("fitting tolerance", params.tolerance, "more than 0"));
+    }
+    clean::validate(&map, near)?;
+    let near = &near.on(&map);
+    if let Some(sampling) = &params.sampling {
+        sampling.check()?;
+    }
+    let tolerance = |halvings: u8| params.tolerance / f64::from(1u32 << halvings);
+    let placing = if params.sampling.is_some() { Placing::Even } else { Placing::Bends };
+    let mut states: Vec<State> = map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance, placing)).collect();
+    let mut round = 0;
+    loop {
+        let lines: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
+        let trouble = in_trouble(&map, &lines, params.tolerance, near)?;
+        drop(lines);
+        let again: Vec<usize> = trouble.into_iter().filter(|&i| states[i].control_points > 0).collect();
+        if again.is_empty() {
+            break;
+        }
+        round += 1;
+        let refitted: Vec<State> = again
+            .par_iter()
+            .map(|&i| {
+                let halvings = if round > ROUNDS { HALVINGS } else { states[i].halvings } + 1;
+                fit_line(&map.contours[i], halvings, tolerance(halvings), placing)
+            })
+            .collect();
+        for (i, state) in again.into_iter().zip(refitted) {
+            states[i] = state;
+        }
+    }
+    if let Some(sampling) = &params.sampling {
+        let wanted: Vec<f64> = states.iter().map(|s| tolerance(s.halvings)).collect();
+        refine(&map, &mut states, &wanted, sampling, near)?;
+    }
+    let deviation = states
+        .par_iter()
+        .zip(&map.contours)
+        .filter(|(s, _)| s.control_points > 0)
+        .map(|(s, c)| {
+            let t = tolerance(s.halvings);
+            let there = largest_distance(&c.points, &s.line.points, t);
+            there.max(largest_distance(&s.line.points, &c.points, t))
+        })
+        .reduce(|| 0.0, f64::max);
+    let fitted = |s: &&State| s.control_points > 0;
+    let narrowed =
+        std::array::from_fn(|k| states.iter().filter(fitted).filter(|s| usize::from(s.halvings) == k + 1).count());
+    let control_points = states.iter().map(|s| s.control_points).sum();
+    let unchanged = states.iter().filter(|s| s.control_points == 0).count();
+    let vertices_before = map.vertex_count();
+    let contours = clean::in_standard_order(states.into_iter().map(|s| s.line).collect());
+    let Report { value: spots, findings } = clean::spots_off_contours(map.spots, &contours, near)?;
+    let map = ContourMap { contours, spots, ..map };
+    clean::validate(&map, near)?;
+    let vertices_after = map.vertex_count();
+    let value = Fitted { map, control_points, deviation, vertices_before, vertices_after, narrowed, unchanged };
+    Ok(Report { value, findings })
+}
+
+/// Lines that meet others; if there are none, those that have passed over others.
+fn in_trouble(map: &ContourMap, lines: &[Contour], tolerance: f64, near: &CleanParams) -> Result<Vec<usize>> {
+    let met = clean::lines_in_conflict(lines, near)?;
+    if met.is_empty() { over::passed(&map.contours, lines, &map.spots, 2.0 * tolerance) } else { Ok(met) }
+}
+
+fn fit_line(contour: &Contour, halvings: u8, tolerance: f64, placing: Placing) -> State {
+    let fitted = (halvings <= HALVINGS && contour.points.len() > 5)
+        .then(|| spline::fit(&contour.points, contour.is_closed(), tolerance, placing))
+        .flatten();
+    if let Some(mut fitted) = fitted {
+        let line = Contour { points: std::mem::take(&mut fitted.points), ..*contour };
+        if clean::is_sound(&line) {
+            let control_points = fitted.curve.control.len();
+            return State { line, halvings, control_points, curve: (placing == Placing::Even).then_some(fitted) };
+        }
+    }
+    State { line: contour.clone(), halvings, control_points: 0, curve: None }
+}
+
+/// More points of the curves where sampling asks for them. Lines that would then be in trouble stay as they were.
+fn refine(
+    map: &ContourMap,
+    states: &mut [State],
+    tolerances: &[f64],
+    sampling: &SampleParams,
+    near: &CleanParams,
+) -> Result<()> {
+    let coarse: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
+    let plan = sample::plan(&coarse, sampling)?;
+    let mut lines: Vec<Contour> = (states.par_iter().zip(&plan.cuts).zip(map.contours.par_iter().zip(tolerances)))
+        .map(|((state, cuts), (input, &tolerance))| {
+            let fine = state
+                .curve
+                .as_ref()
+                .map(|curve| Contour { points: points_of(&state.line.points, curve, cuts), ..state.line });
+            let is_good = |fine: &Contour| {
+                clean::is_sound(fine)
+                    && is_near(&input.points, &fine.points, tolerance)
+                    && is_near(&fine.points, &input.points, tolerance)
+            };
+            fine.filter(is_good).unwrap_or_else(|| state.line.clone())
+        })
+        .collect();
+    let largest = tolerances.iter().copied().fold(0.0, f64::max);
+    loop {
+        let mut trouble = in_trouble(map, &lines, largest, near)?;
+        trouble.retain(|&i| lines[i].points.len() != coarse[i].points.len());
+        if trouble.is_empty() {
+            break;
+        }
+        for i in trouble {
+            lines[i] = coarse[i].clone();
+        }
+    }
+    states.iter_mut().zip(lines).for_each(|(state, line)| state.line = line);
+    Ok(())
+}
+
+/// The points of a line with those of its curve at the cuts.
+fn points_of(points: &[DVec2], fitted: &spline::Line, cuts: &[Cut]) -> Vec<DVec2> {
+    let mut all = Vec::with_capacity(points.len() + cuts.len());
+    let mut cuts = cuts.iter().peekable();
+    for (k, (&p, u)) in (0u32..).zip(points.iter().zip(fitted.parameters.windows(2))) {
+        all.push(p);
+        while let Some(cut) = cuts.next_if(|cut| cut.segment == k) {
+            all.push(fitted.origin + fitted.curve.at(u[0] + cut.share * (u[1] - u[0])));
+        }
+    }
+    all.extend(points.last());
+    all
+}

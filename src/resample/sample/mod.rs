@@ -1,0 +1,166 @@
+//! Sampling: vertices dense enough for the contours around them (Zhang, Konno and Tokuyama 2005, section 3.1).
+//!
+//! A contour is an s-sample when each of its vertices has its neighbours on the line within `s` times the distance to the
+//! nearest other contour. Here both neighbours have to be so near, not only the nearer one, so that no gap is left beside
+//! a cluster. "Another contour" is any other line, of the same level too: where two arms of one line lie side by side,
+//! nothing is asked of them, as in the paper.
+//!
+//! Points are added on the segments as they are and nothing is moved. Segments are halved until it holds; a piece
+//! that is short against the distance to other contours is split in equal parts at once, because that distance cannot
+//! change by more than the way gone. Where contours come close to touching, a lower limit keeps the pieces from becoming ever
+//! shorter.
+
+mod plan;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+pub(super) use self::plan::{Cut, Plan, plan};
+
+use crate::base::error::{Error, Report, Result};
+use crate::clean::{self, CleanParams};
+use crate::contour::{Contour, ContourMap};
+
+/// Rounds in which single segments are taken back that meet others when they have more points; then whole lines are.
+const ROUNDS: usize = 4;
+
+/// How dense the vertices are to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampleParams {
+    /// Largest distance from a vertex to its neighbours on the line over that to the nearest other contour: more than 0,
+    /// less than 1. The paper's s.
+    pub ratio: f64,
+    /// No segment is split into pieces shorter than this, map units. None: a sixteenth of `ratio` times the median
+    /// distance from the map's vertices to other contours.
+    pub least: Option<f64>,
+    /// More added points than this are refused.
+    pub most: usize,
+}
+
+impl Default for SampleParams {
+    fn default() -> Self {
+        Self { ratio: 0.5, least: None, most: 100_000_000 }
+    }
+}
+
+impl SampleParams {
+    pub(super) fn check(&self) -> Result<()> {
+        if !(self.ratio > 0.0 && self.ratio < 1.0) {
+            return Err(Error::out_of_range("sampling ratio", self.ratio, "more than 0 and less than 1"));
+        }
+        match self.least {
+            Some(least) if !(least.is_finite() && least > 0.0) => {
+                Err(Error::out_of_range("shortest sampled piece", least, "more than 0"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A sampled map, with figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled {
+    /// The map: its lines as before, in their order, with more vertices.
+    pub map: ContourMap,
+    /// Points that were added.
+    pub added: usize,
+    /// The lower limit, map units: where the ratio asks for pieces shorter than twice this, they need not be.
+    pub least: f64,
+    /// Pieces that are longer than the ratio asks because of the lower limit.
+    pub held: usize,
+    /// Segments left without the points they need, because with them, rounded, lines would meet.
+    pub whole: usize,
+}
+
+/// Adds vertices to the lines of a clean map; see the module's first lines.
+///
+/// All vertices there were stay bit for bit and in order. The result passes [`validate`](clean::validate). Spot
+/// heights that come to lie on a contour by rounding are left out, with a finding.
+///
+/// # Errors
+/// [`Error::Parameter`] for a ratio that is not between 0 and 1, a lower limit that is not above 0, and if more points than
+/// `most` would arise. [`Error::Data`] if the map is not clean.
+pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
+    params.check()?;
+    clean::validate(&map, near)?;
+    let near = &near.on(&map);
+    let contours = std::mem::take(&mut map.contours);
+    let spots = std::mem::take(&mut map.spots);
+    let Plan { mut cuts, least, held } = plan(&contours, params)?;
+    let mut whole = 0;
+    let mut round = 0;
+    let lines = loop {
+        let lines: Vec<Contour> = contours.par_iter().zip(&cuts).map(|(c, cuts)| with_points(c, cuts)).collect();
+        let met = clean::segments_in_conflict(&lines, near)?;
+        if met.is_empty() {
+            break lines;
+        }
+        round += 1;
+        let mut taken = 0;
+        for of_line in met.chunk_by(|a, b| a.0 == b.0) {
+            let line = of_line[0].0;
+            taken += take_back(&mut cuts[line], of_line.iter().map(|&(_, k)| k), round > ROUNDS);
+        }
+        if taken == 0 {
+            // Lines without added points do not meet, so this cannot be; yet the loop has to end.
+            clean::validate(&ContourMap { contours: lines, ..ContourMap::default() }, near)?;
+            return Err(Error::Data("sampled lines meet where nothing was added".to_owned()));
+        }
+        whole += taken;
+    };
+    let added = cuts.iter().map(Vec::len).sum();
+    let (spots, findings) = match added {
+        0 => (spots, Vec::new()),
+        _ => {
+            let Report { value, findings } = clean::spots_off_contours(spots, &lines, near)?;
+            (value, findings)
+        }
+    };
+    let map = ContourMap { contours: lines, spots, ..map };
+    Ok(Report { value: Sampled { map, added, least, held, whole }, findings })
+}
+
+/// Takes the points of some segments out of a line's; `pieces` are numbers of segments with the points in. Gives the
+/// number of segments that lost theirs.
+fn take_back(cuts: &mut Vec<Cut>, pieces: impl Iterator<Item = usize>, all: bool) -> usize {
+    // Before the piece k there are as many points added as there are cuts on the way.
+    let segment_of = |k: usize, cuts: &[Cut]| {
+        let before = partition(cuts.len(), |i| cuts[i].segment as usize + i < k);
+        (k - before) as u32
+    };
+    let segments: Vec<u32> = pieces.map(|k| segment_of(k, cuts)).collect();
+    let segments_with_points = |cuts: &[Cut]| cuts.chunk_by(|a, b| a.segment == b.segment).count();
+    let before = segments_with_points(cuts);
+    cuts.retain(|cut| !all && segments.binary_search(&cut.segment).is_err());
+    before - segments_with_points(cuts)
+}
+
+/// The first of `0..n` for which `is_before` is not so, if it is so for all before that and none after.
+fn partition(n: usize, is_before: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, n);
+    while low < high {
+        let middle = low.midpoint(high);
+        if is_before(middle) { low = middle + 1 } else { high = middle }
+    }
+    low
+}
+
+fn with_points(contour: &Contour, cuts: &[Cut]) -> Contour {
+    let mut points = Vec::with_capacity(contour.points.len() + cuts.len());
+    let mut cuts = cuts.iter().peekable();
+    for (k, w) in (0u32..).zip(contour.points.windows(2)) {
+        points.push(w[0]);
+        while let Some(cut) = cuts.next_if(|cut| cut.segment == k) {
+            points.push(on_segment(w[0], w[1], cut.share));
+        }
+    }
+    points.extend(contour.points.last());
+    Contour { points, ..*contour }
+}
+
+/// The same place to the last bit for either direction of the segment where the share is a multiple of a power of two.
+fn on_segment(a: DVec2, b: DVec2, share: f64) -> DVec2 {
+    if share <= 0.5 { a + (b - a) * share } else { b + (a - b) * (1.0 - share) }
+}

@@ -1,0 +1,196 @@
+//! Where points are to be added, found before any is made, so that too many can be refused.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::SampleParams;
+use crate::base::error::{Error, Result};
+use crate::clean::{Runs, Segments};
+use crate::contour::Contour;
+
+/// Share of the distance to other contours up to which a piece is split in equal parts without looking again.
+const SHORT: f64 = 0.25;
+/// About so many vertices tell the median distance to other contours.
+const MEDIAN_OF: usize = 50_000;
+/// The lower limit as a share of the usual spacing, where none is given.
+const LEAST_SHARE: f64 = 1.0 / 16.0;
+/// The lower limit is at least this share of the largest coordinate, so that pieces stay much longer than rounding.
+const LEAST_OF_COORDINATE: f64 = 1e-13;
+/// And this share of the map's size, where the median says nothing.
+const LEAST_OF_SIZE: f64 = 1e-7;
+
+/// More points than this are always refused: vertices are numbered in 32 bits.
+const MOST: usize = u32::MAX as usize;
+
+/// A point to add.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cut {
+    /// Number of the segment on its line.
+    pub(crate) segment: u32,
+    /// Share of the segment's length before the point.
+    pub(crate) share: f64,
+}
+
+/// Points to add to each line, in order along it.
+pub(crate) struct Plan {
+    pub(crate) cuts: Vec<Vec<Cut>>,
+    /// The lower limit that was used.
+    pub(crate) least: f64,
+    /// Pieces that stay longer than the ratio asks.
+    pub(crate) held: usize,
+}
+
+/// Plans the sampling of clean lines.
+pub(crate) fn plan(lines: &[Contour], params: &SampleParams) -> Result<Plan> {
+    let runs = Segments::new(lines)?.runs();
+    let least = lower_limit(lines, &runs, params);
+    let most = params.most.min(MOST);
+    let ground = Ground { lines, runs: &runs, ratio: params.ratio, least, most, added: AtomicUsize::new(0) };
+    let (cuts, held): (Vec<Vec<Cut>>, Vec<usize>) = (0..lines.len() as u32)
+        .into_par_iter()
+        .map(|line| {
+            let mut walk = Walk { ground: &ground, line, cuts: Vec::new(), held: 0 };
+            walk.line();
+            (walk.cuts, walk.held)
+        })
+        .unzip();
+    if ground.added.into_inner() > most {
+        return Err(Error::Parameter(format!(
+            "sampling at {} would add more than {most} points; take a larger ratio or a smaller part of the map",
+            params.ratio
+        )));
+    }
+    Ok(Plan { cuts, least, held: held.into_iter().sum() })
+}
+
+/// The lower limit: as given, else from the usual distance between contours; never below what rounding leaves of it.
+fn lower_limit(lines: &[Contour], runs: &Runs, params: &SampleParams) -> f64 {
+    let vertices = || (0u32..).zip(lines).flat_map(|(line, c)| c.points.iter().map(move |&p| (line, p)));
+    let largest = vertices().map(|(_, p)| p.abs().max_element()).fold(0.0, f64::max);
+    let floor = largest * LEAST_OF_COORDINATE;
+    if let Some(least) = params.least {
+        return least.max(floor);
+    }
+    let count: usize = lines.iter().map(|c| c.points.len()).sum();
+    let some: Vec<(u32, DVec2)> = vertices().step_by(count / MEDIAN_OF + 1).collect();
+    let mut distances: Vec<f64> = some.par_iter().map(|&(line, p)| runs.distance_to_others(lines, p, line)).collect();
+    distances.retain(|d| d.is_finite());
+    distances.sort_unstable_by(f64::total_cmp);
+    let usual = distances.get(distances.len() / 2).copied().unwrap_or(0.0) * params.ratio;
+    let (low, high) =
+        vertices().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), (_, p)| (low.min(p), high.max(p)));
+    let size = if low.x <= high.x { low.distance(high) } else { 0.0 };
+    (usual * LEAST_SHARE).max(size * LEAST_OF_SIZE * params.ratio).max(floor)
+}
+
+/// What all lines share.
+struct Ground<'a> {
+    lines: &'a [Contour],
+    runs: &'a Runs,
+    ratio: f64,
+    least: f64,
+    most: usize,
+    added: AtomicUsize,
+}
+
+/// Planning one line.
+struct Walk<'a> {
+    ground: &'a Ground<'a>,
+    line: u32,
+    cuts: Vec<Cut>,
+    held: usize,
+}
+
+/// A place on a segment and its distance to the nearest other contour.
+#[derive(Clone, Copy)]
+struct Place {
+    share: f64,
+    distance: f64,
+}
+
+/// A segment of the line.
+#[derive(Clone, Copy)]
+struct Whole {
+    number: u32,
+    a: DVec2,
+    b: DVec2,
+    length: f64,
+}
+
+impl Walk<'_> {
+    fn distance(&self, p: DVec2) -> f64 {
+        self.ground.runs.distance_to_others(self.ground.lines, p, self.line)
+    }
+
+    fn line(&mut self) {
+        let ground = self.ground;
+        let points = &ground.lines[self.line as usize].points;
+        // The distance at the last place asked for says how small it can be near there: most vertices need not ask.
+        let mut last = (points[0], self.distance(points[0]));
+        let at_least = |last: (DVec2, f64), p: DVec2| last.1 - last.0.distance(p);
+        for (number, w) in (0u32..).zip(points.windows(2)) {
+            let (a, b) = (w[0], w[1]);
+            let length = a.distance(b);
+            let enough = |last| length <= ground.ratio * at_least(last, a).min(at_least(last, b));
+            if enough(last) {
+                continue;
+            }
+            if last.0 != a {
+                last = (a, self.distance(a));
+                if enough(last) {
+                    continue;
+                }
+            }
+            let from = Place { share: 0.0, distance: last.1 };
+            last = (b, self.distance(b));
+            self.piece(Whole { number, a, b, length }, from, Place { share: 1.0, distance: last.1 });
+            if ground.added.load(Ordering::Relaxed) > ground.most {
+                return;
+            }
+        }
+    }
+
+    /// Plans a piece of a segment: the points strictly inside it.
+    fn piece(&mut self, whole: Whole, from: Place, to: Place) {
+        let Ground { ratio, least, .. } = *self.ground;
+        let length = whole.length * (to.share - from.share);
+        let nearest = from.distance.min(to.distance);
+        if length <= ratio * nearest {
+            return;
+        }
+        if length < 2.0 * least {
+            self.held += 1;
+            return;
+        }
+        if length <= SHORT * nearest {
+            // Inside, the distance is nowhere smaller than this.
+            let wanted = ratio * (from.distance + to.distance - length) / 2.0;
+            let parts = (length / wanted).ceil().min((length / least).floor());
+            let count = parts as usize - 1;
+            if self.add(count) {
+                let step = (to.share - from.share) / parts;
+                let cut = |k: usize| Cut { segment: whole.number, share: from.share + step * k as f64 };
+                self.cuts.extend((1..=count).map(cut));
+                self.held += if length / parts > wanted { count + 1 } else { 0 };
+            }
+            return;
+        }
+        if !self.add(1) {
+            return;
+        }
+        let share = from.share.midpoint(to.share);
+        let middle = Place { share, distance: self.distance(super::on_segment(whole.a, whole.b, share)) };
+        self.piece(whole, from, middle);
+        self.cuts.push(Cut { segment: whole.number, share });
+        self.piece(whole, middle, to);
+    }
+
+    /// Counts points; whether they are still few enough to go on.
+    fn add(&self, count: usize) -> bool {
+        // Never so much at once that the sum could overflow.
+        let count = count.min(self.ground.most + 1);
+        self.ground.added.fetch_add(count, Ordering::Relaxed) + count <= self.ground.most
+    }
+}

@@ -1,0 +1,153 @@
+//! Which working grid to use.
+
+use glam::DVec2;
+
+use super::Wanted;
+use crate::base::Grid;
+use crate::contour::{SourceRaster, source_raster};
+use crate::subdomains::Sheet;
+
+/// Nodes from one contour to the next where they are as far apart as in the mean.
+pub const NODES_A_GAP: f64 = 6.0;
+/// ... but no more than so many to the mean distance between vertices of contours, for what lies between is unknown,
+const NODES_A_SEGMENT: f64 = 2.0;
+/// ... and never fewer from contour to contour than this.
+const FEWEST_A_GAP: f64 = 3.0;
+/// A grid that heights are wanted on is used itself if it is at most so many times finer than it need be.
+const FINER: f64 = 8.0;
+/// ... and its cells are at most so many mean gaps wide: all contours that cross the edges between its nodes count.
+const COARSER: f64 = 2.0;
+/// Most nodes, whatever the memory: the surface must not depend on the machine.
+const MOST_NODES: f64 = 40e6;
+/// Bytes that each takes while the surface is found, with the crossings of contours on a map where these are no more than the
+/// nodes.
+const BYTES_A_NODE: f64 = 120.0;
+/// Bytes that each further crossing of a contour with an edge between nodes takes.
+const BYTES_A_CROSSING: f64 = 100.0;
+
+/// Mean distance between neighbouring vertices of contours, map units.
+fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
+    let contours = &sheet.map.contours;
+    let length: f64 = contours.iter().map(|c| c.length()).sum();
+    let segments: usize = contours.iter().map(|c| c.points.len().saturating_sub(1)).sum();
+    length / segments.max(1) as f64
+}
+
+/// The working grid: fine enough for the contours, and sharing its nodes with the grid that heights are wanted on.
+///
+/// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
+/// each of its cells, or with every so many of them. Without one, it is the raster that the contours were cut from that takes
+/// its place, for that is where they tell heights; without that, cells on multiples of their size.
+pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
+    let (lo, hi) = sheet
+        .frame
+        .rings()
+        .flatten()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let gap = sheet.gap;
+    let cell = (gap / NODES_A_GAP).max((vertex_spacing(sheet) / NODES_A_SEGMENT).min(gap / FEWEST_A_GAP));
+    let size = hi - lo;
+    let least = (size.x * size.y / MOST_NODES).sqrt();
+    let cell = cell.max(least).max(1e-6 * size.max_element());
+    let wanted = match wanted {
+        Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
+        Some(Wanted::Cell(cell)) => Grid::on_multiples(lo, hi, cell),
+        _ => match source_raster(&sheet.map.contours) {
+            Some(raster) => cells_of(&raster, lo, hi),
+            None => return with_border(&Grid::on_multiples(lo, hi, cell)),
+        },
+    };
+    let is = (wanted.cell.x * wanted.cell.y).sqrt();
+    let cut = clipped(&wanted, lo, hi);
+    if is > COARSER * gap {
+        divided(&cut, odd_above(is / gap, cut.len() as f64))
+    } else if is >= cell / FINER && (cut.len() as f64) <= MOST_NODES {
+        cut
+    } else {
+        thinned(&cut, (cell / is).ceil() as usize)
+    }
+}
+
+/// About how many bytes the smooth surface takes on a grid. `length` is that of all contours, map units.
+///
+/// Where contours are much closer than nodes, it is their crossings with the edges between nodes that count.
+pub fn bytes_on(grid: &Grid, length: f64) -> f64 {
+    let nodes = grid.cols as f64 * grid.rows as f64;
+    // A line of any direction crosses so many edges: the mean of |cos| and |sin| is 2/π each.
+    let crossings = 2.0 * std::f64::consts::FRAC_2_PI * length / (grid.cell.x * grid.cell.y).sqrt();
+    BYTES_A_NODE * nodes + BYTES_A_CROSSING * (crossings - nodes).max(0.0)
+}
+
+/// The cells of a raster that cover the box, and one more on each side.
+fn cells_of(raster: &SourceRaster, lo: DVec2, hi: DVec2) -> Grid {
+    let cell = raster.cell;
+    let first = ((lo - raster.centre) / cell).floor() - 1.0;
+    let count = ((hi - raster.centre) / cell).ceil() + 2.0 - first;
+    let top = raster.centre.y + (first.y + count.y - 0.5) * cell.y;
+    let corner = DVec2::new(raster.centre.x + (first.x - 0.5) * cell.x, top);
+    Grid { corner, cell, cols: count.x as usize, rows: count.y as usize }
+}
+
+/// One cell more on each side.
+fn with_border(grid: &Grid) -> Grid {
+    let corner = grid.corner + DVec2::new(-grid.cell.x, grid.cell.y);
+    Grid { corner, cols: grid.cols + 2, rows: grid.rows + 2, ..*grid }
+}
+
+/// The part of a grid that covers the box, with a cell around; at least two by two cells.
+fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
+    let limit = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
+    let west = limit(((lo.x - grid.corner.x) / grid.cell.x).floor() - 1.0, grid.cols.saturating_sub(2));
+    let east = limit(((hi.x - grid.corner.x) / grid.cell.x).ceil() + 1.0, grid.cols).max((west + 2).min(grid.cols));
+    let north = limit(((grid.corner.y - hi.y) / grid.cell.y).floor() - 1.0, grid.rows.saturating_sub(2));
+    let south = limit(((grid.corner.y - lo.y) / grid.cell.y).ceil() + 1.0, grid.rows).max((north + 2).min(grid.rows));
+    let corner = grid.corner + DVec2::new(west as f64 * grid.cell.x, -(north as f64) * grid.cell.y);
+    Grid { corner, cols: east - west, rows: south - north, ..*grid }
+}
+
+/// The least odd whole number from `ratio` on that keeps the number of nodes bearable.
+fn odd_above(ratio: f64, cells: f64) -> usize {
+    let most = (MOST_NODES / cells).sqrt().max(1.0);
+    let whole = ratio.min(most).ceil() as usize;
+    whole | 1
+}
+
+/// Every cell in `by` times `by` cells, `by` odd: the centres stay nodes.
+fn divided(grid: &Grid, by: usize) -> Grid {
+    Grid { cell: grid.cell / by as f64, cols: grid.cols * by, rows: grid.rows * by, ..*grid }
+}
+
+/// The centre of every `by`th cell, from the first one on until all are covered.
+fn thinned(grid: &Grid, by: usize) -> Grid {
+    let cell = grid.cell * by as f64;
+    let first = grid.center(0, 0);
+    let corner = first + DVec2::new(-cell.x / 2.0, cell.y / 2.0);
+    Grid { corner, cell, cols: grid.cols.div_ceil(by) + 1, rows: grid.rows.div_ceil(by) + 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cells_of_a_raster_reach_beyond_the_box() {
+        let raster = SourceRaster { centre: DVec2::new(100.5, -7.25), cell: DVec2::new(3.0, 2.0) };
+        for (lo, hi) in [((-50.0, -80.0), (20.0, 33.0)), ((500.0, 7.0), (501.0, 7.5)), ((100.5, -7.25), (103.5, -5.25))]
+        {
+            let (lo, hi) = (DVec2::from(lo), DVec2::from(hi));
+            let grid = cells_of(&raster, lo, hi);
+            assert!(raster.has_cells_of(&grid), "{grid:?}");
+            let (first, last) = (grid.center(0, grid.rows - 1), grid.center(grid.cols - 1, 0));
+            let margins = [(lo - first) / raster.cell, (last - hi) / raster.cell];
+            assert!(margins.iter().all(|m| m.min_element() >= 1.0 && m.max_element() < 3.0), "{margins:?}");
+        }
+    }
+
+    #[test]
+    fn contours_closer_than_nodes_count_by_their_crossings() {
+        let grid = Grid { corner: DVec2::ZERO, cell: DVec2::splat(10.0), cols: 1_000, rows: 1_000 };
+        let lines = |gap: f64| bytes_on(&grid, 1e8 / gap);
+        assert_eq!(lines(60.0), 1.2e8);
+        assert!(lines(0.01) > 1e11, "a thousand lines between two nodes");
+    }
+}

@@ -1,0 +1,393 @@
+//! From coarse to fine: each lattice starts from the solution on one with half as many rows and columns.
+
+use std::borrow::Cow;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::STEP;
+use super::energy::{CrossingWeight, EdgeTerms, Energy};
+use super::lattice::{Crossing, Lattice};
+use super::minimise::{Effort, Minimiser};
+use super::pits::{Limits, breach};
+use super::reweight::{let_crease, near_contours, tighten};
+use crate::base::progress::Progress;
+
+/// The coarsest lattice has at most so many rows and columns.
+const COARSEST: usize = 12;
+/// Rounds of weights that follow the surface, on the finest lattice, on the next and on the others. The finest takes the
+/// creases of the heights that it starts from, which are those of the next one.
+const ROUNDS: [usize; 3] = [0, 2, 1];
+/// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
+/// are bridged there.
+const STEPS: [usize; 3] = [40, 60, 200];
+/// ... and where the finest lattice has more nodes from one contour to the next than [`MANY`]. It takes none before ways out of
+/// pits are cut then: what it starts from is nearly right, and steps on the next one cost a quarter.
+const STEPS_OF_MANY: [usize; 3] = [0, 80, 200];
+/// In the mean over the map.
+const MANY: f64 = 12.0;
+/// ... and once more, in each round or after ways out of pits were cut.
+const FURTHER_STEPS: [usize; 3] = [20, 40, 100];
+/// A stage is done when heights change by less than this share of the contour interval.
+const TOLERANCE: f64 = 1e-3;
+/// Weight of bending across a ridge or canyon line.
+const CREASE: f32 = 0.7;
+/// How far beyond the frame the surface goes, nodes, so that every place inside lies between nodes.
+const MARGIN: usize = 2;
+/// On coarse lattices contours weigh at most so much, or as much as on the finest: what lies between nodes is averaged.
+const COARSE_WEIGHT: f64 = 20.0;
+
+/// What the surface has to meet, on the finest lattice. NaN marks nodes outside the frame.
+pub struct Problem<'a> {
+    /// The finest lattice.
+    pub lattice: Lattice,
+    /// Level and vertices of the contours.
+    pub contours: Vec<(f64, &'a [DVec2])>,
+    /// Single crossings with heights, for spot heights.
+    pub spots: Vec<(Crossing, f64)>,
+    /// Ridge and canyon lines.
+    pub creases: Vec<Vec<DVec2>>,
+    /// Where bending across those begins to count less, as a share of where it does elsewhere.
+    pub crease_knee: f64,
+    /// Lowest and highest heights.
+    pub bounds: [Cow<'a, [f32]>; 2],
+    /// Heights whose slopes the tension draws to.
+    pub guide: &'a [f32],
+    /// Tension at each node, per square of the step eastwards.
+    pub tension: Vec<f32>,
+    /// Weight of a crossing against a second difference on the finest lattice.
+    pub contour_weight: CrossingWeight,
+    /// Contour interval, metres.
+    pub interval: f64,
+    /// Mean distance between neighbouring contours, map units.
+    pub gap: f64,
+    /// Nodes where water may stay.
+    pub hollows: &'a [bool],
+}
+
+impl Problem<'_> {
+    /// In the mean over the contours.
+    fn mean_level(&self) -> f64 {
+        let levels = self.contours.iter().map(|c| c.0);
+        levels.sum::<f64>() / self.contours.len().max(1) as f64
+    }
+}
+
+/// Values at the nodes of one lattice.
+struct Stage<'a> {
+    lattice: Lattice,
+    /// 0 for the finest.
+    depth: i32,
+    bounds: [Cow<'a, [f32]>; 2],
+    guide: Cow<'a, [f32]>,
+    tension: Cow<'a, [f32]>,
+}
+
+/// What was found on a lattice.
+struct Solved {
+    lattice: Lattice,
+    z: Vec<f64>,
+    /// Factors on the tension.
+    factors: Vec<f32>,
+}
+
+/// An energy with its first weights, and which second differences are across ridge and canyon lines.
+type Weighed<'a> = (Energy<'a>, [Vec<bool>; 3]);
+
+/// The heights at the nodes of the finest lattice; those outside the frame mean nothing.
+pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
+    let finest = Stage {
+        lattice: problem.lattice,
+        depth: 0,
+        bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
+        guide: Cow::Borrowed(problem.guide),
+        tension: Cow::Borrowed(&problem.tension),
+    };
+    let coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
+    let all: usize = finest.lattice.len() + coarser.iter().map(|s| s.lattice.len()).sum::<usize>();
+    progress.start(STEP, all as u64);
+    let solved = |stage: &Stage<'_>, energy: Weighed<'_>, before: Option<Solved>| {
+        let solved = stage.solve(problem, energy, before);
+        progress.advance(stage.lattice.len() as u64);
+        solved
+    };
+    // The coarsest lattices keep one thread busy; meanwhile the finest is made ready, which takes as long.
+    let (before, energy) = rayon::join(
+        || {
+            let stages = coarser.into_iter().rev();
+            stages.fold(None, |before, stage| Some(solved(&stage, stage.energy(problem), before)))
+        },
+        || finest.energy(problem),
+    );
+    let Solved { z, .. } = solved(&finest, energy, before);
+    progress.finish();
+    z
+}
+
+impl Stage<'_> {
+    /// Every second row and column, until there are few.
+    fn coarser(&self) -> Option<Stage<'static>> {
+        if self.lattice.cols.max(self.lattice.rows) <= COARSEST {
+            return None;
+        }
+        let lattice = self.lattice.coarser();
+        let take = |values: &[f32]| {
+            let at = |i: usize| {
+                let (col, row) = (2 * (i % lattice.cols), 2 * (i / lattice.cols));
+                let inside = col < self.lattice.cols && row < self.lattice.rows;
+                if inside { values[row * self.lattice.cols + col] } else { f32::NAN }
+            };
+            (0..lattice.len()).into_par_iter().map(at).collect::<Vec<f32>>()
+        };
+        // Steps are twice as long, so that first differences count four times as much against second ones.
+        let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
+        let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
+        Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
+    }
+
+    /// Its place in [`STEPS`], [`FURTHER_STEPS`] and [`ROUNDS`].
+    fn kind(&self) -> usize {
+        (self.depth as usize).min(2)
+    }
+
+    /// Most steps of the first time. What has no coarser lattice to start from takes them all.
+    fn steps(&self, problem: &Problem<'_>, has_start: bool) -> usize {
+        let step = problem.lattice.step;
+        let are_many = problem.gap / (step.x * step.y).sqrt() > MANY;
+        (if are_many && has_start { STEPS_OF_MANY } else { STEPS })[self.kind()]
+    }
+
+    /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
+    /// as they are then.
+    fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
+        let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
+        let (mut energy, creases) = energy;
+        let steps = self.steps(problem, before.is_some());
+        // The only lattice there is has nothing to start from.
+        let rounds = ROUNDS[if before.is_none() { 1 } else { self.kind() }];
+        let (mut z, mut factors) = match before {
+            None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
+            Some(Solved { lattice, z, factors }) => {
+                (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
+            }
+        };
+        let effort = Effort { steps, tolerance: TOLERANCE * problem.interval };
+        let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
+        // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
+        let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
+        scale(&mut energy, &factors);
+        if first.is_none() {
+            let_crease(&mut energy, &creases, problem.crease_knee, &z);
+        }
+        let mut minimiser = Minimiser::default();
+        minimiser.minimise(&energy, lo, hi, &mut z, effort);
+        for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
+            energy.bending.clone_from(bending);
+            let_crease(&mut energy, &creases, problem.crease_knee, &z);
+            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval);
+            energy.tension.clone_from(tension);
+            scale(&mut energy, &factors);
+            minimiser.minimise(&energy, lo, hi, &mut z, later);
+        }
+        if self.depth == 0 {
+            let upper = self.drained(problem, [lo, hi], &z);
+            minimiser.minimise(&energy, lo, &upper, &mut z, later);
+        }
+        Solved { lattice: self.lattice, z, factors }
+    }
+
+    /// Upper bounds with ways out of pits cut into them: the ground beside a cut falls towards it.
+    fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
+        let mut after: Vec<f32> =
+            z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
+        let limits = Limits { lo, depth: problem.interval as f32 };
+        breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
+        let cut = after.par_iter().zip(z).zip(lo.par_iter().zip(hi));
+        cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
+    }
+
+    /// The energy with its first weights, and which second differences are across ridge and canyon lines.
+    fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
+        let lattice = &self.lattice;
+        let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
+        let crossings = |&(level, points): &(f64, &[DVec2])| {
+            let (mut east, mut south) = (Vec::new(), Vec::new());
+            lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
+            (east, south)
+        };
+        let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
+        let weight = problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT)));
+        let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
+        // Those of a line are let go when they were copied: together they are large.
+        let terms = |found: Vec<Vec<_>>, more: &[_]| {
+            let mut all = Vec::with_capacity(found.iter().map(Vec::len).sum::<usize>() + more.len());
+            found.into_iter().for_each(|of_line| all.extend(of_line));
+            all.extend_from_slice(more);
+            EdgeTerms::new(&all, weight, lattice)
+        };
+        let (east, south) = rayon::join(|| terms(east, spots), || terms(south, &[]));
+        let contours = [east, south];
+
+        let mut cut = [vec![false; count], vec![false; count]];
+        for line in &problem.creases {
+            let [east, south] = &mut cut;
+            lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
+        }
+        let inside = grown(&self.bounds[0], cols, rows);
+        let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
+        // Cells that are not square: second differences over squared steps, the mixed one over their product.
+        let ratio = (lattice.step.y / lattice.step.x) as f32;
+        let is_bent = |kind: usize, n: usize| {
+            let (i, j) = (n % cols, n / cols);
+            match kind {
+                0 => i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]),
+                1 => j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]),
+                _ => i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]),
+            }
+        };
+        let is_crease = |kind: usize, n: usize| {
+            let [east, south] = &cut;
+            is_bent(kind, n)
+                && match kind {
+                    0 => east[n - 1] || east[n],
+                    1 => south[n - cols] || south[n],
+                    _ => east[n] || south[n] || south[n + 1] || east[n + cols],
+                }
+        };
+        let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
+        let creases: [Vec<bool>; 3] =
+            std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect());
+        let bending = |kind: usize, n: usize| match (creases[kind][n], is_bent(kind, n)) {
+            (true, _) => CREASE * weights[kind],
+            (false, true) => weights[kind],
+            (false, false) => 0.0,
+        };
+        let tension = |side: usize, n: usize| {
+            let (i, j) = (n % cols, n / cols);
+            let (has_next, next, per) =
+                if side == 0 { (i + 1 < cols, n + 1, ratio) } else { (j + 1 < rows, n + cols, 1.0 / ratio) };
+            if !has_next || !all_inside(&[n, next]) {
+                return 0.0;
+            }
+            let product = self.tension[n] * self.tension[next];
+            if product.is_nan() { 0.0 } else { product.sqrt() * per }
+        };
+        let energy = Energy {
+            size: [cols, rows],
+            bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
+            tension: std::array::from_fn(|side| (0..count).into_par_iter().map(|n| tension(side, n)).collect()),
+            guide: Cow::Borrowed(&self.guide),
+            contours,
+            pull: 0.0,
+        };
+        (energy, creases)
+    }
+}
+
+/// Multiplies the tension by the factors of both ends.
+fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
+    let steps = [1, energy.size[0]];
+    for (side, step) in steps.into_iter().enumerate() {
+        energy.tension[side].par_iter_mut().enumerate().filter(|(_, t)| **t > 0.0).for_each(|(n, tension)| {
+            *tension *= (factors[n] * factors[n + step]).sqrt();
+        });
+    }
+}
+
+/// The nodes inside the frame and those around them.
+pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
+    let mut inside: Vec<bool> = bound.par_iter().map(|v| !v.is_nan()).collect();
+    for _ in 0..MARGIN {
+        let before = inside.clone();
+        inside.par_chunks_mut(cols).enumerate().for_each(|(j, row)| {
+            for (i, inside) in row.iter_mut().enumerate() {
+                let n = j * cols + i;
+                *inside |= (i > 0 && before[n - 1])
+                    || (i + 1 < cols && before[n + 1])
+                    || (j > 0 && before[n - cols])
+                    || (j + 1 < rows && before[n + cols]);
+            }
+        });
+    }
+    inside
+}
+
+/// Cubic interpolation in the middle between nodes, in a straight line beyond the ends.
+fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
+    let at = |i: usize, offset: isize| -> f64 {
+        let i = i as isize + offset;
+        if i < 0 {
+            2.0 * value(0) - value(1)
+        } else if i as usize >= count {
+            let beyond = (i as usize - count + 1) as f64;
+            value(count - 1) + beyond * (value(count - 1) - value(count - 2))
+        } else {
+            value(i as usize)
+        }
+    };
+    (9.0 * (at(k, 0) + at(k, 1)) - at(k, -1) - at(k, 2)) / 16.0
+}
+
+/// Heights on a finer lattice.
+fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
+    let mut wide = vec![0.0; coarse.rows * fine.cols];
+    wide.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+        let node = |i: usize| z[j * coarse.cols + i];
+        for (i, out) in row.iter_mut().enumerate() {
+            *out = if i % 2 == 0 { node(i / 2) } else { middle(i / 2, coarse.cols, node) };
+        }
+    });
+    let mut out = vec![0.0; fine.len()];
+    out.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+        for (i, out) in row.iter_mut().enumerate() {
+            let node = |j: usize| wide[j * fine.cols + i];
+            *out = if j % 2 == 0 { node(j / 2) } else { middle(j / 2, coarse.rows, node) };
+        }
+    });
+    out
+}
+
+/// Factors on a finer lattice, linear between nodes.
+fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
+    let at = |n: usize| {
+        let (i, j) = (n % fine.cols, n / fine.cols);
+        let row = |j: usize| factors[j * coarse.cols + i / 2] + factors[j * coarse.cols + i.div_ceil(2)];
+        (row(j / 2) + row(j.div_ceil(2))) / 4.0
+    };
+    (0..fine.len()).into_par_iter().map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_only_lattice_takes_its_steps_however_far_apart_contours_are() {
+        let (cols, rows) = (COARSEST, COARSEST);
+        let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
+        let lines = [1.3, 9.6].map(|x| [DVec2::new(x, 1.0), DVec2::new(x, -12.0)]);
+        let hollows = vec![false; lattice.len()];
+        let guide = vec![0.0; lattice.len()];
+        let heights = |gap: f64| {
+            let problem = Problem {
+                lattice,
+                contours: vec![(10.0, &lines[0]), (20.0, &lines[1])],
+                spots: Vec::new(),
+                creases: Vec::new(),
+                crease_knee: 0.1,
+                bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
+                guide: &guide,
+                tension: vec![0.0; lattice.len()],
+                contour_weight: CrossingWeight::even(100.0),
+                interval: 10.0,
+                gap,
+                hollows: &hollows,
+            };
+            solve(&problem, &())
+        };
+        let found = heights(100.0 * MANY);
+        assert_eq!(found, heights(1.0));
+        let middle = found[rows / 2 * cols + cols / 2];
+        assert!((middle - (10.0 + 10.0 * (6.0 - 1.3) / 8.3)).abs() < 0.5, "{middle}");
+    }
+}

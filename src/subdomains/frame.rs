@@ -1,0 +1,235 @@
+//! The frame: the outermost border, which closes the contours that run off the map.
+
+use geo::convex_hull::graham_hull;
+use geo::{
+    Area, BooleanOps, BoundingRect, ConvexHull, Coord, IsConvex, LineString, MapCoords, MultiPoint, MultiPolygon,
+    Polygon, Rect,
+};
+use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::Line;
+
+use crate::contour::ContourMap;
+use crate::geometry::{Border, rings, tolerance, with_corners_at, with_vertices};
+use crate::geometry::{Segment, place};
+
+/// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean distance between
+/// contours. The border of a sheet lies a little outside its contours; further out, the ends of contours are nearer to
+/// each other than to the frame, and it is left open where they lead.
+const REACH: f64 = 0.5;
+/// How far intersecting moves a vertex at most, as a share of the size of what is intersected.
+const ROUNDING: f64 = 2e-9;
+
+/// How the frame is chosen.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Frame {
+    /// The convex hull of all contours and spot heights.
+    #[default]
+    Hull,
+    /// The smallest upright rectangle around them.
+    Box,
+    /// A boundary polygon of the user's. Its polygons do not overlap, and none crosses itself.
+    Polygon(MultiPolygon<f64>),
+}
+
+/// The frame's outline for one map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameRing {
+    /// The area inside the frame.
+    pub area: MultiPolygon<f64>,
+}
+
+impl FrameRing {
+    /// The vertices of each ring, the first one not repeated.
+    pub fn rings(&self) -> impl Iterator<Item = Vec<DVec2>> {
+        rings(&self.area).map(|ring| {
+            let n = ring.0.len().saturating_sub(1);
+            ring.0[..n].iter().map(|c| DVec2::new(c.x, c.y)).collect()
+        })
+    }
+
+    /// The edges of all rings.
+    pub fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
+        rings(&self.area)
+            .flat_map(|ring| ring.lines().map(|l| [DVec2::new(l.start.x, l.start.y), DVec2::new(l.end.x, l.end.y)]))
+    }
+
+    /// The same outline with further vertices, each on the edge that it lies on; points elsewhere are passed over.
+    pub fn with_points(&self, points: &[DVec2]) -> Self {
+        let border = Border::new(&self.area);
+        let on_edges = points.iter().filter_map(|&p| {
+            let (edge, ends) = border.edge_at(p)?;
+            (p != ends.a && p != ends.b).then_some((edge, p))
+        });
+        Self { area: with_vertices(&self.area, on_edges.collect()) }
+    }
+
+    /// The same outline with some of its vertices only.
+    pub fn only(self, is_kept: impl Fn(DVec2) -> bool) -> Self {
+        let kept = |ring: &LineString<f64>| {
+            let mut ring: LineString<f64> = ring.coords().copied().filter(|c| is_kept(DVec2::new(c.x, c.y))).collect();
+            ring.close();
+            ring
+        };
+        let polygon = |p: &Polygon<f64>| Polygon::new(kept(p.exterior()), p.interiors().iter().map(kept).collect());
+        Self { area: self.area.iter().map(polygon).collect() }
+    }
+
+    /// Distance under which places on the frame are one, map units.
+    pub fn tolerance(&self) -> f64 {
+        tolerance(&self.area)
+    }
+
+    /// Length of the diagonal of the box around the frame.
+    pub fn diagonal(&self) -> f64 {
+        self.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()))
+    }
+}
+
+/// The frame of a map.
+///
+/// A polygon that reaches further beyond the box around the map than contours are apart is taken only as far as their
+/// convex hull: there is nothing to go by outside.
+pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
+    let points = || map.places().map(|p| geo::Point::new(p.x, p.y));
+    let hull = || {
+        let quick = points().collect::<MultiPoint<f64>>().convex_hull();
+        if quick.exterior().is_strictly_ccw_convex() {
+            return quick;
+        }
+        // Among points that lie on one line but for rounding it turns back. The slower way does not.
+        Polygon::new(graham_hull(&mut quick.into_inner().0.into_inner(), false), Vec::new())
+    };
+    let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
+    let area = match frame {
+        Frame::Hull => hull().into(),
+        Frame::Box => match bounds() {
+            Some(rect) => with_corners_at(&map.places().collect::<Vec<_>>(), &rect.to_polygon().into()),
+            None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),
+        },
+        Frame::Polygon(area) => match (area.bounding_rect(), bounds()) {
+            (Some(wanted), Some(known)) => {
+                let hull = hull();
+                let length: f64 = map.contours.iter().map(|c| c.length()).sum();
+                let reach = REACH * hull.unsigned_area() / length;
+                if is_near(&wanted, &known, reach) { area.clone() } else { inside_hull(area, &hull) }
+            }
+            _ => area.clone(),
+        },
+    };
+    FrameRing { area }
+}
+
+/// Whether a rectangle reaches beyond another by no more than `reach`.
+fn is_near(wanted: &Rect<f64>, known: &Rect<f64>, reach: f64) -> bool {
+    let west_south = known.min() - wanted.min();
+    let east_north = wanted.max() - known.max();
+    [west_south.x, west_south.y, east_north.x, east_north.y].into_iter().all(|beyond| beyond <= reach)
+}
+
+/// The part of an area inside the convex hull of a map.
+///
+/// Intersecting rounds coordinates. Corners of both outlines get theirs back, and where the outlines cross, the place is
+/// computed anew, so that it lies on both.
+fn inside_hull(area: &MultiPolygon<f64>, hull: &Polygon<f64>) -> MultiPolygon<f64> {
+    let hull: MultiPolygon<f64> = hull.clone().into();
+    let size = |area: &MultiPolygon<f64>| area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
+    let near = ROUNDING * size(area).max(size(&hull));
+    let corners = rings(area).chain(rings(&hull)).flat_map(|ring| ring.coords()).map(|c| [c.x, c.y]);
+    let corners = RTree::bulk_load(corners.collect());
+    let edges = |area: &MultiPolygon<f64>| {
+        let lines = rings(area).flat_map(|ring| ring.lines());
+        RTree::bulk_load(lines.map(|l| Line::new([l.start.x, l.start.y], [l.end.x, l.end.y])).collect())
+    };
+    let edges = [edges(area), edges(&hull)];
+    let nearest_edge = |edges: &RTree<Line<[f64; 2]>>, at: [f64; 2]| {
+        let edge = edges.nearest_neighbor(&at)?;
+        Some(Segment { a: edge.from.into(), b: edge.to.into() })
+    };
+    area.intersection(&hull).map_coords(|c| {
+        let at = [c.x, c.y];
+        let is_near = |p: DVec2| p.distance(at.into()) <= near;
+        let corner = corners.nearest_neighbor(&at).map(|&corner| DVec2::from(corner));
+        let crossing = || Some(place(&nearest_edge(&edges[0], at)?, &nearest_edge(&edges[1], at)?));
+        let exact = corner.filter(|&p| is_near(p)).or_else(|| crossing().filter(|&p| is_near(p)));
+        exact.map_or(c, |p| Coord { x: p.x, y: p.y })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::polygon;
+
+    use super::*;
+    use crate::contour::Contour;
+
+    /// Two lines across a square of 100 from (5e5, 4e6).
+    fn map() -> ContourMap {
+        let line = |elevation: f64, y: f64| {
+            let points = [0.0, 37.0, 100.0].map(|x| DVec2::new(5e5 + x, 4e6 + y)).to_vec();
+            Contour { elevation, points, feature: 0 }
+        };
+        ContourMap { contours: vec![line(10.0, 0.0), line(20.0, 55.5), line(30.0, 100.0)], ..ContourMap::default() }
+    }
+
+    fn square(x: f64, y: f64, side: f64) -> MultiPolygon<f64> {
+        let (x, y) = (5e5 + x, 4e6 + y);
+        polygon![(x: x, y: y), (x: x + side, y: y), (x: x + side, y: y + side), (x: x, y: y + side)].into()
+    }
+
+    #[test]
+    fn a_polygon_a_little_larger_than_the_map_is_kept() {
+        for area in [square(10.3, 10.3, 50.1), square(-5.0, -5.0, 110.0)] {
+            assert_eq!(frame_ring(&map(), &Frame::Polygon(area.clone())).area, area);
+        }
+    }
+
+    #[test]
+    fn a_box_has_the_points_beside_its_corners() {
+        let beside = DVec2::new(5e5 + 100.0 - 1e-8, 4e6);
+        let mut map = map();
+        map.contours[0].points[2] = beside;
+        let corners: Vec<DVec2> = frame_ring(&map, &Frame::Box).rings().flatten().collect();
+        assert!(corners.len() == 4 && corners.contains(&beside), "{corners:?}");
+    }
+
+    #[test]
+    fn a_polygon_far_larger_than_the_map_ends_at_its_hull() {
+        let ring = |frame| {
+            let ring = frame_ring(&map(), &frame);
+            let mut corners: Vec<[u64; 2]> = ring.rings().flatten().map(|p| p.to_array().map(f64::to_bits)).collect();
+            corners.sort_unstable();
+            corners
+        };
+        assert_eq!(ring(Frame::Polygon(square(-1e6, -1e6, 2.1e6))), ring(Frame::Hull));
+        let partly = frame_ring(&map(), &Frame::Polygon(square(33.3, 20.2, 1e6)));
+        let corners: Vec<DVec2> = partly.rings().flatten().map(|p| p - DVec2::new(5e5, 4e6)).collect();
+        assert_eq!(corners.len(), 4);
+        assert!(corners.iter().any(|p| p.distance(DVec2::new(33.3, 20.2)) < 1e-9));
+        assert!(corners.contains(&DVec2::splat(100.0)));
+        let on_hull = corners.iter().filter(|p| p.x == 100.0 || p.y == 100.0).count();
+        assert_eq!(on_hull, 3, "crossings lie exactly on the edge of the map: {corners:?}");
+    }
+
+    #[test]
+    fn the_hull_of_points_on_a_line_but_for_rounding_never_turns_back() {
+        let (a, b) = (DVec2::new(-1e7, 0.1), DVec2::new(6.791_015_624_999_999, -14_755.998_480_224_609));
+        let on_line = [9, 5, 80, 128, 256, 10, 12, 16, 96].map(|k| a.lerp(b, f64::from(k) / 1024.0));
+        let points = std::iter::once(a).chain(on_line).chain([b, DVec2::new(-9_890_000.0, 310_000.1), a]).collect();
+        let contour = Contour { elevation: 0.0, points, feature: 0 };
+        let map = ContourMap { contours: vec![contour], ..ContourMap::default() };
+        let ring = frame_ring(&map, &Frame::Hull).rings().next().unwrap();
+        let coord = |k: usize| {
+            let p = ring[k % ring.len()];
+            robust::Coord { x: p.x, y: p.y }
+        };
+        for k in 0..ring.len() {
+            assert!(robust::orient2d(coord(k), coord(k + 1), coord(k + 2)) > 0.0, "vertex {} of {ring:?}", k + 1);
+        }
+    }
+
+    #[test]
+    fn a_polygon_elsewhere_leaves_nothing() {
+        assert_eq!(frame_ring(&map(), &Frame::Polygon(square(500.0, 0.0, 10.0))).area, MultiPolygon::new(Vec::new()));
+    }
+}

@@ -1,0 +1,154 @@
+//! Closes the openings between the ends of contours that do not reach the frame.
+//!
+//! On a ragged outline, along a cliff, at a gap, contours end beside each other and the strips between them open into one
+//! another. An edge of the triangulation from one such end to the next closes the opening: as a *bridge*, a piece of
+//! contour, where two ends of one level point at each other across a gap; else as a *gate*, which divides sub-domains as
+//! the frame does and is no contour.
+
+use std::collections::{HashMap, HashSet};
+
+use super::OpenEnd;
+use crate::base::bits::bits;
+use crate::tin::{Tin, VertexKind};
+
+/// The largest turn between a line's end and a bridge that goes on from it: 60 degrees.
+const COS_BRIDGE_TURN: f64 = 0.5;
+
+/// A bridge is at most this share of the shorter line's length.
+const BRIDGE_SHARE: f64 = 0.5;
+
+/// Edges between ends of contours, as pairs of vertices.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Gaps {
+    /// Pieces of contour across gaps.
+    pub bridges: Vec<[u32; 2]>,
+    /// Openings between strips.
+    pub gates: Vec<[u32; 2]>,
+}
+
+/// Finds the edges that close openings between `ends`. Neighbouring ends are those of one level or of two that are no
+/// further apart than `step`; at least one of them does not reach the frame.
+pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> Gaps {
+    let mut gaps = Gaps::default();
+    if ends.iter().all(|e| e.at_frame) {
+        return gaps;
+    }
+    let by_place: HashMap<[u64; 2], &OpenEnd> = ends.iter().rev().map(|e| (bits(e.position - tin.origin), e)).collect();
+    let end_at: HashMap<u32, &OpenEnd> = (0..tin.positions.len() as u32)
+        .filter(|&v| tin.kinds[v as usize] == VertexKind::Contour)
+        .filter_map(|v| Some((v, *by_place.get(&bits(tin.positions[v as usize]))?)))
+        .collect();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        for i in 0..3 {
+            let [u, v] = tin.edge(t, i);
+            let first_of_two = tin.inner_neighbour(t, i).is_some_and(|n| t < n);
+            if !first_of_two || tin.is_constraint(t, i) {
+                continue;
+            }
+            let (Some(a), Some(b)) = (end_at.get(&u), end_at.get(&v)) else { continue };
+            if (a.at_frame && b.at_frame) || (a.elevation - b.elevation).abs() > 1.001 * step {
+                continue;
+            }
+            if is_bridge(a, b) {
+                gaps.bridges.push([u, v]);
+            } else if a.contour != b.contour {
+                gaps.gates.push([u, v]);
+            }
+        }
+    }
+    gaps.keep_single_bridges(tin);
+    gaps
+}
+
+fn is_bridge(a: &OpenEnd, b: &OpenEnd) -> bool {
+    let across = b.position - a.position;
+    let length = across.length();
+    let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_BRIDGE_TURN * length;
+    a.elevation == b.elevation
+        && length <= BRIDGE_SHARE * a.length.min(b.length)
+        && ahead(a, across)
+        && ahead(b, -across)
+}
+
+impl Gaps {
+    /// Leaves each end its shortest bridge; the longer ones become gates.
+    fn keep_single_bridges(&mut self, tin: &Tin) {
+        let length = |[u, v]: [u32; 2]| tin.positions[u as usize].distance(tin.positions[v as usize]);
+        self.bridges.sort_by(|a, b| length(*a).total_cmp(&length(*b)).then(a.cmp(b)));
+        let mut taken = HashSet::new();
+        let (kept, rest) = std::mem::take(&mut self.bridges).into_iter().partition(|[u, v]| {
+            let free = !taken.contains(u) && !taken.contains(v);
+            if free {
+                taken.extend([*u, *v]);
+            }
+            free
+        });
+        self.bridges = kept;
+        self.gates.extend::<Vec<_>>(rest);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::contour::{Contour, ContourMap, Interval};
+    use crate::subdomains::{Band, Frame, frame_ring, link_open_ends, regions};
+    use crate::tin::{TinInput, triangulate};
+
+    fn gaps_of(lines: &[(f64, &[(f64, f64)])]) -> (Tin, Gaps) {
+        let contours = lines.iter().map(|&(elevation, points)| Contour {
+            elevation,
+            points: points.iter().map(|&p| p.into()).collect(),
+            feature: 0,
+        });
+        let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
+        let ring = frame_ring(&map, &Frame::Hull);
+        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(300.0)], 1e-7);
+        for c in &map.contours {
+            input.push_line(&c.points, c.elevation, VertexKind::Contour);
+        }
+        for link in &links {
+            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let gaps = close_gaps(&tin, &ends, 10.0);
+        (tin.clone().with_gaps(&gaps.bridges, &gaps.gates), gaps)
+    }
+
+    #[test]
+    fn a_ragged_outline_is_closed_by_gates() {
+        // Lines whose right ends draw back from the hull in the middle.
+        let (tin, gaps) = gaps_of(&[
+            (0.0, &[(0.0, 0.0), (100.0, 0.0), (300.0, 0.0)]),
+            (10.0, &[(0.0, 20.0), (60.0, 20.0), (120.0, 20.0)]),
+            (20.0, &[(0.0, 40.0), (60.0, 40.0), (110.0, 40.0)]),
+            (30.0, &[(0.0, 60.0), (60.0, 60.0), (120.0, 60.0)]),
+            (40.0, &[(0.0, 80.0), (100.0, 80.0), (300.0, 80.0)]),
+        ]);
+        let levels = |pair: &[u32; 2]| pair.map(|v| tin.heights[v as usize]);
+        assert!(gaps.bridges.is_empty());
+        assert!(gaps.gates.iter().any(|g| levels(g) == [10.0, 20.0] || levels(g) == [20.0, 10.0]));
+        assert!(gaps.gates.iter().any(|g| levels(g) == [20.0, 30.0] || levels(g) == [30.0, 20.0]));
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        for band in [Band { lo: 10.0, hi: 20.0 }, Band { lo: 20.0, hi: 30.0 }] {
+            assert!(found.regions.iter().any(|r| r.band == band), "{band:?}");
+        }
+    }
+
+    #[test]
+    fn a_gap_is_bridged_where_the_ends_point_at_each_other() {
+        let (tin, gaps) = gaps_of(&[
+            (0.0, &[(0.0, 0.0), (50.0, 0.0), (100.0, 0.0)]),
+            (10.0, &[(0.0, 20.0), (25.0, 20.0), (47.0, 20.0)]),
+            (10.0, &[(53.0, 20.0), (75.0, 20.0), (100.0, 20.0)]),
+            (20.0, &[(0.0, 40.0), (50.0, 40.0), (100.0, 40.0)]),
+        ]);
+        assert_eq!(gaps.bridges.len(), 1);
+        assert!(gaps.gates.is_empty());
+        let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
+        assert_eq!(found.regions.len(), 2, "the two strips are apart");
+    }
+}

@@ -1,0 +1,119 @@
+//! Bands of single triangles, where that of their sub-domain is too wide to tell much.
+//!
+//! A contour that is broken lets the ground on both of its sides be one sub-domain, and a line with a wrong elevation gives
+//! the one that it lies in another level: either way all of it gets a wide band, also kilometres away. But a triangle with
+//! corners on two levels lies between those, and ground beside it most likely does too.
+
+use std::collections::{HashMap, VecDeque};
+
+use rayon::prelude::*;
+
+use super::regions::WIDE;
+use super::{Band, Regions};
+use crate::tin::{Tin, VertexKind};
+
+/// The bands of the triangles of all sub-domains whose band is wider than one interval, as far as they are narrower than that:
+/// between the levels at the corners, or those of the triangle with corners on two levels that is the fewest triangles away.
+/// Triangles with a corner that `is_wrong`, a vertex of a line with a wrong elevation, keep that of the sub-domain.
+pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool + Sync) -> HashMap<u32, Band> {
+    let near = WIDE * regions.interval.step;
+    let is_wide = |t: u32| {
+        tin.is_inside(t)
+            && regions
+                .region(t)
+                .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
+    };
+    let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
+    let told = |t: u32| Some((t, corner_band(tin, t)?));
+    let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t) && !is_beside_wrong(t));
+    let told: Vec<(u32, Band)> = wide.filter_map(told).collect();
+    let mut bands: HashMap<u32, Band> = told.iter().copied().collect();
+    let mut open: VecDeque<(u32, Band)> = told.into();
+    while let Some((t, band)) = open.pop_front() {
+        for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong(n)) {
+            bands.entry(n).or_insert_with(|| {
+                open.push_back((n, band));
+                band
+            });
+        }
+    }
+    bands.retain(|t, band| {
+        let Some(whole) = regions.region(*t).map(|r| r.band) else { return false };
+        *band = Band { lo: band.lo.max(whole.lo), hi: band.hi.min(whole.hi) };
+        band.lo < band.hi && *band != whole
+    });
+    bands
+}
+
+/// Between the lowest and the highest of the levels at a triangle's corners, if there are two.
+fn corner_band(tin: &Tin, t: u32) -> Option<Band> {
+    let corners = tin.triangles[t as usize].into_iter();
+    let levels = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour).map(|v| tin.heights[v as usize]);
+    let none = Band { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+    let band = levels.fold(none, |band, level| Band { lo: band.lo.min(level), hi: band.hi.max(level) });
+    (band.lo < band.hi).then_some(band)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::contour::Interval;
+    use crate::subdomains::regions;
+    use crate::tin::{TinInput, triangulate};
+
+    const TEN: Interval = Interval { step: 10.0, base: 0.0 };
+
+    /// Points every 5 units along a square around a place.
+    fn ring(x: f64, half: f64) -> Vec<DVec2> {
+        let side = |from: DVec2, to: DVec2| {
+            let count = (from.distance(to) / 5.0).ceil() as usize;
+            (0..count).map(move |k| from.lerp(to, k as f64 / count as f64))
+        };
+        let corners = [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)];
+        let corners = corners.map(|(u, v)| DVec2::new(x + u, v));
+        corners.windows(2).flat_map(|w| side(w[0], w[1])).chain([corners[0]]).collect()
+    }
+
+    /// The bands that lines give to places on the x-axis: those of their sub-domains, and those of their triangles.
+    fn bands(lines: &[(f64, Vec<DVec2>)], places: &[f64]) -> Vec<[Band; 2]> {
+        let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
+        lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
+        let tin = triangulate(input).unwrap();
+        let found = regions(&tin, &TEN);
+        let wrong = |v: u32| tin.heights[v as usize] == 160.0;
+        let local = local_bands(&tin, &found, wrong);
+        let holds = |t: u32, p: DVec2| {
+            let [a, b, c] = tin.corners(t);
+            [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
+        };
+        let band = |x: &f64| {
+            let t = (0..tin.len() as u32).find(|&t| holds(t, DVec2::new(*x, 1.0))).unwrap();
+            let whole = found.region(t).unwrap().band;
+            [whole, local.get(&t).copied().unwrap_or(whole)]
+        };
+        places.iter().map(band).collect()
+    }
+
+    #[test]
+    fn a_broken_contour_tells_the_bands_on_both_its_sides_but_in_the_gap() {
+        let mut broken = ring(0.0, 60.0);
+        let gap = broken.iter().position(|p| p.x == 60.0 && p.y > -45.0).unwrap()
+            ..broken.iter().position(|p| p.x == 60.0 && p.y > 45.0).unwrap();
+        let rest = broken.split_off(gap.end);
+        broken.truncate(gap.start);
+        let lines = [(100.0, ring(0.0, 90.0)), (110.0, broken), (110.0, rest), (120.0, ring(0.0, 30.0))];
+        let whole = Band { lo: 100.0, hi: 120.0 };
+        let expected = [Band { lo: 100.0, hi: 110.0 }, Band { lo: 110.0, hi: 120.0 }, whole].map(|band| [whole, band]);
+        assert_eq!(bands(&lines, &[-75.0, -45.0, 60.0]), expected);
+    }
+
+    #[test]
+    fn a_wrong_elevation_widens_the_band_beside_it_alone() {
+        let lines = [(100.0, ring(0.0, 95.0)), (110.0, ring(0.0, 20.0)), (160.0, ring(60.0, 3.0))];
+        let whole = Band { lo: 100.0, hi: 160.0 };
+        let expected = [Band { lo: 100.0, hi: 110.0 }, whole].map(|band| [whole, band]);
+        assert_eq!(bands(&lines, &[-60.0, 40.0]), expected);
+    }
+}

@@ -1,0 +1,120 @@
+//! Lakes as they go into the triangulation.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use geo::{BoundingRect, Contains, MultiPolygon, Point};
+use glam::DVec2;
+
+use crate::base::error::{Finding, FindingKind};
+use crate::geometry::Border;
+use crate::subdomains::Band;
+use crate::tin::{Tin, TinInput, VertexKind};
+
+/// A lake with its height and its shore.
+#[derive(Debug, Clone)]
+pub(crate) struct Pond {
+    pub area: MultiPolygon<f64>,
+    pub height: f64,
+    pub feature: u64,
+    /// The shore inside the frame, with a vertex wherever it meets a contour of its level.
+    pub shores: Vec<Vec<DVec2>>,
+    /// Whether it is used.
+    pub used: bool,
+}
+
+/// Segments of contours, by line and number on it, with the vertices that shores add to them.
+pub(crate) type Nodes = BTreeMap<(u32, u32), Vec<DVec2>>;
+
+/// All lakes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Ponds {
+    pub(crate) ponds: Vec<Pond>,
+    pub(crate) nodes: Nodes,
+}
+
+impl Ponds {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ponds.is_empty()
+    }
+
+    /// Heights of the lakes by their numbers.
+    pub fn heights(&self) -> Vec<f64> {
+        self.ponds.iter().map(|pond| pond.height).collect()
+    }
+
+    /// Takes a lake out.
+    pub fn leave_out(&mut self, lake: u32) {
+        self.ponds[lake as usize].used = false;
+    }
+
+    /// Adds lines of one level each (the map's contours, then links), and the shores. The lines' own points come first.
+    pub fn push<'a>(&self, input: &mut TinInput, courses: impl Iterator<Item = (f64, Cow<'a, [DVec2]>)>) {
+        let mut parted: Vec<(u32, f64, &[DVec2])> = Vec::new();
+        for (line, (level, points)) in (0u32..).zip(courses) {
+            if self.nodes.range((line, 0)..=(line, u32::MAX)).next().is_none() {
+                input.push_line(&points, level, VertexKind::Contour);
+                continue;
+            }
+            let mut before = None;
+            for (i, &p) in (0u32..).zip(points.iter()) {
+                let v = input.push(p, level, VertexKind::Contour);
+                match (before, i.checked_sub(1).and_then(|segment| self.nodes.get(&(line, segment)))) {
+                    (Some(u), Some(nodes)) => parted.extend([(u, level, &nodes[..]), (v, f64::NAN, &[][..])]),
+                    (Some(u), None) => input.push_edge(u, v),
+                    (None, _) => {}
+                }
+                before = Some(v);
+            }
+        }
+        for pair in parted.chunks_exact(2) {
+            let ((mut from, level, nodes), (to, ..)) = (pair[0], pair[1]);
+            for &node in nodes {
+                let v = input.push(node, level, VertexKind::Contour);
+                input.push_edge(from, v);
+                from = v;
+            }
+            input.push_edge(from, to);
+        }
+        for pond in self.ponds.iter().filter(|pond| pond.used) {
+            pond.shores.iter().for_each(|shore| input.push_line(shore, pond.height, VertexKind::Shore));
+        }
+    }
+
+    /// The triangulation with the lakes that its triangles lie in.
+    pub fn mark(&self, tin: Tin) -> Tin {
+        if self.ponds.is_empty() {
+            return tin;
+        }
+        let used = (0u32..).zip(&self.ponds).filter(|(_, pond)| pond.used);
+        let borders: Vec<_> =
+            used.filter_map(|(id, pond)| Some((id, pond.area.bounding_rect()?, Border::new(&pond.area)))).collect();
+        tin.with_lakes(|p| {
+            let near = borders.iter().filter(|(_, bounds, _)| bounds.contains(&Point::new(p.x, p.y)));
+            near.into_iter().find(|(.., border)| border.contains(p)).map(|(id, ..)| *id)
+        })
+    }
+}
+
+/// A height as one writes it, to the centimetre.
+pub(crate) fn rounded(height: f64) -> f64 {
+    (height * 100.0).round() / 100.0
+}
+
+/// What is told of a lake that contradicts the contours around it.
+pub(crate) fn lake_finding(ponds: &Ponds, lake: u32, place: DVec2, band: Band) -> Finding {
+    let Pond { height, feature, .. } = &ponds.ponds[lake as usize];
+    let shown = rounded(*height);
+    let message = if band.contains(*height) {
+        format!(
+            "the shore of the lake of feature {feature} at {shown} is open beside a contour of another level; it is left out"
+        )
+    } else {
+        let Band { lo, hi } = band;
+        format!(
+            "the lake of feature {feature} has the height {shown} and lies between contours {lo} and {hi}; it is left out"
+        )
+    };
+    Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
+}

@@ -1,0 +1,209 @@
+//! From polygons to lakes that fit the contours: heights, cuts, shared vertices.
+
+use std::collections::HashSet;
+
+use geo::{Area, BoundingRect, Euclidean, Length, MultiPolygon, Polygon};
+use glam::DVec2;
+
+use super::cut::{Clash, cut_back, cut_from_water, joined};
+use super::height::{level_along, lowest_on_shore};
+use super::net::Net;
+use super::nodes::{Reach, conflict, node};
+use super::ponds::{Pond, Ponds, rounded};
+use crate::base::bits::bits;
+use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::clean::is_height;
+use crate::contour::{Clipped, Contour, ContourMap, Lake, clip};
+use crate::geometry::rings;
+use crate::subdomains::{FrameRing, Link, Regions};
+use crate::tin::Tin;
+
+/// A shore this near to a contour runs along it, as a share of the mean distance between contours.
+const NEAR: f64 = 0.1;
+/// How far a lake is cut back from contours of other levels, as a share of the mean distance between contours.
+const BACK: f64 = 0.05;
+/// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours, or of the
+/// lake's size if that is less.
+const SNAP: f64 = 0.01;
+/// Heights are often rounded to centimetres: a lake and a contour that differ by no more are at one level, metres.
+const SAME_LEVEL: f64 = 0.01;
+
+/// Why a lake is left out of which nothing remains between its shores.
+const NARROW: &str = "is narrower than contours can show, beside one of its level";
+
+/// The ground without lakes.
+pub(crate) struct Shores<'a> {
+    pub map: &'a ContourMap,
+    pub links: &'a [Link],
+    pub frame: &'a FrameRing,
+    pub tin: &'a Tin,
+    pub regions: &'a Regions,
+}
+
+/// Gives every lake a height and a shore that meets no contour but in common vertices; and the frame with a vertex
+/// wherever a shore meets it.
+///
+/// # Errors
+/// When the height of a lake is none.
+pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding>) -> Result<(Ponds, FrameRing)> {
+    let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
+    let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
+    let mut net = Net::new(ground.map, ground.links, lakes, NEAR * spacing);
+    let mut ponds: Vec<Pond> = Vec::new();
+    for lake in lakes {
+        let Some(height) = height_of(lake, ground, &net, NEAR * spacing)? else {
+            findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
+            continue;
+        };
+        let area = MultiPolygon::from(lake.polygon.clone());
+        let (area, clashes) = cut_back(area, height, &net, BACK * spacing);
+        findings.extend(clashes.iter().map(|clash| crossed(lake.feature, height, clash)));
+        for part in area {
+            if width(&part) <= ground.frame.tolerance() {
+                let place = first_vertex(&part.into());
+                findings.push(left_out(lake.feature, Some(height), place, "has no width but for rounding"));
+                continue;
+            }
+            let pond = Pond { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
+            add(&mut ponds, pond, BACK * spacing, findings);
+        }
+    }
+    ponds.retain(|pond| !pond.area.0.is_empty());
+
+    // Shores are cut to the frame as contours are.
+    let shore_lines = (0u64..).zip(&ponds).flat_map(|(id, pond)| {
+        let line = move |ring: &geo::LineString<f64>| Contour {
+            elevation: pond.height,
+            points: ring.coords().map(|c| DVec2::new(c.x, c.y)).collect(),
+            feature: id,
+        };
+        rings(&pond.area).map(line)
+    });
+    let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
+    let Clipped { map: shore_lines, area } = clip(shore_lines, &ground.frame.area);
+    for Contour { points, feature, .. } in shore_lines.contours {
+        ponds[feature as usize].shores.push(points);
+    }
+    for pond in &mut ponds {
+        let place = first_vertex(&pond.area);
+        if pond.shores.is_empty() {
+            findings.push(left_out(pond.feature, Some(pond.height), place, "lies outside of the map"));
+            pond.used = false;
+            continue;
+        }
+        // Contours far apart are no reason to move the shores of a small lake as far.
+        let size = pond.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
+        let reach = Reach { snap: SNAP * spacing.min(size), tolerance: ground.frame.tolerance() };
+        let shores = std::mem::take(&mut pond.shores).into_iter();
+        pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, reach)).collect();
+        pond.shores.retain(|shore| shore.len() >= 2);
+        if pond.shores.is_empty() {
+            findings.push(left_out(pond.feature, Some(pond.height), place, NARROW));
+            pond.used = false;
+        }
+    }
+    // Vertices that a later shore adds to a contour count for the earlier ones too.
+    for pond in ponds.iter_mut().filter(|pond| pond.used) {
+        if let Some(place) = conflict(&pond.shores, pond.height, &net) {
+            findings.push(left_out(
+                pond.feature,
+                Some(pond.height),
+                place,
+                "has a shore that weaves across a contour too closely to be kept",
+            ));
+            pond.used = false;
+        }
+    }
+    // Vertices where shores met the frame that are gone or have moved. Where a contour runs along the frame, such a one
+    // would lie beside it, with a height of its own.
+    let shores = ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores).flatten().copied();
+    let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
+    // Those that contours along the frame got instead.
+    let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
+    let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
+    Ok((Ponds { ponds, nodes: net.nodes }, frame))
+}
+
+/// Mean width of an area, as of a long rectangle.
+fn width(area: &Polygon<f64>) -> f64 {
+    2.0 * area.unsigned_area() / Euclidean.length(area.exterior())
+}
+
+/// Takes lakes out that no triangle lies in: their vertices moved further than they are wide, and their shores part nothing.
+pub(crate) fn leave_out_vanished(ponds: &mut Ponds, tin: &Tin) -> Vec<Finding> {
+    if ponds.is_empty() {
+        return Vec::new();
+    }
+    let found: HashSet<u32> = (0..tin.len() as u32).filter_map(|t| tin.lake(t)).collect();
+    let vanished = (0u32..).zip(&mut ponds.ponds).filter(|(id, pond)| pond.used && !found.contains(id));
+    let told = vanished.map(|(_, pond)| {
+        pond.used = false;
+        left_out(pond.feature, Some(pond.height), first_vertex(&pond.area), NARROW)
+    });
+    told.collect()
+}
+
+/// The height that a lake brings, else that of the contour along its shore, else the lowest ground on the shore.
+fn height_of(lake: &Lake, ground: &Shores, net: &Net, near: f64) -> Result<Option<f64>> {
+    let Some(height) = lake.height else {
+        return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, ground)));
+    };
+    if !is_height(height) {
+        let message = format!(
+            "the lake of feature {} has the height {height}, which cannot be: correct it, or leave it empty to have that of its shore",
+            lake.feature
+        );
+        return Err(Error::Data(message));
+    }
+    let levels = ground.map.contours.iter().map(|c| c.elevation);
+    let nearest = levels.min_by(|a, b| (a - height).abs().total_cmp(&(b - height).abs()));
+    Ok(nearest.filter(|level| (level - height).abs() <= SAME_LEVEL).or(Some(height)))
+}
+
+/// Adds a lake to those before it: joined with water of its height, cut back from water of another.
+fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<Finding>) {
+    for other in ponds.iter().filter(|other| other.height != pond.height) {
+        if let Some(rest) = cut_from_water(&pond.area, &other.area, distance) {
+            let message = format!(
+                "the lake of feature {} meets that of feature {}, which has another height ({} and {}); it is cut back",
+                pond.feature,
+                other.feature,
+                rounded(pond.height),
+                rounded(other.height)
+            );
+            let finding = Finding::at(FindingKind::LakeCutBack, first_vertex(&pond.area), message);
+            findings.push(finding.about(pond.feature, pond.height).about(other.feature, other.height));
+            pond.area = rest;
+        }
+    }
+    while let Some((k, both)) = (0..ponds.len())
+        .filter(|&k| ponds[k].height == pond.height)
+        .find_map(|k| Some((k, joined(&ponds[k].area, &pond.area)?)))
+    {
+        pond = Pond { area: both, ..ponds.remove(k) };
+    }
+    ponds.push(pond);
+}
+
+fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
+    let course = if clash.is_link { "the way on to the frame from an end of contour" } else { "contour" };
+    let message = format!(
+        "the lake of feature {feature} at {} is crossed or touched by {course} {}; it is cut back from it",
+        rounded(height),
+        clash.level
+    );
+    Finding::at(FindingKind::LakeCutBack, clash.place, message).about(feature, height).of_elevations([clash.level])
+}
+
+fn left_out(feature: u64, height: Option<f64>, place: DVec2, why: &str) -> Finding {
+    let message = format!("the lake of feature {feature} {why}; it is left out");
+    Finding::at(FindingKind::LakeLeftOut, place, message).about(feature, height.unwrap_or(f64::NAN))
+}
+
+fn first_point(lake: &Lake) -> DVec2 {
+    lake.polygon.exterior().coords().next().map_or(DVec2::NAN, |c| DVec2::new(c.x, c.y))
+}
+
+fn first_vertex(area: &MultiPolygon<f64>) -> DVec2 {
+    rings(area).flat_map(|ring| ring.coords()).next().map_or(DVec2::NAN, |c| DVec2::new(c.x, c.y))
+}

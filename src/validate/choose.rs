@@ -1,0 +1,253 @@
+//! Chooses the tension of the smooth surface from the contours themselves, and tells how far the surface may be off.
+//!
+//! Every second level is hidden, a surface is drawn from the others, and its heights are compared with the hidden
+//! contours where these still lie between two levels: once with the odd levels hidden, once with the even ones. Three
+//! tensions are tried; the best is where a parabola through the logarithms of the three errors is lowest.
+//!
+//! Whether contours jitter is seen from themselves ([`growth`]). Hidden levels do not tell: between contours twice as far
+//! apart even smooth ground looks rough, and smoothing seems to help where it does not.
+//!
+//! Two things keep that from misleading. Contours crowd on steep ground, so that every place on a hidden contour counts
+//! for the ground that it stands for: its length of contour times the distance to the next level there. And a surface
+//! from half of the levels bridges twice the distance, over which ground is rougher and wants more tension, while hidden
+//! levels are few and their errors noisy: the choice is half-way, on a logarithmic scale, between the tension that is best
+//! for them and the one that suits most terrain.
+//! Beside places where lines crossed and were mended nothing is asked: a patch of broken lines would decide for all of the map.
+//!
+//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, how far the
+//! surface may be off half-way between them, and how much relief it lacks.
+
+use super::roughness::{ROUGH, growth};
+use super::trial::{Missed, trials};
+use crate::spline::{Knobs, SplineParams};
+use crate::subdomains::Sheet;
+use crate::surface::SurfaceParams;
+
+/// Tension that suits most terrain; taken where the contours do not tell.
+const USUAL: f64 = 3.5;
+/// Noise of contours that are rough.
+const JITTER: f64 = 1.0;
+/// Knee of creases that suits most terrain; taken where the contours do not tell.
+const CREASE_KNEE: f64 = 0.1;
+/// Its limits.
+const CREASE_KNEES: (f64, f64) = (0.03, 0.3);
+/// The error at hidden contours, against the interval that is left, at which that is the best knee.
+const MISSED: f64 = 0.14;
+/// Tensions that are tried, each so many times the one before.
+const FACTOR: f64 = 5.0;
+const TRIED: [f64; 3] = [1.0, FACTOR, FACTOR * FACTOR];
+/// How far beyond those the best one may be taken to lie, in steps from one to the next.
+const BEYOND: f64 = 0.5;
+/// Fewest levels: both halves must have bands with a level hidden in them.
+const FEWEST_LEVELS: usize = 5;
+/// Fewest places on hidden contours.
+const FEWEST_PLACES: usize = 200;
+/// What is taken of the relief that surfaces from half of the levels lack. Those from all of them lack less.
+const RELIEF_SHARE: f64 = 0.3;
+/// Limits of the power of the contour interval that error is taken to grow with.
+const GROWTHS: (f64, f64) = (0.5, 2.0);
+/// Root mean square over a band of an error that is a parabola from one level to the next, against its height half-way,
+/// where a hidden level lies: the square root of 8/15.
+const OVER_BAND: f64 = 0.730_296_743;
+
+/// How the smooth surface was drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chosen {
+    /// What was taken.
+    pub knobs: Knobs,
+    /// Why.
+    pub reason: Reason,
+    /// Whether that was seen on the map without its wrong elevations: with those that are proposed for them, or without the
+    /// lines.
+    pub is_mended: bool,
+    /// How well hidden contours were found; `None` if none were hidden.
+    pub hidden: Option<Accuracy>,
+    /// What that implies for the surface from all contours; `None` if none were hidden.
+    ///
+    /// Half the interval, less error: by the power of the distance that contours bend with, 2 for smooth ground, less for
+    /// rough. And half-way between two levels, where the hidden ones lie, the error is larger than elsewhere. On known
+    /// terrain of many kinds the true error was mostly between two thirds and one and a half times this figure.
+    pub implied: Option<Accuracy>,
+}
+
+/// Where the tension came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// From hidden levels.
+    Hidden,
+    /// It was a parameter.
+    Given,
+    /// There were so few levels, or so few hidden places, that it is the usual one.
+    FellBack,
+}
+
+/// How far heights are off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Root mean square error, metres.
+    pub rmse: f64,
+    /// Nine of ten errors are smaller, metres.
+    pub le90: f64,
+    /// Contour interval that the surface was drawn from, metres.
+    pub interval: f64,
+    /// Number of places compared.
+    pub count: usize,
+}
+
+/// Chooses what the parameters leave open.
+///
+/// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
+/// the surface itself, or less.
+pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
+    let SplineParams { tension, noise, .. } = params.spline;
+    let growth = growth(sheet);
+    let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
+    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0, relief: 0.0 };
+    let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
+    let without = |tension, reason| chosen(knobs(tension), reason);
+    if let Some(tension) = tension {
+        return without(tension, Reason::Given);
+    }
+    let fallback = without(USUAL, Reason::FellBack);
+    if levels(sheet) < FEWEST_LEVELS {
+        return fallback;
+    }
+    let mut missed = trials(sheet, params, TRIED.map(knobs));
+    if missed[0].len() < FEWEST_PLACES {
+        return fallback;
+    }
+    let errors = missed.each_ref().map(|m| rmse(m));
+    if !errors.iter().all(|e| e.is_finite()) {
+        return fallback;
+    }
+    let best = FACTOR.powf(lowest(errors.map(|e| e.max(f64::MIN_POSITIVE).ln())));
+    let nearest = (0..TRIED.len()).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
+    let step = sheet.interval.step;
+    let hidden = Accuracy {
+        rmse: errors[nearest],
+        le90: le90(&mut missed[nearest]),
+        interval: 2.0 * step,
+        count: missed[nearest].len(),
+    };
+    let half_way = 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
+    let share = OVER_BAND * half_way;
+    let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
+    let half_way = half_way * hidden.rmse;
+    let tension = (USUAL * best).sqrt();
+    let relief = relief(&missed, tension);
+    let knobs = Knobs { crease_knee: crease_knee(&hidden), half_way, relief, ..knobs(tension) };
+    Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
+}
+
+/// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
+/// ground has more detail than the contours.
+fn crease_knee(hidden: &Accuracy) -> f64 {
+    let missed = hidden.rmse / hidden.interval / MISSED;
+    (CREASE_KNEE / missed.powi(2)).clamp(CREASE_KNEES.0, CREASE_KNEES.1)
+}
+
+/// The relief that a surface with a tension lacks, as a share of the standard error: the regression of what is missed on
+/// [`Missed::lacking`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
+fn relief(missed: &[Vec<Missed>; TRIED.len()], tension: f64) -> f64 {
+    let lacks = |missed: &Vec<Missed>| {
+        let sum = |value: fn(&Missed) -> f64| missed.iter().map(value).sum::<f64>();
+        -sum(|m| m.weight * m.by * m.lacking) / sum(|m| m.weight * m.lacking * m.lacking) / rmse(missed)
+    };
+    let place = (tension.ln() / FACTOR.ln()).clamp(0.0, (TRIED.len() - 1) as f64);
+    let below = (place as usize).min(TRIED.len() - 2);
+    let [near, far] = [below, below + 1].map(|k| lacks(&missed[k]));
+    let share = RELIEF_SHARE * (near + (place - below as f64) * (far - near));
+    // Where no place tells anything there is no share.
+    if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+}
+
+/// Number of levels that are whole intervals.
+fn levels(sheet: &Sheet<'_>) -> usize {
+    let interval = sheet.interval;
+    let on = sheet.map.contours.iter().filter(|c| interval.is_level(c.elevation));
+    let mut numbers: Vec<i64> = on.map(|c| interval.index_of(c.elevation)).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers.len()
+}
+
+/// Where the parabola through three values at 0, 1 and 2 is lowest, not far beyond them.
+fn lowest([a, b, c]: [f64; 3]) -> f64 {
+    let (slope, bend) = ((c - a) / 2.0, a - 2.0 * b + c);
+    let at = if bend > 0.0 {
+        1.0 - slope / bend
+    } else if a < c {
+        f64::NEG_INFINITY
+    } else {
+        f64::INFINITY
+    };
+    at.clamp(-BEYOND, 2.0 + BEYOND)
+}
+
+fn rmse(missed: &[Missed]) -> f64 {
+    let (sum, weights) = missed.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
+    (sum / weights).sqrt()
+}
+
+/// The error that nine tenths of the weight lie below.
+fn le90(missed: &mut [Missed]) -> f64 {
+    missed.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
+    let all: f64 = missed.iter().map(|m| m.weight).sum();
+    let mut below = 0.0;
+    let reached = missed.iter().find(|m| {
+        below += m.weight;
+        below >= 0.9 * all
+    });
+    reached.map_or(0.0, |m| m.by.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_place_is_between_or_a_little_beyond() {
+        assert!((lowest([1.0, 0.0, 1.0]) - 1.0).abs() < 1e-12);
+        assert!((lowest([0.25, 0.25, 2.25]) - 0.5).abs() < 1e-12);
+        assert_eq!(lowest([0.0, 1.0, 2.0]), -BEYOND);
+        assert_eq!(lowest([2.0, 1.5, 0.0]), 2.0 + BEYOND);
+        assert_eq!(lowest([1.0, 1.0, 1.0]), 2.0 + BEYOND);
+    }
+
+    #[test]
+    fn ridges_are_sharper_where_contours_show_less() {
+        let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
+        assert_eq!(crease_knee(&hidden(MISSED * 20.0)), CREASE_KNEE);
+        assert!((crease_knee(&hidden(0.7 * MISSED * 20.0)) - CREASE_KNEE / 0.49).abs() < 1e-12);
+        assert_eq!((crease_knee(&hidden(0.0)), crease_knee(&hidden(20.0))), (CREASE_KNEES.1, CREASE_KNEES.0));
+    }
+
+    #[test]
+    fn relief_that_hidden_contours_miss_is_given_back_in_part() {
+        // Errors of two metres, up and down; where the surface bulges it is too low by so much of them.
+        let of = |lack: f64| -> Vec<Missed> {
+            let place = |k: i32| {
+                let (error, lacking) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
+                Missed { by: error - 2.0 * lack * lacking, weight: 1.0, lacking }
+            };
+            (0..400).map(place).collect()
+        };
+        let rmse_of = |lack: f64| rmse(&of(lack));
+        let expected = |lack: f64| RELIEF_SHARE * 2.0 * lack / rmse_of(lack);
+        let missed = [of(0.2), of(0.4), of(0.8)];
+        assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", relief(&missed, 1.0));
+        assert!(relief(&missed, FACTOR) > relief(&missed, 1.0) && relief(&missed, 100.0) > relief(&missed, FACTOR));
+        assert_eq!(relief(&missed, 1e9), relief(&missed, TRIED[2]));
+        assert_eq!(relief(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
+        let none = || vec![Missed { by: 1.0, weight: 1.0, lacking: 0.0 }];
+        assert_eq!(relief(&[none(), none(), none()], 3.0), 0.0);
+    }
+
+    #[test]
+    fn errors_count_by_weight() {
+        let of = |weight: f64, by: f64| Missed { by, weight, lacking: 0.0 };
+        let mut missed = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
+        assert!((rmse(&missed).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
+        assert_eq!(le90(&mut missed), 4.0);
+    }
+}

@@ -1,0 +1,109 @@
+//! Whether contours jitter: how their bends grow with the distance that they are looked at over.
+//!
+//! The middle of a stretch of a smooth line is off the chord by the square of the stretch's length; where a line jitters, the
+//! offset hardly grows with the length. The exponent in between is that of the line's roughness, whatever its scale and
+//! the terrain's. A spline is the best guess for lines whose exponent is 3/2 (integrated random walks); rougher ones are
+//! better smoothed than followed. Looked at over a quarter and half of the mean distance between contours, which is
+//! what the surface between them can tell. Single vertices that stand out of a line are slips, whose long ways there and
+//! back would make a smooth line rough; they are passed by.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::contour::without_outlying;
+use crate::subdomains::Sheet;
+
+/// Exponent below which contours are rough.
+pub const ROUGH: f64 = 1.5;
+/// Lengths of stretches from end to middle against the mean gap.
+const REACHES: [f64; 2] = [0.25, 0.5];
+/// Fewest stretches.
+const FEWEST: usize = 200;
+/// Most stretches of one length, about; of more contours some are looked at.
+const MOST: f64 = 1e6;
+
+/// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
+pub fn growth(sheet: &Sheet<'_>) -> Option<f64> {
+    let lines: Vec<Vec<DVec2>> = sheet.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
+    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap)
+}
+
+fn exponent(lines: &[&[DVec2]], gap: f64) -> Option<f64> {
+    let [near, far] = REACHES.map(|share| median_offset(lines, share * gap));
+    let ratio = (far? / near?).log2() / (REACHES[1] / REACHES[0]).log2();
+    ratio.is_finite().then_some(ratio)
+}
+
+/// Median offset of the middle of stretches from their chords.
+fn median_offset(lines: &[&[DVec2]], reach: f64) -> Option<f64> {
+    let length = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
+    let all: f64 = lines.iter().map(|line| length(line)).sum::<f64>() / reach;
+    if !all.is_finite() {
+        return None;
+    }
+    let every = (all / MOST).ceil().max(1.0) as usize;
+    let mut offsets = Vec::new();
+    for line in lines.iter().step_by(every) {
+        // Short ones are all bend.
+        if length(line) < 4.0 * reach {
+            continue;
+        }
+        let mut last = [None, None];
+        for_each_step(line, reach, MOST as usize, |p| {
+            if let [Some(a), Some(b)] = last {
+                offsets.push(DVec2::distance(b, (a + p) / 2.0));
+            }
+            last = [last[1], Some(p)];
+        });
+    }
+    if offsets.len() < FEWEST {
+        return None;
+    }
+    let middle = offsets.len() / 2;
+    Some(*offsets.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Calls `each` with places along a line, `step` apart, at most so many.
+fn for_each_step(line: &[DVec2], step: f64, most: usize, mut each: impl FnMut(DVec2)) {
+    let (mut ahead, mut count) = (0.0, 0);
+    for ends in line.windows(2) {
+        let length = ends[0].distance(ends[1]);
+        while ahead < length && count < most {
+            each(ends[0].lerp(ends[1], ahead / length));
+            ahead += step;
+            count += 1;
+        }
+        ahead -= length;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Circles around each other whose radii waver by the given amount from vertex to vertex.
+    fn rings(jitter: f64) -> Vec<Vec<DVec2>> {
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let mut ring = |k: usize| {
+            let corner = |j: usize| DVec2::from_angle(j as f64 * std::f64::consts::TAU / 600.0);
+            (0..=600).map(|j| (10.0 * k as f64 + jitter * random()) * corner(j)).collect()
+        };
+        (5..10).map(&mut ring).collect()
+    }
+
+    #[test]
+    fn smooth_lines_bend_with_the_square_and_rough_ones_do_not() {
+        let of = |jitter: f64| {
+            let rings = rings(jitter);
+            exponent(&rings.iter().map(Vec::as_slice).collect::<Vec<_>>(), 10.0)
+        };
+        assert!((of(0.0).unwrap_or(0.0) - 2.0).abs() < 0.1, "{:?}", of(0.0));
+        assert!(of(1.0).unwrap_or(9.0) < 0.5, "{:?}", of(1.0));
+        assert_eq!(exponent(&[], 1.0), None);
+        assert_eq!(exponent(&[&[DVec2::ZERO, DVec2::new(1e9, 0.0)]], 1.0), None, "no bend at all");
+    }
+}

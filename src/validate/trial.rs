@@ -1,0 +1,342 @@
+//! A part of a map with every second level hidden, and how far a surface from the other levels misses the hidden ones.
+
+use glam::DVec2;
+use rayon::prelude::*;
+use rstar::RTree;
+
+use crate::base::Grid;
+use crate::contour::{Contour, ContourMap, Interval, clip};
+use crate::dem::locate;
+use crate::skeleton::BreakLine;
+use crate::spline::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
+use crate::subdomains::Frame;
+use crate::subdomains::Sheet;
+use crate::surface::{SurfaceParams, Tiling, tiling};
+use crate::surface::{finer, with_skeleton};
+use crate::tin::NONE;
+
+/// Most nodes of one grid of the whole map, and most vertices; above that, squares are cut out.
+const WHOLE: f64 = 150e3;
+/// Most nodes of the grid of a trial. Levels that are left may lie in a sliver of the map whose gaps ask for far smaller cells
+/// than the trial's.
+const MOST_NODES: usize = 1_500_000;
+/// Nodes of a square at most,
+const SQUARE: f64 = 40e3;
+/// ... and vertices, in the mean of all squares.
+const VERTICES: f64 = 80e3;
+/// Number of squares.
+const SQUARES: usize = 4;
+/// Limits of the distance between levels at a place against the mean.
+const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
+/// Closed contours that are not so many cells long would fit into one; they tell nothing at the size of a trial's cells.
+const DOT: f64 = 4.0;
+/// Vertices of the contours that are left, at most, to the width of a trial's cell. Where there are more, half of the work would
+/// be for detail that its grid does not show.
+const VERTICES_A_CELL: f64 = 4.0;
+/// The interval of the levels that are left may differ from twice the map's by this share.
+const INTERVAL_SHARE: f64 = 1e-3;
+
+/// A map with a part of its levels hidden.
+pub struct Trial {
+    /// The map of the levels that are left, with ridge and canyon lines.
+    pub tiled: Tiling,
+    /// Its ridge and canyon lines.
+    pub break_lines: Vec<BreakLine>,
+    /// Places whose level is known, though the map that is left does not tell it.
+    pub places: Vec<Place>,
+    /// The working grid.
+    pub grid: Grid,
+}
+
+/// The middle of a segment of a hidden contour.
+pub struct Place {
+    /// Map position.
+    pub at: DVec2,
+    /// Elevation of the hidden contour.
+    pub level: f64,
+    /// Length of the segment, map units.
+    pub length: f64,
+}
+
+/// Which levels a trial leaves: every so many, from one of the first on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Left {
+    /// Every so many.
+    pub every: i64,
+    /// Which of them, 0 to `every - 1`.
+    pub phase: i64,
+}
+
+/// How far a surface misses a place on a hidden contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Missed {
+    /// Height of the surface above the contour, metres.
+    pub by: f64,
+    /// Area of ground that the place stands for, square map units.
+    pub weight: f64,
+    /// What a bulge or hollow there would grow by if the standard error half-way between contours were a metre in the mean
+    /// ([`lacking`](crate::spline::relief::lacking)).
+    pub lacking: f64,
+}
+
+/// What the surfaces with these knobs miss the hidden contours by, the odd and the even levels hidden in turn. Parts that no
+/// surface can be drawn over are left out.
+///
+/// The parts are small, so that each is one task.
+pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+    let cell = cell(sheet, params, 2);
+    let mut parts = parts(sheet, &params.frame, cell);
+    for (map, _) in &mut parts {
+        // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
+        map.contours.retain(|c| !(c.is_closed() && c.length() < DOT * cell));
+    }
+    let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
+    let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
+        let left = Left { every: 2, phase };
+        Some(trial(map, frame, left, sheet.interval, Some(params.resolution), cell)?.missed(knobs))
+    });
+    let each: Vec<[Vec<Missed>; N]> = missed.collect();
+    std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
+}
+
+/// Size of the cells of a trial, for contours of every so many levels.
+///
+/// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
+pub fn cell(sheet: &Sheet<'_>, params: &SurfaceParams, every: i64) -> f64 {
+    let cell = working_grid(sheet, params.spline.wanted).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / grid::NODES_A_GAP)
+}
+
+/// The whole map, or squares of a large one.
+pub fn parts(sheet: &Sheet<'_>, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
+    let points = || sheet.map.contours.iter().flat_map(|c| c.points.iter().copied());
+    let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let size = hi - lo;
+    let area = size.x * size.y;
+    let vertices = points().count() as f64;
+    if area / (cell * cell) <= WHOLE && vertices <= WHOLE {
+        return vec![(sheet.map.clone(), frame.clone())];
+    }
+    let side = (SQUARE.sqrt() * cell).min((VERTICES * area / vertices).sqrt());
+    let count = (size / side).floor().max(DVec2::ONE);
+    let step = size / count;
+    // No more of them than vertices, however long and narrow the map.
+    let mut in_square = std::collections::BTreeMap::<[u32; 2], usize>::new();
+    for p in points() {
+        let place = ((p - lo) / step).floor().min(count - 1.0);
+        *in_square.entry([place.x as u32, place.y as u32]).or_default() += 1;
+    }
+    // From those with few contours to those with many, so that level ground and steep ground both have their say.
+    let mut squares: Vec<(usize, [u32; 2])> = in_square.into_iter().map(|(at, count)| (count, at)).collect();
+    squares.sort_unstable();
+    let take = squares.len().min(SQUARES);
+    let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
+    chosen.map(|[col, row]| square(sheet.map, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
+}
+
+/// The part of the map in a rectangle.
+fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
+    let hi = lo + size;
+    let touches = |c: &&Contour| {
+        let (a, b) = c.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+        a.cmple(hi).all() && b.cmpge(lo).all()
+    };
+    let contours = map.contours.iter().filter(touches).cloned().collect();
+    let (spots, mended) = (map.spots.clone(), map.mended.clone());
+    let map = ContourMap { contours, spots, mended, ..ContourMap::default() };
+    let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
+    let cut = clip(map, &area);
+    (cut.map, Frame::Polygon(cut.area))
+}
+
+/// A part of a map with levels hidden; `None` if no surface can be drawn over those that are left. `interval` is the whole
+/// map's; `resolution` is that of the ridge and canyon lines, without one there are none.
+pub fn trial(
+    map: &ContourMap,
+    frame: &Frame,
+    left: Left,
+    interval: Interval,
+    resolution: Option<f64>,
+    cell: f64,
+) -> Option<Trial> {
+    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
+    // Auxiliary contours are hidden without being asked for: they are where they help most.
+    let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
+        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
+    let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
+    let places = places
+        .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
+        .collect();
+    let mended = &map.mended;
+    let known = |spacing: f64| ContourMap {
+        contours: known.iter().map(|c| with_fewer_vertices(c, spacing)).collect(),
+        spots: map.spots.clone(),
+        ..ContourMap::default()
+    };
+    // With fewer vertices, lines that run close beside each other may come to cross.
+    let spacings = [cell / VERTICES_A_CELL, 0.0];
+    let mut tiled = spacings.into_iter().find_map(|spacing| tiling(known(spacing), frame, &()).ok())?.value;
+    if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+        return None;
+    }
+    let places = sound(places, mended, tiled.sheet().gap);
+    let (tiled, break_lines) = match resolution {
+        None => (tiled, Vec::new()),
+        Some(resolution) => {
+            let triangulation = std::mem::take(&mut tiled.triangulation);
+            let finer = finer(&tiled, triangulation, resolution).ok()?;
+            let (tiled, break_lines, _) = with_skeleton(tiled, finer);
+            (tiled, break_lines)
+        }
+    };
+    let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
+    if grid.len() > MOST_NODES {
+        return None;
+    }
+    Some(Trial { tiled, break_lines, places, grid })
+}
+
+/// A contour without the vertices that are nearer than `spacing`, along it, to the one before. Its ends stay.
+fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
+    let Some((last, rest)) = contour.points.split_last() else { return contour.clone() };
+    let fewest = if contour.is_closed() { 3 } else { 1 };
+    let mut points: Vec<DVec2> = Vec::new();
+    let (mut along, mut before) = (f64::INFINITY, None);
+    for &p in rest {
+        along += before.map_or(0.0, |before| p.distance(before));
+        before = Some(p);
+        if along >= spacing || points.len() < fewest {
+            points.push(p);
+            along = 0.0;
+        }
+    }
+    points.push(*last);
+    Contour { points, ..contour.clone() }
+}
+
+/// Places without those that are nearer to a mended one than contours are to each other in the mean: what lines that were broken
+/// are off by says nothing about ground where they are not. All of them, where only a minority is sound.
+fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
+    let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
+    let is_sound = |place: &Place| {
+        mended.nearest_neighbor(&place.at.to_array()).is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= gap)
+    };
+    let total = places.len();
+    let keep: Vec<bool> = places.par_iter().map(is_sound).collect();
+    if 2 * keep.iter().filter(|keep| **keep).count() < total {
+        return places;
+    }
+    places.into_iter().zip(keep).filter_map(|(place, keep)| keep.then_some(place)).collect()
+}
+
+impl Trial {
+    /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
+    /// places are the same for all.
+    fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+        let grid = &self.grid;
+        let triangles = locate(&self.tiled.tin, grid, &());
+        let draft = draft(&self.tiled, &self.break_lines, grid, &triangles);
+        let slopes = slopes(&draft.guide, grid);
+        let gap = draft.gap;
+        let asked = |place: &Place| {
+            let (col, row) = node(grid, place.at);
+            let (col, row) = (col.round(), row.round());
+            if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
+                return None;
+            }
+            let n = row as usize * grid.cols + col as usize;
+            let region = if triangles[n] == NONE { None } else { self.tiled.regions.region(triangles[n]) }?;
+            let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
+            let local = self.tiled.interval.step / f64::from(slopes[n]) / gap;
+            let local = if local.is_nan() { 1.0 } else { local.clamp(GAP_LIMITS.0, GAP_LIMITS.1) };
+            inside.then_some(place.length * local * gap)
+        };
+        let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
+        knobs.map(|knobs| {
+            let surface = spline(&draft, &knobs, &());
+            let lacking = draft.lacking_relief(&surface.heights);
+            let all = self.places.iter().zip(&weights);
+            let missed = |(place, weight): (&Place, &Option<f64>)| {
+                let by = f64::from(bilinear(&surface, place.at)?) - place.level;
+                let lacking = f64::from(between(grid, &lacking, place.at)?);
+                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| Missed { by, weight, lacking })
+            };
+            all.filter_map(missed).collect()
+        })
+    }
+}
+
+/// Column and row of a map position, as fractions.
+pub fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
+    let first = grid.center(0, 0);
+    ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y)
+}
+
+/// The height between four nodes; `None` off the grid.
+fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
+    between(&surface.grid, &surface.heights, p)
+}
+
+/// The value between four nodes; `None` off the grid.
+pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
+    let (x, y) = node(grid, p);
+    if x < 0.0 || y < 0.0 || x >= grid.cols as f64 - 1.0 || y >= grid.rows as f64 - 1.0 {
+        return None;
+    }
+    let (u, v) = (x.fract() as f32, y.fract() as f32);
+    let n = y as usize * grid.cols + x as usize;
+    let row = |n: usize| values[n] * (1.0 - u) + values[n + 1] * u;
+    Some(row(n) * (1.0 - v) + row(n + grid.cols) * v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(elevation: f64, points: impl IntoIterator<Item = (f64, f64)>) -> Contour {
+        Contour { elevation, points: points.into_iter().map(DVec2::from).collect(), feature: 1 }
+    }
+
+    #[test]
+    fn a_line_keeps_its_ends_and_a_ring_its_shape() {
+        let dense = line(10.0, (0..=100).map(|i| (f64::from(i) * 0.1, 0.0)));
+        let thin = with_fewer_vertices(&dense, 1.0);
+        assert_eq!((thin.points.first(), thin.points.last()), (dense.points.first(), dense.points.last()));
+        assert!((10..=12).contains(&thin.points.len()), "{}", thin.points.len());
+        assert!(thin.points.iter().all(|p| dense.points.contains(p)));
+        assert_eq!(with_fewer_vertices(&dense, 0.0), dense);
+        let ring = line(10.0, [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1), (0.0, 0.0)]);
+        let thin = with_fewer_vertices(&ring, 1.0);
+        assert!(thin.is_closed() && thin.points.len() == 4, "{:?}", thin.points);
+    }
+
+    #[test]
+    fn lines_that_would_cross_with_fewer_vertices_keep_all_of_theirs() {
+        // Two contours go around the same narrow spur, much closer to each other than a trial's cell is wide.
+        let around = |first: f64, off: f64| {
+            (0..=800).map(move |i| {
+                let x = first + f64::from(i) * 0.05;
+                (x, off + 4.0 * (-((x - 20.05) / 0.3).powi(2)).exp())
+            })
+        };
+        let map = ContourMap {
+            contours: vec![
+                line(0.0, [(0.0, -10.0), (40.0, -10.0)]),
+                line(10.0, [(0.0, -5.0), (40.0, -5.0)]),
+                line(20.0, around(0.0, 0.0)),
+                // It begins elsewhere, and so keeps vertices elsewhere.
+                line(40.0, around(1.0, 0.1)),
+            ],
+            ..ContourMap::default()
+        };
+        let cell = 10.0;
+        let thin = |c: &Contour| with_fewer_vertices(c, cell / VERTICES_A_CELL);
+        let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
+        assert!(tiling(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
+        let interval = Interval { step: 10.0, base: 0.0 };
+        let left = Left { every: 2, phase: 0 };
+        let trial = trial(&map, &Frame::Hull, left, interval, None, cell).expect("all vertices are kept then");
+        assert!(trial.tiled.map.contours.iter().any(|c| c.points.len() > 400));
+        assert!(trial.places.iter().all(|p| p.level == 10.0));
+    }
+}

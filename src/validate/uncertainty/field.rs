@@ -1,0 +1,190 @@
+//! The expected error at the nodes of the working grid, on cells and along lines.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::model::{ErrorModel, Known, left};
+use super::places::seen;
+use super::sides::sides;
+use crate::contour::LineError;
+use crate::dem::{Dem, heights_at, locate};
+use crate::spline::WorkingGrid;
+use crate::spline::{self, blurred, slopes, working_grid};
+use crate::subdomains::Sheet;
+use crate::subdomains::{Region, Side};
+use crate::surface::{Surface, SurfaceParams, Tiling};
+use crate::validate::{Chosen, roughness};
+
+/// Ground between contours that are so many times further apart than in the mean is hardly known.
+const WIDE: f64 = 6.0;
+/// Contours were cut from the heights of the nodes where so much of their crossings with the edges is at vertices.
+const CUT_FROM_NODES: f64 = 0.9;
+
+/// Columns and rows on each side over which those crossings are averaged.
+const FIXING_REACH: usize = 2;
+
+/// The expected error of a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorField {
+    /// The law that it follows.
+    pub model: ErrorModel,
+    /// Standard error at each node of a working grid, metres; NaN outside the frame.
+    pub errors: WorkingGrid,
+    /// Slope at each node, rise over run.
+    slopes: Vec<f32>,
+    /// Distance at each node from the further one of the contours on both sides, map units.
+    reaches: Vec<f32>,
+    /// Nodes whose height the contours hardly tell.
+    inferred: Vec<bool>,
+}
+
+/// The expected error of a surface that was built from `tiled`; `working` and `chosen` are those of the smooth surface.
+/// Contours are hidden of `trusted`, if the labels of some are wrong.
+pub fn error_field(
+    tiled: &Tiling,
+    trusted: Option<Sheet<'_>>,
+    params: &SurfaceParams,
+    chosen: Option<&Chosen>,
+    working: Option<&WorkingGrid>,
+) -> ErrorField {
+    let sheet = tiled.sheet();
+    let gap = sheet.gap;
+    let growth = roughness::growth(&sheet);
+    let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
+    let model = ErrorModel::learn(&seen, growth, tiled.interval.step, gap);
+    drop(seen);
+    let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);
+    let triangles = locate(&tiled.tin, &grid, &());
+    let sides = sides(tiled, &grid, &triangles);
+    let guide = heights_at(&tiled.tin, &grid, &triangles);
+    drop(triangles);
+    let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
+    let fixing = (sides.share_at_vertices > CUT_FROM_NODES).then(|| blurred(&sides.crossings, grid.cols, FIXING_REACH));
+    let at = |n: usize| {
+        let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
+            return (f32::NAN, f32::NAN, false);
+        };
+        let height = f64::from(heights[n]);
+        let distances = sides.of_node(n);
+        if height.is_nan() {
+            return (f32::NAN, f32::NAN, false);
+        }
+        let between = distances.into_iter().all(f64::is_finite);
+        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n])));
+        let apart = working.map(|_| (height - f64::from(guide[n])).abs());
+        let place =
+            Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
+        let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
+        let band = region.band.hi - region.band.lo;
+        let error = chosen.map_or(error, |c| spline::error_left(error, band, &c.knobs));
+        let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);
+        let inferred = region.water.is_none() && (place.climb.is_some() || distances[0] + distances[1] > WIDE * gap);
+        (error as f32, reach as f32, inferred)
+    };
+    let mut all = ErrorField {
+        model: model.clone(),
+        slopes: slopes(heights, &grid),
+        errors: WorkingGrid { grid, heights: Vec::with_capacity(grid.len()) },
+        reaches: Vec::with_capacity(grid.len()),
+        inferred: Vec::with_capacity(grid.len()),
+    };
+    let nodes: Vec<(f32, f32, bool)> = (0..grid.len()).into_par_iter().map(at).collect();
+    for (error, reach, inferred) in nodes {
+        all.errors.heights.push(error);
+        all.reaches.push(reach);
+        all.inferred.push(inferred);
+    }
+    all
+}
+
+/// How far a height is from the only level of its sub-domain, and whether that is the lower one.
+fn climb(region: &Region, height: f64) -> Option<(f64, bool)> {
+    let [(level, side)] = region.levels[..] else { return None };
+    Some((height - level, side == Side::Above))
+}
+
+impl ErrorField {
+    /// The standard error at a map position, metres: a node's own, else between the nodes around; NaN outside the frame.
+    pub fn at(&self, p: DVec2) -> f32 {
+        self.between(&self.errors.heights, p)
+    }
+
+    /// A value between the nodes around that have one.
+    fn between(&self, values: &[f32], p: DVec2) -> f32 {
+        let grid = &self.errors.grid;
+        let first = grid.center(0, 0);
+        let place = DVec2::new((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y);
+        let whole = place.floor();
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (i, j) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let node = whole + DVec2::new(i, j);
+            if node.x < 0.0 || node.y < 0.0 || node.x >= grid.cols as f64 || node.y >= grid.rows as f64 {
+                continue;
+            }
+            let value = values[node.y as usize * grid.cols + node.x as usize];
+            let [x, y] = (1.0 - (place - node).abs()).to_array();
+            // A place at a node, but for rounding, has the node's own value.
+            let weight = if x * y > 1.0 - 1e-6 { 1e12 } else { x * y };
+            if value.is_finite() && weight > 0.0 {
+                sum += weight * f64::from(value);
+                weights += weight;
+            }
+        }
+        (sum / weights) as f32
+    }
+
+    /// Whether the node nearest to a map position has a height that the contours hardly tell.
+    fn is_inferred(&self, p: DVec2) -> bool {
+        let grid = &self.errors.grid;
+        let first = grid.center(0, 0);
+        let (col, row) = (((p.x - first.x) / grid.cell.x).round(), ((first.y - p.y) / grid.cell.y).round());
+        let on_grid = col >= 0.0 && row >= 0.0 && col < grid.cols as f64 && row < grid.rows as f64;
+        on_grid && self.inferred[row as usize * grid.cols + col as usize]
+    }
+}
+
+/// Standard errors of the cells of a height map of the surface, metres: no data where it has none. `None` if none were
+/// asked for when the surface was built.
+pub fn standard_errors(surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
+    standard_errors_on(surface, dem, &Some)
+}
+
+/// [`standard_errors`] for a height map in other coordinates than the surface: `to_surface` gives the place on the surface
+/// of a place in those.
+pub fn standard_errors_on(
+    surface: &Surface,
+    dem: &Dem,
+    to_surface: &(impl Fn(DVec2) -> Option<DVec2> + Sync),
+) -> Option<Vec<f32>> {
+    let field = surface.errors.as_ref()?;
+    let grid = &dem.grid;
+    let error = |(i, height): (usize, &f32)| {
+        let place = if height.is_nan() { None } else { to_surface(grid.center(i % grid.cols, i / grid.cols)) };
+        place.map_or(f32::NAN, |p| field.at(p))
+    };
+    Some(dem.values.par_iter().enumerate().map(error).collect())
+}
+
+/// How far a line on the surface is expected to be off. `None` if the line has no length inside the frame.
+pub fn line_error(field: &ErrorField, points: &[DVec2]) -> Option<LineError> {
+    let (mut vertical, mut horizontal, mut inferred, mut length) = (0.0, 0.0, 0.0, 0.0);
+    for ends in points.windows(2) {
+        let (middle, piece) = ((ends[0] + ends[1]) / 2.0, ends[0].distance(ends[1]));
+        let error = f64::from(field.at(middle));
+        if !error.is_finite() || piece <= 0.0 {
+            continue;
+        }
+        let [slope, reach] = [&field.slopes, &field.reaches].map(|values| f64::from(field.between(values, middle)));
+        let reach = if reach.is_finite() { reach } else { 0.0 };
+        let astray = if slope > 0.0 { (error / slope).min(reach) } else { reach };
+        vertical += piece * error * error;
+        horizontal += piece * astray * astray;
+        inferred += if field.is_inferred(middle) { piece } else { 0.0 };
+        length += piece;
+    }
+    (length > 0.0).then(|| LineError {
+        vertical: (vertical / length).sqrt(),
+        horizontal: (horizontal / length).sqrt(),
+        inferred: inferred > length / 2.0,
+    })
+}

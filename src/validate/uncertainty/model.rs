@@ -1,0 +1,338 @@
+//! The law of the error: what hidden contours teach, carried over to the map with all its levels.
+//!
+//! Between two contours the error grows with the width between them and is largest half-way. The hidden contours give
+//! it there, for widths of twice the usual, as the figure that 68 of 100 errors lie below. From twice the interval to the
+//! interval it shrinks by the power that the contours themselves bend with ([`growth`](crate::spline)): the same
+//! law of roughness governs how far a line strays from its chord and how far the ground strays from a surface between
+//! lines. Where ground is so level that the error fills the band, it shrinks with the band only; in between the two laws
+//! pass into each other. Towards a contour the error falls with half of that power of the product of both distances, as
+//! that of any random walk that is tied down at both ends.
+//!
+//! Ground between contours much further apart than in the mean is level for the interval: there the error shrinks with the
+//! band only, too.
+//!
+//! The smooth surface and that of the triangles with ridge and canyon lines are two guesses from the same contours. Where they
+//! are far apart, the contours leave much open, and the error is larger than the distance between contours tells.
+//!
+//! Beyond the last contour of a top or a pit the height is a guess from the slope: the error is a share of the climb, and
+//! that share is what the surface from half of the levels missed its tops by.
+
+use super::places::Seen;
+
+/// Fewest places that a lesson is taken from.
+const FEWEST: usize = 200;
+/// Fewest places beyond the last contour.
+const FEWEST_TOPS: usize = 50;
+/// Classes of width, of equal area.
+const CLASSES: usize = 8;
+/// Shares of errors that lie within one and two standard errors.
+const WITHIN: [f64; 2] = [0.68, 0.95];
+/// How much of the standard error, on a logarithmic scale, the second figure tells where errors have no tails.
+const BY_TWO: f64 = 0.6;
+/// The second figure over the first, where tails are as heavy as one standard error may take.
+const TAIL: f64 = 2.7;
+/// The largest error against the width of the band, in the same sense as the standard error: that of a height about which
+/// nothing but the band is known.
+const UNKNOWN: f64 = 0.35;
+/// Errors at hidden contours, half-way between others, against those all over the ground that the law makes of them: of the smooth
+/// surface, and of triangles alone.
+const SHRINK: f64 = 0.9;
+const SHRINK_OF_TRIANGLES: f64 = 0.95;
+/// Limits of the power that error grows with.
+const GROWTHS: (f64, f64) = (0.5, 2.0);
+/// ... and what it is where contours do not tell.
+const USUAL_GROWTH: f64 = 1.5;
+/// Gaps against the mean one from which on ground is level for the interval, and where it is altogether: the error there is a
+/// share of the band, whatever the power.
+const LEVEL: (f64, f64) = (2.0, 6.0);
+/// Power of the product of both distances against that of the width.
+const PROFILE: f64 = 0.55;
+/// Distances from a single contour count as so much width.
+const ALONE: f64 = 3.0;
+/// Limits of the share of a climb that is error, and what it is where there are no tops to learn from.
+const SHARES: (f64, f64) = (0.2, 0.8);
+const USUAL_SHARE: f64 = 0.5;
+/// Error half-way between contours that are as far apart as in the mean, against the interval, where nothing can be hidden.
+const USUAL_ERROR: f64 = 0.08;
+/// ... and the power of the width that it grows with.
+const USUAL_POWER: f64 = 0.7;
+/// Factor on the error where the smooth surface and the triangles are the same, what it grows by where they are one standard error
+/// apart, and how many count at most.
+const DOUBT: [f64; 3] = [0.65, 0.42, 2.2];
+/// Crossings a node of contours that were cut from the nodes' own heights at which these begin to be fixed, with which power
+/// that goes, and the least that is left of the error then.
+const FIXING: f64 = 0.765;
+const FIXING_POWER: f64 = 5.0;
+const LEAST_LEFT: f64 = 0.15;
+
+/// Where the error came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lesson {
+    /// From contours that were hidden.
+    Hidden {
+        /// Places on them.
+        places: usize,
+    },
+    /// There were too few levels or places; the error is that of usual terrain.
+    Usual,
+}
+
+/// The law of the error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorModel {
+    /// Where it came from.
+    pub lesson: Lesson,
+    /// Power of the distance between contours that the error grows with.
+    pub growth: f64,
+    /// Share of a climb beyond the last contour that is error.
+    pub beyond: f64,
+    /// Logarithms of width (map units) and of the standard error half-way (metres), ascending in width.
+    curve: Vec<[f64; 2]>,
+    interval: f64,
+}
+
+/// What is known about a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Known {
+    /// Distances from what is known below and above, map units; infinite if there is nothing.
+    pub sides: [f64; 2],
+    /// The band that holds the height, metres.
+    pub band: [f64; 2],
+    /// Height above or below the only contour of the sub-domain and whether that is the lower one; `None` between two.
+    pub climb: Option<(f64, bool)>,
+    /// How far the smooth surface is from that of the triangles, metres; `None` on the latter.
+    pub apart: Option<f64>,
+}
+
+impl ErrorModel {
+    /// Learns from what was seen. `growth` is that of the contours, `interval` in metres, `gap` the mean distance between
+    /// contours.
+    pub fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64) -> Self {
+        let growth = growth.unwrap_or(USUAL_GROWTH).clamp(GROWTHS.0, GROWTHS.1);
+        let (mut between, mut beyond): (Vec<Seen>, Vec<Seen>) = seen.iter().partition(|s| s.width().is_finite());
+        between.retain(|s| s.width() > 0.0);
+        let usual = Self { lesson: Lesson::Usual, growth, beyond: USUAL_SHARE, curve: usual(interval, gap), interval };
+        if between.len() < FEWEST {
+            return usual;
+        }
+        let share = quantile(&mut beyond, |s| s.length, WITHIN[0]) / interval;
+        let beyond = if beyond.len() < FEWEST_TOPS { USUAL_SHARE } else { share.clamp(SHARES.0, SHARES.1) };
+        let curve = classes(&mut between).into_iter().map(|class| point(class, growth, interval, gap)).collect();
+        Self { lesson: Lesson::Hidden { places: between.len() }, beyond, curve, ..usual }
+    }
+
+    /// The standard error at a place, metres: never more than half the band. `fixed` is how far contours cut from the
+    /// nodes themselves fix it, 1 for not at all.
+    pub fn error(&self, place: &Known, fixed: f64) -> f64 {
+        let [below, above] = place.sides;
+        let near = below.min(above);
+        let most = (place.band[1] - place.band[0]) / 2.0;
+        if !near.is_finite() {
+            return UNKNOWN.min(0.5) * 2.0 * most;
+        }
+        if near <= 0.0 {
+            return 0.0;
+        }
+        let error = match place.climb {
+            Some((climb, upwards)) => {
+                let (contour, other) = if upwards { (below, above) } else { (above, below) };
+                let open = if other.is_finite() { other / (contour + other) } else { 1.0 };
+                (self.beyond * climb.abs() * open).max(self.halfway(ALONE * near, self.growth))
+            }
+            None => {
+                let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
+                let profile = profile(place.sides);
+                let tied = self.halfway(width, 0.0) * profile.powf(PROFILE * self.growth);
+                let error = tied.max(self.halfway(profile * width, self.growth));
+                // The usual error is that of both guesses.
+                let doubt = if self.lesson == Lesson::Usual { 1.0 } else { doubt(place.apart, error) };
+                fixed * error * doubt
+            }
+        };
+        error.min(most)
+    }
+
+    /// The standard error half-way between contours so far apart; towards narrower ones than any that were seen it falls
+    /// with power `narrow`.
+    fn halfway(&self, width: f64, narrow: f64) -> f64 {
+        let at = width.max(f64::MIN_POSITIVE).ln();
+        let (Some(first), Some(last)) = (self.curve.first(), self.curve.last()) else { return 0.0 };
+        let log = if at <= first[0] {
+            first[1] + (at - first[0]) * narrow
+        } else if at >= last[0] {
+            last[1]
+        } else {
+            let next = self.curve.partition_point(|p| p[0] <= at).min(self.curve.len() - 1);
+            let ([xa, ya], [xb, yb]) = (self.curve[next - 1], self.curve[next]);
+            ya + (yb - ya) * (at - xa) / (xb - xa).max(f64::MIN_POSITIVE)
+        };
+        log.exp().min(UNKNOWN * self.interval)
+    }
+}
+
+/// How far from its ends a place lies on the way between two contours: 0 on either, 1 half-way, also where there is but one.
+fn profile([below, above]: [f64; 2]) -> f64 {
+    let share = if below.max(above).is_finite() { below / (below + above) } else { 0.5 };
+    4.0 * share * (1.0 - share)
+}
+
+/// Factor on an error for the distance between two guesses; 1 where there is but one.
+fn doubt(apart: Option<f64>, error: f64) -> f64 {
+    let Some(apart) = apart else { return 1.0 };
+    let [least, growth, most] = DOUBT;
+    let times = apart / error;
+    least + if times.is_nan() { 0.0 } else { growth * times.min(most) }
+}
+
+/// What is left of the error of nodes whose own heights the contours were cut from, with so many crossings a node around:
+/// every crossing of an edge is an equation, and where there are about as many of these as nodes, little is left open.
+pub fn left(crossings: f64) -> f64 {
+    (1.0 / (1.0 + (crossings / FIXING).powf(FIXING_POWER)).sqrt()).max(LEAST_LEFT)
+}
+
+/// The curve where nothing can be hidden.
+fn usual(interval: f64, gap: f64) -> Vec<[f64; 2]> {
+    let at = |wide: f64| [(wide * gap).ln(), (USUAL_ERROR * interval * wide.powf(USUAL_POWER)).ln()];
+    vec![at(0.1), at(10.0)]
+}
+
+/// The places in classes of width that stand for equal areas.
+fn classes(between: &mut [Seen]) -> Vec<Vec<Seen>> {
+    between.sort_by(|a, b| a.width().total_cmp(&b.width()));
+    let area = |s: &Seen| s.length * s.width();
+    let all: f64 = between.iter().map(area).sum();
+    let mut classes: Vec<Vec<Seen>> = vec![Vec::new(); CLASSES];
+    let mut sum = 0.0;
+    for seen in between.iter() {
+        let class = (sum / all * CLASSES as f64) as usize;
+        classes[class.min(CLASSES - 1)].push(*seen);
+        sum += area(seen);
+    }
+    // A class of very few wide gaps tells too little.
+    classes.retain(|class| class.len() >= FEWEST / CLASSES);
+    classes
+}
+
+/// Width and error of a class, carried from twice the interval to the interval; `gap` is the mean distance between contours.
+fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64) -> [f64; 2] {
+    let width = class[class.len() / 2].width();
+    let area = |s: &Seen| s.length * s.width();
+    let usual = quantile(&mut class, area, WITHIN[0]);
+    class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual));
+    let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
+    let error = if class.iter().all(|s| s.apart.is_none()) {
+        SHRINK_OF_TRIANGLES * one.max(two / TAIL)
+    } else {
+        // Between what both figures tell; what the first does, where tails are heavy.
+        SHRINK * (one.powf(1.0 - BY_TWO) * (two / 2.0).powf(BY_TWO)).min(one).max(two / TAIL)
+    };
+    let level = ((width / 2.0 / gap / LEVEL.0).ln() / (LEVEL.1 / LEVEL.0).ln()).clamp(0.0, 1.0);
+    let growth = growth + level * (growth.min(1.0) - growth);
+    // An error that fills the band is the same share of every band; a small one falls with its power.
+    let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * UNKNOWN);
+    let free = share / (1.0 - (share / UNKNOWN).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
+    let share = free / (1.0 + (free / UNKNOWN).powi(2)).sqrt();
+    [(width / 2.0).ln(), (interval * share).ln()]
+}
+
+/// The error that a share of the weight lies below; 0 without any.
+fn quantile(seen: &mut [Seen], weight: impl Fn(&Seen) -> f64, share: f64) -> f64 {
+    seen.sort_by(|a, b| a.by.total_cmp(&b.by));
+    let all: f64 = seen.iter().map(&weight).sum();
+    let mut below = 0.0;
+    let reached = seen.iter().find(|s| {
+        below += weight(s);
+        below >= share * all
+    });
+    reached.map_or(0.0, |s| s.by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors of all sizes up to `most`, in no order, on contours between others that are `width` apart.
+    fn places(most: f64, width: f64) -> Vec<Seen> {
+        let at = |k: i32| {
+            let by = most * f64::from(k * 617 % 1000) / 999.0;
+            Seen { by, apart: None, sides: [width / 2.0; 2], length: 1.0 }
+        };
+        (0..1000).map(at).collect()
+    }
+
+    fn between(below: f64, above: f64) -> Known {
+        Known { sides: [below, above], band: [10.0, 20.0], climb: None, apart: None }
+    }
+
+    #[test]
+    fn errors_shrink_by_the_power_that_contours_bend_with() {
+        for growth in [1.0, 1.5, 2.0] {
+            let model = ErrorModel::learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
+            assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
+            let halfway = model.error(&between(25.0, 25.0), 1.0);
+            let expected = 0.68 * SHRINK_OF_TRIANGLES * 0.5f64.powf(growth);
+            assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
+        }
+    }
+
+    #[test]
+    fn errors_are_zero_on_contours_and_never_beyond_the_band() {
+        let model = ErrorModel::learn(&places(19.0, 100.0), None, 10.0, 50.0);
+        assert_eq!(model.error(&between(0.0, 50.0), 1.0), 0.0);
+        let mut last = 0.0;
+        for below in [0.1, 1.0, 5.0, 20.0] {
+            let error = model.error(&between(below, 50.0 - below), 1.0);
+            assert!(error > last && error <= 5.0, "{below}: {error}");
+            last = error;
+        }
+        for sides in [[f64::INFINITY; 2], [1e9, f64::INFINITY], [1e9, 1e9]] {
+            for climb in [None, Some((10.0, true))] {
+                let error = model.error(&Known { sides, band: [10.0, 20.0], climb, apart: None }, 1.0);
+                assert!(error > 1.0 && error <= 5.0, "{sides:?} {climb:?} {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_spot_height_ends_the_doubt_about_a_top() {
+        let model = ErrorModel::learn(&[], None, 10.0, 50.0);
+        assert_eq!(model.lesson, Lesson::Usual);
+        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
+        assert_eq!(model.error(&top(0.0), 1.0), 0.0);
+        assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
+    }
+
+    #[test]
+    fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
+        assert!(left(0.3) > 0.99 && left(0.5) > 0.9 && left(1.0) < 0.5);
+        assert_eq!(left(9.0), LEAST_LEFT);
+    }
+
+    #[test]
+    fn errors_are_larger_where_two_guesses_are_far_apart() {
+        // Errors in proportion to how far they are.
+        let mut seen = places(1.0, 100.0);
+        seen.iter_mut().for_each(|s| s.apart = Some(s.by));
+        let model = ErrorModel::learn(&seen, Some(1.0), 10.0, 50.0);
+        let at = |apart: f64| model.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
+        assert!((at(0.0) / at(1e9) - DOUBT[0] / (DOUBT[0] + DOUBT[1] * DOUBT[2])).abs() < 1e-12);
+        assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
+        // Without the other guess there is one error for all.
+        let plain = ErrorModel::learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
+        assert!(at(0.0) < plain && plain < at(1e9));
+        let contour = Known { apart: Some(1.0), ..between(0.0, 50.0) };
+        assert_eq!(model.error(&contour, 1.0), 0.0);
+        let usual = ErrorModel::learn(&[], Some(1.0), 10.0, 50.0);
+        let of_usual = |apart: f64| usual.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
+        assert_eq!(of_usual(0.0), of_usual(1.0));
+    }
+
+    #[test]
+    fn errors_on_level_ground_shrink_with_the_band_only() {
+        let share = |gap: f64| {
+            let model = ErrorModel::learn(&places(1.0, 100.0), Some(2.0), 10.0, gap);
+            model.error(&between(25.0, 25.0), 1.0)
+        };
+        assert!((share(50.0 / 7.0) / share(50.0) - 2.0).abs() < 0.05);
+    }
+}

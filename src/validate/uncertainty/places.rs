@@ -1,0 +1,77 @@
+//! What a surface from every second level misses the hidden contours by, and how far the contours that are left are.
+
+use rayon::prelude::*;
+
+use super::sides::sides;
+use crate::dem::locate;
+use crate::spline::{Knobs, draft, spline};
+use crate::subdomains::Sheet;
+use crate::surface::{SurfaceKind, SurfaceParams};
+use crate::tin::NONE;
+use crate::validate::trial::{Left, Trial, between, cell, node, parts, trial};
+
+/// A place on a hidden contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// How far the surface is off, metres, without sign.
+    pub by: f64,
+    /// How far the smooth surface is from that of the triangles there, metres; `None` on the latter.
+    pub apart: Option<f64>,
+    /// Distances from the contours below and above, map units; one is infinite where there is none.
+    pub sides: [f64; 2],
+    /// Length of contour that the place stands for, map units.
+    pub length: f64,
+}
+
+impl Seen {
+    /// Distance from the contour below to the one above by way of the place.
+    pub fn width(&self) -> f64 {
+        self.sides[0] + self.sides[1]
+    }
+}
+
+/// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
+/// smooth surface; without them it is that of the triangles.
+pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
+    // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
+    let cell = cell(sheet, params, 1);
+    let parts = parts(sheet, &params.frame, cell);
+    let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
+    let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
+        let left = Left { every: 2, phase };
+        let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
+        Some(of_trial(&trial(map, frame, left, sheet.interval, resolution, cell)?, knobs))
+    });
+    found.collect::<Vec<_>>().concat()
+}
+
+fn of_trial(trial: &Trial, knobs: Option<Knobs>) -> Vec<Seen> {
+    let Trial { tiled, break_lines, places, grid } = trial;
+    let triangles = locate(&tiled.tin, grid, &());
+    let sides = sides(tiled, grid, &triangles);
+    let draft = draft(tiled, break_lines, grid, &triangles);
+    // Hidden contours all lie half-way, where heights are drawn to.
+    let smooth = knobs.map(|knobs| spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
+    let ask = |place: &crate::validate::trial::Place| {
+        let (col, row) = node(grid, place.at);
+        let (col, row) = (col.round(), row.round());
+        if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
+            return None;
+        }
+        let near = triangles[row as usize * grid.cols + col as usize];
+        let t = if near == NONE { None } else { tiled.tin.locate(near, place.at - tiled.tin.origin) }?;
+        let band = tiled.regions.region(t)?.band;
+        let sides = sides.at(place.at, tiled.regions.of_triangle[t as usize])?;
+        let guide = f64::from(between(grid, &draft.guide, place.at)?);
+        let height = match &smooth {
+            Some(heights) => f64::from(between(grid, heights, place.at)?),
+            None => guide,
+        };
+        let apart = smooth.is_some().then(|| (height - guide).abs());
+        let by = (height - place.level).abs();
+        // A contour that a broken one lets through says nothing about ground between two levels.
+        let asked = band.lo < place.level && place.level < band.hi && sides.iter().any(|d| d.is_finite());
+        (asked && by.is_finite() && place.length > 0.0).then_some(Seen { by, apart, sides, length: place.length })
+    };
+    places.iter().filter_map(ask).collect()
+}
