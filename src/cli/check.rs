@@ -1,23 +1,19 @@
 //! `tokosen check`: contour lines in, what is wrong with them out.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use glam::DVec2;
-use serde_json::{Value, json};
-use tokosen::base::error::{Finding, Proposal, Severity};
-use tokosen::contour::{ContourMap, distinct_levels, find_interval};
-use tokosen::crs::Crs;
+use tokosen::base::error::Finding;
+use tokosen::contour::ContourMap;
 use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
-use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
-use tokosen::terrain::{all_right, is_repair};
+use tokosen::io::{StagedOutput, VectorFormat, check_paths, write_layers_back};
+use tokosen::terrain::{all_right, check_json, is_repair};
 
 use super::console::Console;
 use super::job::told;
 use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
-use super::{Failure, output, summary};
+use super::{Failure, summary};
 
 /// What is wrong with contour lines, where, and what would mend it
 ///
@@ -75,7 +71,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
         })?;
     }
     if args.json {
-        console.result(&format!("{:#}", as_json(args, &judged, findings, console)));
+        console.result(&format!("{:#}", check_json(&input, &judged)));
     } else {
         summary::findings_by_severity(findings, console);
         args.map.describe(&judged, console);
@@ -123,8 +119,8 @@ impl CheckArgs {
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
         let inputs: Vec<&Path> = self.map.files().collect();
-        output::check_paths(&inputs, &[path.as_path()])?;
-        Ok(Some(output::open(path)?))
+        check_paths(&inputs, &[path.as_path()])?;
+        Ok(Some(StagedOutput::create(path)?))
     }
 }
 
@@ -151,52 +147,4 @@ fn contents(map: Option<&ContourMap>, findings: &[Finding], path: &Path) -> Stri
         n => format!("; its {n} spot heights only go into a .gpkg"),
     };
     format!("{} lines{spots}, {repairs} repairs", map.contours.len())
-}
-
-/// The findings for programs; places are in the input's coordinates.
-fn as_json(args: &CheckArgs, map: &ContourMap, findings: &[Finding], console: &Console) -> Value {
-    let place = |p: DVec2| match console.places() {
-        Some(places) if !places.are_unmoved() => places.in_input(p),
-        _ => Some(p),
-    };
-    let place = |p: DVec2| place(p).map_or(Value::Null, |p| json!([p.x, p.y]));
-    let proposal = |proposal: &Proposal| match proposal {
-        Proposal::Relabel { from, to } => json!({ "do": "relabel", "from": from, "to": to }),
-        Proposal::LeaveOut => json!({ "do": "leave-out" }),
-        Proposal::Join { ends: [a, b] } => json!({ "do": "join", "ends": [place(*a), place(*b)] }),
-    };
-    let finding = |finding: &Finding| {
-        json!({
-            "code": finding.kind.code(),
-            "severity": finding.kind.severity().name(),
-            "place": finding.place.map_or(Value::Null, place),
-            "features": finding.features,
-            "elevations": finding.elevations,
-            "message": finding.message,
-            "proposal": finding.proposal.as_ref().map(proposal),
-            "repaired": is_repair(finding),
-        })
-    };
-    let mut codes: BTreeMap<&str, usize> = BTreeMap::new();
-    for finding in findings {
-        *codes.entry(finding.kind.code()).or_default() += 1;
-    }
-    let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
-    let levels = distinct_levels(&map.contours);
-    let crs = console.places().map_or(map.crs.as_ref(), |places| places.input_crs());
-    json!({
-        "input": args.map.contours.display().to_string(),
-        "crs": crs.and_then(Crs::name),
-        "lines": map.contours.len(),
-        "vertices": map.vertex_count(),
-        "levels": { "lowest": levels.first(), "highest": levels.last(), "count": levels.len() },
-        "interval": find_interval(&map.contours).map(|interval| interval.step),
-        "counts": {
-            "error": count(Severity::Error),
-            "warning": count(Severity::Warning),
-            "note": count(Severity::Note),
-        },
-        "codes": codes,
-        "findings": findings.iter().map(finding).collect::<Vec<_>>(),
-    })
 }

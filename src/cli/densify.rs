@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::io::layer::{Layer, of_contours};
-use tokosen::io::{Content, StagedOutput, VectorFormat, content, contour_files, write_layers_back};
+use tokosen::io::{Content, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::Target;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure, picture};
@@ -103,7 +103,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
     let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
     let job = args.start(&files, console)?;
-    let staged = output::open(&args.output)?;
+    let staged = StagedOutput::create(&args.output)?;
     let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map)).transpose()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
@@ -191,10 +191,7 @@ impl DensifyArgs {
                 "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
             ));
         }
-        if VectorFormat::from_path(&self.output).is_err() {
-            let kinds = "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp";
-            return Err(Failure::Usage(format!("{}: {kinds}", self.output.display())));
-        }
+        output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.surface.check()
     }
 

@@ -10,7 +10,7 @@ use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale, looks_like_degrees};
 use tokosen::io::layer::steep_areas;
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
-use tokosen::io::{Content, StagedOutput, VectorFormat, content, write_layers};
+use tokosen::io::{Content, StagedOutput, check_paths, content, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
@@ -182,15 +182,12 @@ impl DeriveArgs {
             let message = format!("--steep-height is {}, it must be from 0 to {HIGHEST}", self.steep_height);
             return Err(Failure::Usage(message));
         }
-        if let Some(path) = &self.steep
-            && VectorFormat::from_path(path).is_err()
-        {
-            let message = format!("{}: steep places are written as .gpkg, .geojson or .shp", path.display());
-            return Err(Failure::Usage(message));
+        if let Some(path) = &self.steep {
+            output::check_vector(path, "steep places are written as .gpkg, .geojson or .shp")?;
         }
         let inputs: Vec<&Path> =
             self.input.map.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
-        output::check_paths(&inputs, &self.outputs().collect::<Vec<_>>())
+        Ok(check_paths(&inputs, &self.outputs().collect::<Vec<_>>())?)
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
@@ -203,7 +200,7 @@ impl DeriveArgs {
             slope: raster(&self.slope)?,
             aspect: raster(&self.aspect)?,
             shade: raster(&self.hillshade)?,
-            steep: self.steep.as_deref().map(output::open).transpose()?,
+            steep: self.steep.as_deref().map(StagedOutput::create).transpose()?,
         })
     }
 

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
-use tokosen::io::StagedOutput;
 use tokosen::io::raster::write_picture;
+use tokosen::io::{StagedOutput, check_paths};
 use tokosen::surface::Tiling;
 use tokosen::{Input, Options, Terrain};
 
@@ -35,11 +35,11 @@ impl<'a> Job<'a> {
         let mut inputs: Vec<&Path> = inputs.into_iter().collect();
         inputs.extend(args.map.files());
         let outputs: Vec<&Path> = outputs.into_iter().chain(picture).collect();
-        output::check_paths(&inputs, &outputs)?;
+        check_paths(&inputs, &outputs)?;
         if let Some(path) = picture.filter(|path| output::extension(path) != "png") {
             return Err(Failure::Usage(format!("{}: pictures are written as .png", path.display())));
         }
-        Ok(Self { console, args, picture: picture.map(output::open).transpose()? })
+        Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
     /// Reads and prepares the contours.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::draw::preview::{Model, render_model};
+use tokosen::io::StagedOutput;
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams};
 use tokosen::surface::Triangles;
@@ -54,7 +55,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     }
     args.surface.check()?;
     let job = Job::start(&args.input, args.surface.files(), [args.output.as_path()], args.preview.as_deref(), console)?;
-    let staged = output::open(&args.output)?;
+    let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
     let terrain = job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth))?;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use tokosen::dem::Dem;
-use tokosen::io::StagedOutput;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, write_raster, write_with_errors,
 };
+use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::surface::Uncertainty;
 use tokosen::{GridSpec, Terrain};
 
@@ -124,21 +124,10 @@ pub struct DemOutput {
     raster: RasterParams,
 }
 
-/// Opens the file of a height map.
-fn open_dem(path: &Path, wanted: &HeightMapArgs) -> Result<StagedOutput, Failure> {
-    if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
-        let message = format!("{}: --png-encoding is about height maps in .png", path.display());
-        return Err(Failure::Usage(message));
-    }
-    if wanted.uncertainty && !TWO_BAND_EXTENSIONS.contains(&extension(path).as_str()) {
-        let message = format!(
-            "{}: this format has no room for --uncertainty; write {}",
-            path.display(),
-            TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
-        );
-        return Err(Failure::Usage(message));
-    }
-    open_raster(path)
+/// Refuses a file whose extension is that of no vector format; `kinds` says which are.
+pub fn check_vector(path: &Path, kinds: &str) -> Result<(), Failure> {
+    VectorFormat::from_path(path).map_err(|_| Failure::Usage(format!("{}: {kinds}", path.display())))?;
+    Ok(())
 }
 
 /// Opens the file of a raster.
@@ -151,7 +140,7 @@ pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
             DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
         )));
     }
-    open(path)
+    Ok(StagedOutput::create(path)?)
 }
 
 /// The extension of a file in small letters.
@@ -163,7 +152,19 @@ impl DemOutput {
     /// Opens the file, and reads the raster whose cells are asked for.
     pub fn open(path: &Path, wanted: &HeightMapArgs) -> Result<Self, Failure> {
         wanted.grid.check()?;
-        let staged = open_dem(path, wanted)?;
+        if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
+            let message = format!("{}: --png-encoding is about height maps in .png", path.display());
+            return Err(Failure::Usage(message));
+        }
+        if wanted.uncertainty && !TWO_BAND_EXTENSIONS.contains(&extension(path).as_str()) {
+            let message = format!(
+                "{}: this format has no room for --uncertainty; write {}",
+                path.display(),
+                TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
+            );
+            return Err(Failure::Usage(message));
+        }
+        let staged = open_raster(path)?;
         Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster() })
     }
 
@@ -184,35 +185,6 @@ impl DemOutput {
         describe(&commit(self.staged)?, dem, console);
         Ok(())
     }
-}
-
-/// Opens an output before the work starts, so that a missing folder is told at once.
-pub fn open(path: &Path) -> Result<StagedOutput, Failure> {
-    Ok(StagedOutput::create(path)?)
-}
-
-/// Refuses to write over an input or to write two outputs into one file.
-pub fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
-    let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
-    let mut taken = Vec::new();
-    for path in outputs {
-        let file = identity(path);
-        if inputs.contains(&file) {
-            return Err(Failure::Usage(format!("{} is an input: choose another name for the output", path.display())));
-        }
-        if taken.contains(&file) {
-            return Err(Failure::Usage(format!("{} is named for two outputs", path.display())));
-        }
-        taken.push(file);
-    }
-    Ok(())
-}
-
-/// What two paths of one file have in common, whether it is there yet or not.
-fn identity(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let made = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    path.canonicalize().ok().or_else(made).unwrap_or_else(|| path.to_owned())
 }
 
 /// One line of the summary about a height map.

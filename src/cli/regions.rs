@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::io::StagedOutput;
 use tokosen::io::layer::of_landforms;
-use tokosen::io::{VectorFormat, write_layers_back};
+use tokosen::io::write_layers_back;
 use tokosen::subdomains::{Landform, LandformClass, landforms};
 use tokosen::terrain::{landform_patches, tiling_picture};
 
@@ -48,13 +49,10 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
-    if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: areas are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
-        return Err(Failure::Usage(message));
-    }
+    output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
     let inputs = args.frame.file().into_iter().chain(args.water.file());
     let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
-    let staged = output::open(&args.output)?;
+    let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
     args.frame.add_to(&mut input)?;

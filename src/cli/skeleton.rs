@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
-use tokosen::io::{VectorFormat, contour_files, write_layers_back};
+use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::terrain::{tiling_picture, triangle_patches};
 
@@ -58,10 +58,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
-    if VectorFormat::from_path(&args.output).is_err() {
-        let message = format!("{}: lines are written as .geojson, .gpkg, .fgb, .dxf or .shp", args.output.display());
-        return Err(Failure::Usage(message));
-    }
+    output::check_vector(&args.output, "lines are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
     if !args.resolution.is_finite() || args.resolution < 0.0 {
         return Err(Failure::Usage(format!("--resolution is {}, it must be 0 or more", args.resolution)));
     }
@@ -72,7 +69,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let inputs = args.frame.file().into_iter().chain(args.water.file());
     let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
-    let staged = output::open(&args.output)?;
+    let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
     let back = args.to_crs.way(&input.places)?;

@@ -18,6 +18,7 @@ mod gpkg;
 pub mod gsi;
 pub mod layer;
 pub mod mesh;
+mod paths;
 pub mod raster;
 mod shapefile;
 mod staged;
@@ -39,6 +40,7 @@ use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
+pub use paths::check_paths;
 pub use staged::{StagedOutput, discard_unfinished};
 
 /// How to read a file.

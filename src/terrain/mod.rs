@@ -4,6 +4,7 @@
 //! input is in [`Terrain::findings`].
 
 mod arrays;
+mod check_json;
 mod compare;
 mod grid;
 mod input;
@@ -15,8 +16,10 @@ mod plane;
 mod prepare;
 #[cfg(test)]
 mod tests;
+mod told;
 
 pub use arrays::RaggedLines;
+pub use check_json::check_json;
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 pub use grid::GridSpec;
 pub use input::{Input, InputOptions};
@@ -25,6 +28,7 @@ pub use options::Options;
 pub use patches::{landform_patches, triangle_patches};
 pub use picture::{picture, tiling_picture};
 pub use prepare::{Preparation, Repair, all_right, is_repair};
+pub use told::{comparison_json, page, sentences, table};
 
 use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};

@@ -1,19 +1,15 @@
 //! `tokosen compare`: how far a height map or a surface is from another, and where.
 
 mod side;
-mod table;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use glam::DVec2;
-use serde::Serialize;
-use tokosen::base::error::{Error, Finding};
+use tokosen::base::error::Error;
 use tokosen::dem::compare::{Comparison, difference};
-use tokosen::draw::report::{ComparisonPage, HeightSource, comparison_page, remarks};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
-use tokosen::io::{Content, StagedOutput, content};
-use tokosen::terrain::{Kind, MeasureOptions, Pair, SideSource, measure};
+use tokosen::io::{Content, StagedOutput, check_paths, content};
+use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, sentences, table};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -71,23 +67,6 @@ Examples:
 Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same about the bias; MAE, the mean of |d|;
 median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 % and 95 % of |d| do not exceed.";
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Json<'a> {
-    /// What A and B are.
-    sources: [&'a SideSource; 2],
-    /// How they came onto one grid.
-    notes: &'a [String],
-    /// Columns and rows.
-    size: [usize; 2],
-    /// Cell width and height, map units.
-    cell: DVec2,
-    #[serde(flatten)]
-    found: &'a Comparison,
-    /// Findings about the inputs.
-    findings: &'a [Finding],
-}
-
 /// Runs the verb.
 pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let contents = check(args)?;
@@ -116,17 +95,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     summary::findings(&side::placed(&findings), console);
     if args.json {
-        let json = Json {
-            sources: [&pair.a.source, &pair.b.source],
-            notes: &pair.notes,
-            size: [b.grid.cols, b.grid.rows],
-            cell: b.grid.cell,
-            found: &found,
-            findings: &findings,
-        };
-        let text =
-            serde_json::to_string_pretty(&json).map_err(|e| Error::Data(format!("cannot be told as JSON: {e}")))?;
-        console.result(&text);
+        console.result(&comparison_json(&pair, &found, &findings)?);
     } else {
         tell(&pair, &found, console);
     }
@@ -144,21 +113,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
 /// Writes the page, still under its temporary name.
 pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Console) -> Result<(), Failure> {
-    let content = ComparisonPage {
-        a_name: &pair.a.source.title(),
-        b_name: &pair.b.source.title(),
-        sources: height_sources(pair),
-        notes: &pair.notes,
-        a: &pair.a_heights,
-        b: &pair.b_heights,
-        found,
-        metres_per_unit: pair.metres_per_unit(),
-    };
-    let written = console.step("drawing", || {
-        let html = comparison_page(&content)?;
-        let path = staged.path();
-        std::fs::write(&path, html).map_err(|e| Error::io("write", &path, e))
-    });
+    let path = staged.path();
+    let written =
+        console.step("drawing", || std::fs::write(&path, page(pair, found)?).map_err(|e| Error::io("write", &path, e)));
     Ok(written.map_err(|e| staged.with_final_name(e))?)
 }
 
@@ -202,7 +159,7 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
         .chain(args.surface.files())
         .collect();
     let outputs: Vec<&Path> = args.output.iter().chain(&args.report).map(PathBuf::as_path).collect();
-    output::check_paths(&inputs, &outputs)?;
+    check_paths(&inputs, &outputs)?;
     Ok(contents)
 }
 
@@ -211,7 +168,7 @@ pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
         return Err(Failure::Usage(format!("{}: the report is written as .html", path.display())));
     }
-    output::open(path)
+    Ok(StagedOutput::create(path)?)
 }
 
 /// The summary: what was compared, the table, what it means.
@@ -227,18 +184,8 @@ pub fn tell(pair: &Pair, found: &Comparison, console: &Console) {
         100.0 * found.overall.cells as f64 / grid.len().max(1) as f64
     ));
     console.say("");
-    table::lines(found).iter().for_each(|line| console.say(line));
+    table(found).iter().for_each(|line| console.say(line));
     console.say("");
-    for sentence in pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))) {
-        console.say(&sentence);
-    }
+    sentences(pair, found).iter().for_each(|sentence| console.say(sentence));
     console.say("");
-}
-
-/// What each side's heights come from.
-fn height_sources(pair: &Pair) -> [HeightSource; 2] {
-    [&pair.a, &pair.b].map(|side| match side.kind {
-        Kind::Dem(_) => HeightSource::HeightMap,
-        Kind::Surface(_) => HeightSource::Surface,
-    })
 }

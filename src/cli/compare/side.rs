@@ -4,7 +4,6 @@ use std::path::Path;
 
 use tokosen::GridSpec;
 use tokosen::base::error::Finding;
-use tokosen::crs::Transform;
 use tokosen::io::Content;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{Nodes, Pair, Side};
@@ -91,25 +90,18 @@ fn side_of_contours(
         *crs = input.places.input_crs().cloned();
     }
     let grid = match nodes {
-        Some((grid, crs)) => {
-            let working = input.map.crs.as_ref();
-            let is_apart = match crs.as_ref().zip(working) {
-                Some((from, to)) => !Transform::between(from, to).map_err(|error| error.in_file(path))?.is_identity(),
-                None => false,
-            };
-            (!is_apart).then(|| GridSpec::Cells { grid: *grid, crs: working.cloned(), file: None })
-        }
-        None => Some(args.grid.spec()?),
+        Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.to_owned()) },
+        None => args.grid.spec()?,
     };
-    let options = args.surface.options(grid.as_ref(), Triangles::Guide);
+    let options = args.surface.options(Some(&grid), Triangles::Guide);
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
     // Each side may have been worked on in a plane of its own.
     for finding in &mut terrain.findings {
         finding.place = finding.place.and_then(|p| terrain.places.in_input(p));
     }
     findings.append(&mut terrain.findings);
-    if let (None, Some(grid)) = (&nodes, &grid) {
-        *nodes = Some(terrain.cells(grid)?);
+    if nodes.is_none() {
+        *nodes = Some(terrain.cells(&grid)?);
     }
     Ok(Side::of_terrain(path, args.surface.surface.kind(), terrain))
 }

@@ -1,0 +1,57 @@
+//! The findings about a map as JSON, for programs.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use serde_json::{Value, json};
+
+use super::{Input, is_repair};
+use crate::base::error::{Finding, Proposal, Severity};
+use crate::contour::{ContourMap, distinct_levels, find_interval};
+use crate::crs::Crs;
+
+/// What an input is, counts of its findings, and each of them; places are in the input's coordinates. `map` is the map
+/// that [`Input::judge`] gave.
+pub fn check_json(input: &Input, map: &ContourMap) -> Value {
+    let Input { findings, places, .. } = input;
+    let place = |p: DVec2| if places.are_unmoved() { Some(p) } else { places.in_input(p) };
+    let place = |p: DVec2| place(p).map_or(Value::Null, |p| json!([p.x, p.y]));
+    let proposal = |proposal: &Proposal| match proposal {
+        Proposal::Relabel { from, to } => json!({ "do": "relabel", "from": from, "to": to }),
+        Proposal::LeaveOut => json!({ "do": "leave-out" }),
+        Proposal::Join { ends: [a, b] } => json!({ "do": "join", "ends": [place(*a), place(*b)] }),
+    };
+    let finding = |finding: &Finding| {
+        json!({
+            "code": finding.kind.code(),
+            "severity": finding.kind.severity().name(),
+            "place": finding.place.map_or(Value::Null, place),
+            "features": finding.features,
+            "elevations": finding.elevations,
+            "message": finding.message,
+            "proposal": finding.proposal.as_ref().map(proposal),
+            "repaired": is_repair(finding),
+        })
+    };
+    let mut codes: BTreeMap<&str, usize> = BTreeMap::new();
+    for finding in findings {
+        *codes.entry(finding.kind.code()).or_default() += 1;
+    }
+    let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
+    let levels = distinct_levels(&map.contours);
+    json!({
+        "input": input.name(),
+        "crs": places.input_crs().and_then(Crs::name),
+        "lines": map.contours.len(),
+        "vertices": map.vertex_count(),
+        "levels": { "lowest": levels.first(), "highest": levels.last(), "count": levels.len() },
+        "interval": find_interval(&map.contours).map(|interval| interval.step),
+        "counts": {
+            "error": count(Severity::Error),
+            "warning": count(Severity::Warning),
+            "note": count(Severity::Note),
+        },
+        "codes": codes,
+        "findings": findings.iter().map(finding).collect::<Vec<_>>(),
+    })
+}
