@@ -11,8 +11,8 @@ use tokosen::contour::{ContourMap, distinct_levels, find_interval};
 use tokosen::crs::Crs;
 use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
+use tokosen::subdivision::subdivide;
 use tokosen::subdomains::Frame;
-use tokosen::surface::tiling;
 
 use super::console::Console;
 use super::map::MapArgs;
@@ -92,12 +92,12 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
 /// Adds what the ground between contours shows of them. A map of one level has no such ground, which is a finding too.
 fn judged(map: ContourMap, path: &Path, findings: &mut Vec<Finding>, console: &Console) -> Result<ContourMap, Failure> {
     let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-    match (tiling(map, &Frame::Hull, console), flat) {
+    match (subdivide(map, &Frame::Hull, console), flat) {
         (Err(Error::Data(message)), Some(map)) => {
             findings.push(Finding::general(FindingKind::TooFewLevels, message));
             Ok(map)
         }
-        (tiled, _) => Ok(summary::found(tiled, path, findings, console)?.map),
+        (subdivision, _) => Ok(summary::found(subdivision, path, findings, console)?.map),
     }
 }
 

@@ -11,8 +11,9 @@ use tokosen::io::raster::write_picture;
 use tokosen::mesh::Mesh;
 use tokosen::skeleton::BreakLine;
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::subdivision::Subdivision;
 use tokosen::subdomains::FrameRing;
-use tokosen::surface::{Surface, Tiling, heights};
+use tokosen::surface::{Surface, heights};
 
 use super::Failure;
 use super::console::Console;
@@ -79,14 +80,15 @@ pub fn write_model(staged: &StagedOutput, surface: &Surface, model: &Mesh, conso
 /// Draws the triangulated map with its contours, and areas and lines on it, still under the picture's temporary name.
 pub fn write_tiling(
     staged: &StagedOutput,
-    tiling: &Tiling,
+    subdivision: &Subdivision,
     breaks: &[BreakLine],
     patches: Option<&Patches>,
     console: &Console,
 ) -> Result<(), Failure> {
-    let lines: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
-    let scene = Scene { frame: &tiling.frame, lines: &lines, breaks, patches };
-    draw(staged, &scene, |grid| rasterise(&tiling.tin, grid, tiling.map.crs.clone(), &()), console)
+    let lines: Vec<ContourLine> =
+        subdivision.map.contours.iter().map(|c| contour_line(c, &subdivision.interval)).collect();
+    let scene = Scene { frame: &subdivision.frame, lines: &lines, breaks, patches };
+    draw(staged, &scene, |grid| rasterise(&subdivision.tin, grid, subdivision.map.crs.clone(), &()), console)
 }
 
 /// Every fifth level is drawn as an index contour.

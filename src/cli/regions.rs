@@ -6,8 +6,8 @@ use clap::Args;
 use tokosen::draw::preview::{Patch, PatchClass, Patches};
 use tokosen::io::layer::of_landforms;
 use tokosen::io::{StagedOutput, VectorFormat, write_layers_back};
+use tokosen::subdivision::{Subdivision, subdivide_with_water};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
-use tokosen::surface::{Tiling, tiling_with_water};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -63,18 +63,18 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let frame = args.frame.read(&input)?;
     let water = args.water.read(&mut input)?;
     let back = args.to_crs.way(&input.places)?;
-    let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
+    let subdivision = subdivide_with_water(input.map, &frame, &water, console);
+    let subdivision = summary::found(subdivision, &input.path, &mut input.findings, console)?;
     args.input.map.check_strict(&input.findings, console)?;
-    let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
-    let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);
+    let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
+    let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
     if let Some(picture) = &picture {
-        draw(picture, &tiled, &forms, console)?;
+        draw(picture, &subdivision, &forms, console)?;
     }
 
     summary::findings(&input.findings, console);
-    args.input.map.describe(&tiled.map, console);
+    args.input.map.describe(&subdivision.map, console);
     describe(&forms, console);
     let path = staged.target().to_owned();
     staged.commit()?;
@@ -85,13 +85,18 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
 }
 
 /// Draws the picture: areas by class, the contours above them.
-fn draw(staged: &StagedOutput, tiled: &Tiling, forms: &[Landform], console: &Console) -> Result<(), Failure> {
+fn draw(
+    staged: &StagedOutput,
+    subdivision: &Subdivision,
+    forms: &[Landform],
+    console: &Console,
+) -> Result<(), Failure> {
     let class = |class: LandformClass| PatchClass { name: class.name().to_owned(), color: color(class) };
-    let rings = |form: &Landform| form.rings.iter().map(|ring| ring.points(&tiled.tin)).collect();
+    let rings = |form: &Landform| form.rings.iter().map(|ring| ring.points(&subdivision.tin)).collect();
     let number = |form: &Landform| LandformClass::ALL.iter().position(|class| *class == form.class);
     let areas = forms.iter().filter_map(|form| Some(Patch { class: number(form)?, rings: rings(form) }));
     let patches = Patches { classes: LandformClass::ALL.map(class).to_vec(), areas: areas.collect() };
-    preview::write_tiling(staged, tiled, &[], Some(&patches), console)
+    preview::write_tiling(staged, subdivision, &[], Some(&patches), console)
 }
 
 /// Warm for high ground, cool for low.

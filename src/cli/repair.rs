@@ -5,8 +5,8 @@ use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::check::{LineParams, correct, examine, merged};
 use tokosen::clean::clean;
 use tokosen::contour::ContourMap;
+use tokosen::subdivision::subdivide;
 use tokosen::subdomains::Frame;
-use tokosen::surface::tiling;
 
 use super::console::Console;
 use super::map::{Input, MapArgs};
@@ -99,8 +99,8 @@ pub fn corrected(mut input: Input, args: &MapArgs, console: &Console) -> Result<
     }
     for _ in 0..ROUNDS {
         // A map that no surface can be made of is told by the step that makes it.
-        let Ok(tiled) = tiling(input.map.clone(), &Frame::Hull, console) else { break };
-        let corrections = tiled.value.corrections;
+        let Ok(subdivision) = subdivide(input.map.clone(), &Frame::Hull, console) else { break };
+        let corrections = subdivision.value.corrections;
         if corrections.is_empty() {
             break;
         }

@@ -8,7 +8,7 @@ use tokosen::draw::preview::{Patch, PatchClass, Patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{VectorFormat, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
-use tokosen::surface::tiling_with_water;
+use tokosen::subdivision::subdivide_with_water;
 use tokosen::tin::{Tin, TriangleKind};
 
 use super::console::Console;
@@ -82,29 +82,30 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let frame = args.frame.read(&input)?;
     let water = args.water.read(&mut input)?;
-    let tiled = tiling_with_water(input.map, &frame, &water, console);
-    let tiled = summary::found(tiled, &input.path, &mut input.findings, console)?;
+    let subdivision = subdivide_with_water(input.map, &frame, &water, console);
+    let subdivision = summary::found(subdivision, &input.path, &mut input.findings, console)?;
     args.input.map.check_strict(&input.findings, console)?;
-    let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));
+    let found =
+        console.step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution));
     let written = console.step("writing", || -> Result<Vec<PathBuf>, Error> {
         let mut layers = vec![skeleton_lines(&found)];
         if args.triangles {
-            layers.push(skeleton_triangles(&tiled, &found));
+            layers.push(skeleton_triangles(&subdivision, &found));
         }
         let edges;
         if args.curve_mesh {
-            edges = junction_edges(&tiled.tin, &tiled.regions, &found);
-            layers.push(curve_mesh(&tiled, &found, &edges));
+            edges = junction_edges(&subdivision.tin, &subdivision.regions, &found);
+            layers.push(curve_mesh(&subdivision, &found, &edges));
         }
         write_layers_back(&staged, &layers, &back)
     })?;
     if let Some(picture) = &picture {
-        let patches = args.triangles.then(|| triangles_by_kind(&tiled.tin, &found));
-        preview::write_tiling(picture, &tiled, &found.lines, patches.as_ref(), console)?;
+        let patches = args.triangles.then(|| triangles_by_kind(&subdivision.tin, &found));
+        preview::write_tiling(picture, &subdivision, &found.lines, patches.as_ref(), console)?;
     }
 
     summary::findings(&input.findings, console);
-    args.input.map.describe(&tiled.map, console);
+    args.input.map.describe(&subdivision.map, console);
     describe(&found, args.resolution, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {

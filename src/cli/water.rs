@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::base::error::Error;
 use tokosen::contour::Lake;
 use tokosen::io::{ReadOptions, read_water};
-use tokosen::subdomains::Water;
+use tokosen::subdivision::Water;
 
 use super::Failure;
 use super::map::Input;

@@ -43,8 +43,8 @@ use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
+use crate::subdivision::Subdivision;
 use crate::subdomains::{Side, line_at, line_starts, local_bands};
-use crate::surface::Tiling;
 use crate::tin::NONE;
 use energy::CrossingWeight;
 use lattice::Crossing;
@@ -108,7 +108,7 @@ pub struct SplineParams {
 /// What the surface on a grid is found from, whatever the [`Knobs`].
 pub(crate) struct Draft<'a> {
     grid: Grid,
-    tiled: &'a Tiling,
+    subdivision: &'a Subdivision,
     break_lines: &'a [BreakLine],
     pub(crate) gap: f64,
     bounds: [Vec<f32>; 2],
@@ -121,10 +121,11 @@ impl Draft<'_> {
     /// What bulges and hollows of a surface on the grid lack ([`relief::lacking`]) if it may be off by a metre half-way between
     /// contours in the mean.
     pub(crate) fn lacking_relief(&self, heights: &[f32]) -> Vec<f32> {
-        let Draft { grid, tiled, gap, bounds: [lo, hi], guide, .. } = self;
-        let (lattice, interval) = (Lattice::of_grid(grid), tiled.interval.step);
+        let Draft { grid, subdivision, gap, bounds: [lo, hi], guide, .. } = self;
+        let (lattice, interval) = (Lattice::of_grid(grid), subdivision.interval.step);
         let closeness = closeness(guide, grid, *gap, interval);
-        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &spots(tiled, &lattice, guide));
+        let variances =
+            expected::variances(1.0, heights, &closeness, *gap, &lattice, &spots(subdivision, &lattice, guide));
         relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, interval)
     }
 }
@@ -146,28 +147,36 @@ pub struct Knobs {
     pub relief: f64,
 }
 
-/// Looks up bands and guide at the nodes of a grid. `tiled` is the triangulation with ridge and canyon lines, `triangles` are
+/// Looks up bands and guide at the nodes of a grid. `subdivision` is the triangulation with ridge and canyon lines, `triangles` are
 /// those that the nodes lie in.
-pub(crate) fn draft<'a>(tiled: &'a Tiling, break_lines: &'a [BreakLine], grid: &Grid, triangles: &[u32]) -> Draft<'a> {
-    let (wrong, starts) = (tiled.wrong_lines(), line_starts(&tiled.map));
+pub(crate) fn draft<'a>(
+    subdivision: &'a Subdivision,
+    break_lines: &'a [BreakLine],
+    grid: &Grid,
+    triangles: &[u32],
+) -> Draft<'a> {
+    let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
     let is_wrong = |v: u32| {
-        !wrong.is_empty() && line_at(&tiled.tin, &starts, v).is_some_and(|line| wrong.binary_search(&line).is_ok())
+        !wrong.is_empty()
+            && line_at(&subdivision.tin, &starts, v).is_some_and(|line| wrong.binary_search(&line).is_ok())
     };
-    let local = local_bands(&tiled.tin, &tiled.regions, is_wrong);
-    let of_region = |t: u32| tiled.regions.region(t).map(|r| r.band);
+    let local = local_bands(&subdivision.tin, &subdivision.regions, is_wrong);
+    let of_region = |t: u32| subdivision.regions.region(t).map(|r| r.band);
     let band = |&t: &u32| if t == NONE { None } else { local.get(&t).copied().or_else(|| of_region(t)) };
     let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
     let mut hi: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.hi as f32)).collect();
-    for (node, level) in on_contours(&tiled.map, grid) {
+    for (node, level) in on_contours(&subdivision.map, grid) {
         if !lo[node].is_nan() {
             (lo[node], hi[node]) = (level as f32, level as f32);
         }
     }
-    let is_hollow = is_hollow(tiled);
-    let hollows: Vec<bool> =
-        triangles.par_iter().map(|&t| t != NONE && is_hollow[tiled.regions.of_triangle[t as usize] as usize]).collect();
-    let guide = heights_at(&tiled.tin, grid, triangles);
-    Draft { grid: *grid, tiled, break_lines, gap: tiled.sheet().gap, bounds: [lo, hi], guide, hollows }
+    let is_hollow = is_hollow(subdivision);
+    let hollows: Vec<bool> = triangles
+        .par_iter()
+        .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
+        .collect();
+    let guide = heights_at(&subdivision.tin, grid, triangles);
+    Draft { grid: *grid, subdivision, break_lines, gap: subdivision.sheet().gap, bounds: [lo, hi], guide, hollows }
 }
 
 /// The nodes of a grid that vertices of contours lie on, with the level: the band on either side of the contour would be too
@@ -182,10 +191,10 @@ pub(crate) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator
 
 /// Finds the smooth surface on the grid of a draft.
 pub(crate) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Progress) -> WorkingGrid {
-    let Draft { grid, tiled, break_lines, gap, bounds: [lo, hi], guide, hollows } = draft;
+    let Draft { grid, subdivision, break_lines, gap, bounds: [lo, hi], guide, hollows } = draft;
     let lattice = Lattice::of_grid(grid);
-    let interval = tiled.interval.step;
-    let contours = tiled.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect();
+    let interval = subdivision.interval.step;
+    let contours = subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect();
     let flat = |line: &BreakLine| line.points.iter().map(|p| p.truncate()).collect();
     let slack = if knobs.noise > 0.0 { (residual::SLACK * interval) as f32 } else { 0.0 };
     let moved = |bound: &'a [f32], by: f32| -> Cow<'a, [f32]> {
@@ -195,7 +204,7 @@ pub(crate) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
     let problem = Problem {
         lattice,
         contours,
-        spots: spots(tiled, &lattice, guide),
+        spots: spots(subdivision, &lattice, guide),
         creases: break_lines.iter().map(flat).collect::<Vec<Vec<DVec2>>>(),
         crease_knee: knobs.crease_knee,
         bounds: [moved(lo, -slack), moved(hi, slack)],
@@ -236,8 +245,8 @@ pub(crate) fn spline<'a>(draft: &'a Draft<'_>, knobs: &Knobs, progress: &dyn Pro
 }
 
 /// By sub-domain: whether the ground lies in a hollow that contours enclose, or may: all its levels are above it.
-fn is_hollow(tiled: &Tiling) -> Vec<bool> {
-    let regions = &tiled.regions.regions;
+fn is_hollow(subdivision: &Subdivision) -> Vec<bool> {
+    let regions = &subdivision.regions.regions;
     regions.iter().map(|r| r.levels.iter().all(|(_, side)| *side == Side::Below)).collect()
 }
 
@@ -307,9 +316,9 @@ fn shelves(heights: &[f32], guide: &[f32], grid: &Grid) -> Vec<f32> {
 }
 
 /// Spot heights, carried to the four nodes around each along the guide.
-fn spots(tiled: &Tiling, lattice: &Lattice, guide: &[f32]) -> Vec<(Crossing, f64)> {
+fn spots(subdivision: &Subdivision, lattice: &Lattice, guide: &[f32]) -> Vec<(Crossing, f64)> {
     let mut found = Vec::new();
-    for spot in tiled.used_spots() {
+    for spot in subdivision.used_spots() {
         let place = lattice.place(spot.truncate());
         let (col, row) = (place.x.floor(), place.y.floor());
         if col < 0.0 || row < 0.0 || col as usize + 1 >= lattice.cols || row as usize + 1 >= lattice.rows {

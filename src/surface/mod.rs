@@ -9,20 +9,17 @@ mod build;
 mod nodes;
 mod parted;
 mod sample;
-mod tiling;
-mod trusted;
 
 pub use build::build;
 pub(crate) use build::{finer, with_skeleton};
 pub use sample::{heights, heights_on};
-pub use tiling::{Tiling, tiling, tiling_with_water};
 
 use glam::DVec2;
 
 use crate::contour::{ContourMap, Interval};
 use crate::skeleton::BreakLine;
 use crate::spline::{SplineParams, WorkingGrid};
-use crate::subdomains::Water;
+use crate::subdivision::Water;
 use crate::subdomains::{Frame, FrameRing, Regions};
 use crate::tin::Tin;
 use crate::validate::{Chosen, ErrorField};

@@ -9,9 +9,10 @@ use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::locate;
 use crate::skeleton::BreakLine;
 use crate::spline::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
+use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
 use crate::subdomains::Sheet;
-use crate::surface::{SurfaceParams, Tiling, tiling};
+use crate::surface::SurfaceParams;
 use crate::surface::{finer, with_skeleton};
 use crate::tin::NONE;
 
@@ -39,7 +40,7 @@ const INTERVAL_SHARE: f64 = 1e-3;
 /// A map with a part of its levels hidden.
 pub struct Trial {
     /// The map of the levels that are left, with ridge and canyon lines.
-    pub tiled: Tiling,
+    pub subdivision: Subdivision,
     /// Its ridge and canyon lines.
     pub break_lines: Vec<BreakLine>,
     /// Places whose level is known, though the map that is left does not tell it.
@@ -175,25 +176,25 @@ pub fn trial(
     };
     // With fewer vertices, lines that run close beside each other may come to cross.
     let spacings = [cell / VERTICES_A_CELL, 0.0];
-    let mut tiled = spacings.into_iter().find_map(|spacing| tiling(known(spacing), frame, &()).ok())?.value;
-    if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+    let mut subdivision = spacings.into_iter().find_map(|spacing| subdivide(known(spacing), frame, &()).ok())?.value;
+    if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let places = sound(places, mended, tiled.sheet().gap);
-    let (tiled, break_lines) = match resolution {
-        None => (tiled, Vec::new()),
+    let places = sound(places, mended, subdivision.sheet().gap);
+    let (subdivision, break_lines) = match resolution {
+        None => (subdivision, Vec::new()),
         Some(resolution) => {
-            let triangulation = std::mem::take(&mut tiled.triangulation);
-            let finer = finer(&tiled, triangulation, resolution).ok()?;
-            let (tiled, break_lines, _) = with_skeleton(tiled, finer);
-            (tiled, break_lines)
+            let triangulation = std::mem::take(&mut subdivision.triangulation);
+            let finer = finer(&subdivision, triangulation, resolution).ok()?;
+            let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
+            (subdivision, break_lines)
         }
     };
-    let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
+    let grid = working_grid(&subdivision.sheet(), Some(Wanted::Cell(cell)));
     if grid.len() > MOST_NODES {
         return None;
     }
-    Some(Trial { tiled, break_lines, places, grid })
+    Some(Trial { subdivision, break_lines, places, grid })
 }
 
 /// A contour without the vertices that are nearer than `spacing`, along it, to the one before. Its ends stay.
@@ -234,8 +235,8 @@ impl Trial {
     /// places are the same for all.
     fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
         let grid = &self.grid;
-        let triangles = locate(&self.tiled.tin, grid, &());
-        let draft = draft(&self.tiled, &self.break_lines, grid, &triangles);
+        let triangles = locate(&self.subdivision.tin, grid, &());
+        let draft = draft(&self.subdivision, &self.break_lines, grid, &triangles);
         let slopes = slopes(&draft.guide, grid);
         let gap = draft.gap;
         let asked = |place: &Place| {
@@ -245,9 +246,9 @@ impl Trial {
                 return None;
             }
             let n = row as usize * grid.cols + col as usize;
-            let region = if triangles[n] == NONE { None } else { self.tiled.regions.region(triangles[n]) }?;
+            let region = if triangles[n] == NONE { None } else { self.subdivision.regions.region(triangles[n]) }?;
             let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
-            let local = self.tiled.interval.step / f64::from(slopes[n]) / gap;
+            let local = self.subdivision.interval.step / f64::from(slopes[n]) / gap;
             let local = if local.is_nan() { 1.0 } else { local.clamp(GAP_LIMITS.0, GAP_LIMITS.1) };
             inside.then_some(place.length * local * gap)
         };
@@ -332,11 +333,11 @@ mod tests {
         let cell = 10.0;
         let thin = |c: &Contour| with_fewer_vertices(c, cell / VERTICES_A_CELL);
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
-        assert!(tiling(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
+        assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
         let left = Left { every: 2, phase: 0 };
         let trial = trial(&map, &Frame::Hull, left, interval, None, cell).expect("all vertices are kept then");
-        assert!(trial.tiled.map.contours.iter().any(|c| c.points.len() > 400));
+        assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
     }
 }

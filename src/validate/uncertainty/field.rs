@@ -10,9 +10,10 @@ use crate::contour::LineError;
 use crate::dem::{Dem, heights_at, locate};
 use crate::spline::WorkingGrid;
 use crate::spline::{self, blurred, slopes, working_grid};
+use crate::subdivision::Subdivision;
 use crate::subdomains::Sheet;
 use crate::subdomains::{Region, Side};
-use crate::surface::{Surface, SurfaceParams, Tiling};
+use crate::surface::{Surface, SurfaceParams};
 use crate::validate::{Chosen, roughness};
 
 /// Ground between contours that are so many times further apart than in the mean is hardly known.
@@ -38,30 +39,30 @@ pub struct ErrorField {
     inferred: Vec<bool>,
 }
 
-/// The expected error of a surface that was built from `tiled`; `working` and `chosen` are those of the smooth surface.
+/// The expected error of a surface that was built from `subdivision`; `working` and `chosen` are those of the smooth surface.
 /// Contours are hidden of `trusted`, if the labels of some are wrong.
 pub fn error_field(
-    tiled: &Tiling,
+    subdivision: &Subdivision,
     trusted: Option<Sheet<'_>>,
     params: &SurfaceParams,
     chosen: Option<&Chosen>,
     working: Option<&WorkingGrid>,
 ) -> ErrorField {
-    let sheet = tiled.sheet();
+    let sheet = subdivision.sheet();
     let gap = sheet.gap;
     let growth = roughness::growth(&sheet);
     let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
-    let model = ErrorModel::learn(&seen, growth, tiled.interval.step, gap);
+    let model = ErrorModel::learn(&seen, growth, subdivision.interval.step, gap);
     drop(seen);
     let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);
-    let triangles = locate(&tiled.tin, &grid, &());
-    let sides = sides(tiled, &grid, &triangles);
-    let guide = heights_at(&tiled.tin, &grid, &triangles);
+    let triangles = locate(&subdivision.tin, &grid, &());
+    let sides = sides(subdivision, &grid, &triangles);
+    let guide = heights_at(&subdivision.tin, &grid, &triangles);
     drop(triangles);
     let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
     let fixing = (sides.share_at_vertices > CUT_FROM_NODES).then(|| blurred(&sides.crossings, grid.cols, FIXING_REACH));
     let at = |n: usize| {
-        let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
+        let Some(region) = subdivision.regions.regions.get(sides.regions[n] as usize) else {
             return (f32::NAN, f32::NAN, false);
         };
         let height = f64::from(heights[n]);

@@ -46,10 +46,10 @@ pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> 
 }
 
 fn of_trial(trial: &Trial, knobs: Option<Knobs>) -> Vec<Seen> {
-    let Trial { tiled, break_lines, places, grid } = trial;
-    let triangles = locate(&tiled.tin, grid, &());
-    let sides = sides(tiled, grid, &triangles);
-    let draft = draft(tiled, break_lines, grid, &triangles);
+    let Trial { subdivision, break_lines, places, grid } = trial;
+    let triangles = locate(&subdivision.tin, grid, &());
+    let sides = sides(subdivision, grid, &triangles);
+    let draft = draft(subdivision, break_lines, grid, &triangles);
     // Hidden contours all lie half-way, where heights are drawn to.
     let smooth = knobs.map(|knobs| spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
     let ask = |place: &crate::validate::trial::Place| {
@@ -59,9 +59,9 @@ fn of_trial(trial: &Trial, knobs: Option<Knobs>) -> Vec<Seen> {
             return None;
         }
         let near = triangles[row as usize * grid.cols + col as usize];
-        let t = if near == NONE { None } else { tiled.tin.locate(near, place.at - tiled.tin.origin) }?;
-        let band = tiled.regions.region(t)?.band;
-        let sides = sides.at(place.at, tiled.regions.of_triangle[t as usize])?;
+        let t = if near == NONE { None } else { subdivision.tin.locate(near, place.at - subdivision.tin.origin) }?;
+        let band = subdivision.regions.region(t)?.band;
+        let sides = sides.at(place.at, subdivision.regions.of_triangle[t as usize])?;
         let guide = f64::from(between(grid, &draft.guide, place.at)?);
         let height = match &smooth {
             Some(heights) => f64::from(between(grid, heights, place.at)?),
