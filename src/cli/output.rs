@@ -17,7 +17,7 @@ use tokosen::memory;
 use tokosen::spline::Wanted;
 use tokosen::subdomains::{Frame, FrameRing, frame_ring};
 use tokosen::surface::{Surface, Uncertainty, heights, heights_on};
-use tokosen::validate::{standard_errors, standard_errors_on};
+use tokosen::surface::{standard_errors, standard_errors_on};
 
 use super::Failure;
 use super::console::Console;

@@ -59,7 +59,7 @@ pub fn subdivide(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Re
 /// back from them; what contradicts the contours around it is left out.
 ///
 /// # Errors
-/// As [`subdivide`], and [`Error::Parameter`] when no contour lies at the level of the sea.
+/// As [`subdivide`], and [`Error::Parameter`](crate::base::error::Error::Parameter) when no contour lies at the level of the sea.
 pub fn subdivide_with_water(
     map: ContourMap,
     wanted: &Frame,

@@ -4,21 +4,23 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use super::nodes::{push_axis, with_nodes};
-use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use super::built::Surface;
+use super::conditions::conditions;
+use super::nodes::with_nodes;
+use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use super::skeleton_lines::{finer, with_skeleton};
+use super::trial_builder::TrialBuilder;
 use crate::base::error::{Error, Finding, Report, Result};
 use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::locate;
 use crate::memory;
-use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
-use crate::spline::{self, bytes_on, draft, spline, working_grid};
+use crate::skeleton::{Axis, Skeleton};
+use crate::spline::{self, bytes_on, spline, working_grid};
 use crate::subdivision::{Prepared, Subdivision, prepare};
-use crate::subdomains::Sheet;
-use crate::subdomains::{Gaps, Regions, Side};
-use crate::tin::{Tin, Triangulation};
-use crate::validate::error_field;
-use crate::validate::{Chosen, choose};
+use crate::subdomains::{Gaps, Regions, Sheet, Side};
+use crate::tin::Tin;
+use crate::validate::{Chosen, TrialParams, choose, error_field};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
 ///
@@ -36,19 +38,22 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             return Err(Error::Parameter(format!("the {name} is {value}, it must be 0 or more")));
         }
     }
+    let builder = TrialBuilder { resolution: (params.kind != SurfaceKind::Linear).then_some(params.resolution) };
+    let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder };
+    let choose = |sheet: &Sheet<'_>| choose(sheet, &params.spline, &trials);
     let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
-        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval), params)),
+        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
     let Triangulated { mut subdivision, bridges, finer, findings } = found?;
     // That took all labels for right. Only now it is known which are not.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
-        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.sheet_of(map), params) }),
+        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.sheet_of(map)) }),
         None => chosen,
     };
     let mut break_lines = Vec::new();
@@ -61,14 +66,14 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.sheet(), params.spline.wanted);
         let triangles = locate(&subdivision.tin, &grid, &());
-        let draft = draft(&subdivision, &break_lines, &grid, &triangles);
+        let conditions = conditions(&subdivision, &break_lines, &grid, &triangles);
         progress.finish();
-        (Some(spline(&draft, &chosen.knobs, progress)), triangles)
+        (Some(spline(&conditions, &chosen.knobs, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
         let known = trusted.as_ref().map(|map| subdivision.sheet_of(map));
-        let errors = error_field(&subdivision, known, params, chosen.as_ref(), working.as_ref());
+        let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), working.as_ref());
         progress.finish();
         errors
     });
@@ -113,27 +118,6 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
         Some(finer(&subdivision, triangulation, params.resolution)?)
     };
     Ok(Triangulated { subdivision, bridges, finer, findings })
-}
-
-/// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `subdivision`.
-pub(crate) fn finer(
-    subdivision: &Subdivision,
-    mut triangulation: Triangulation,
-    resolution: f64,
-) -> Result<(Skeleton, Tin)> {
-    let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution);
-    let input = triangulation.input();
-    subdivision.push_borders(input);
-    push_axis(input, &subdivision.tin.source, &skeleton.axis, &skeleton.flow.heights);
-    Ok((skeleton, triangulation.into_tin()?))
-}
-
-/// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.
-pub(crate) fn with_skeleton(
-    subdivision: Subdivision,
-    (skeleton, tin): (Skeleton, Tin),
-) -> (Subdivision, Vec<BreakLine>, Axis) {
-    (subdivision.retriangulated(tin, &|_| None), skeleton.lines, skeleton.axis)
 }
 
 /// The bridges as lines, higher ground on their right.

@@ -16,7 +16,7 @@ use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
 use crate::spline::Lattice;
 use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;
-use crate::tin::{InnerPoint, NONE, PartedEdge, TinInput, VertexKind};
+use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
@@ -85,20 +85,6 @@ pub(crate) fn with_nodes(
     let tin = subdivision.tin.refined(&subdivision.regions.of_triangle, &points, &edges)?;
     drop((points, edges));
     Ok((subdivision.retriangulated(tin, &|p| Some(f64::from(working.at(p)))), lines))
-}
-
-/// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the
-/// pieces lead to.
-pub(crate) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
-    let each = axis.points.iter().zip(heights);
-    let points: Vec<u32> = each.map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis)).collect();
-    for piece in &axis.pieces {
-        let [a, b] = piece.map(|end| match end {
-            End::Axis(p) => points[p as usize],
-            End::Vertex(v) => source[v as usize],
-        });
-        input.push_edge(a, b);
-    }
 }
 
 /// The vertices of the axis points in `subdivision` and their heights on the smooth surface; `axis` gets the sub-domains and
