@@ -16,9 +16,9 @@ writes nothing. In texts the seconds of the line "time", the temporary folder an
 Files are hashed as they are. The program writes no date and no random number to any format, and GeoPackages get a fixed
 `last_change`. Only another version of a library that writes files, such as SQLite or zlib, may change bytes alone.
 
-With --maps, each contour map of a folder (.gpkg, .geojson) goes through the main commands. Cells are chosen so that the
-grid has about half a million, new contours lie at half the vertical interval. A NAME.tif beside NAME.gpkg is the published
-height map: it gives the grid of another height map and is compared with the contours.
+With --maps, each contour map of a folder (.gpkg, .geojson) goes through the main commands, on a grid of about half a
+million cells and with new contours at half the vertical interval. A NAME.tif beside NAME.gpkg is the published height map.
+It is compared with the contours, and a height map is made on its grid.
 
 --texts-may-differ is for a change of wording: of stdout and stderr only the numbers are compared, in whatever order.
 --only takes the commands with NAME in their name; `record` then keeps the others as they are in the record.

@@ -105,7 +105,8 @@ class Changes(unittest.TestCase):
         for old, new, words in [
             ('" ".join', '"  ".join', ["plain: a.txt differs\n", "two: a.txt differs\n"]),
             ('"a.txt"', '"b.txt"', ["plain: a.txt is missing\n", "plain: b.txt is new\n"]),
-            ("height 12.5", "height 12.6", ["plain: stdout differs\n    @@ -1 +1 @@\n    -height 12.5 m\n    +height 12.6 m\n"]),
+            ("height 12.5", "height 12.6",
+             ["plain: stdout differs\n    @@ -1 +1 @@\n    -height 12.5 m\n    +height 12.6 m\n"]),
             ("read by", "read with", ["plain: stderr differs\n"]),
             ("(2 if", "(1 if", ["refused: status was [2], is [1]", "refused: exit status [1], not [2]"]),
             ("(reading", "(writing", ["plain: stdout differs"]),
