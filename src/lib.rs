@@ -86,6 +86,7 @@ pub mod dem;
 #[path = "../tests/common/draws.rs"]
 mod draws;
 pub mod error;
+pub mod guide;
 pub mod io;
 pub mod memory;
 pub mod mesh;
