@@ -88,6 +88,7 @@ pub mod draw;
 #[path = "../tests/common/draws.rs"]
 mod draws;
 mod geometry;
+pub mod guide;
 pub mod io;
 pub mod memory;
 pub mod mesh;
