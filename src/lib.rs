@@ -17,10 +17,10 @@
 //! | [`resample::sample`](fn@resample::sample) | a clean map | a [`Sampled`](resample::Sampled) one: vertices as dense as the contours around ask |
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
 //! | [`subdomains::regions`] | a triangulation | [`Regions`](subdomains::Regions): sub-domains with the band of levels of each |
-//! | [`surface::tiling`] | a clean map | a [`Tiling`](surface::Tiling): the triangulation with its sub-domains |
+//! | [`subdivision::subdivide`](fn@subdivision::subdivide) | a clean map | a [`Subdivision`](subdivision::Subdivision): the triangulation with its sub-domains |
 //! | [`subdomains::landforms`] | both | a [`Landform`](subdomains::Landform) a sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
-//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): tiling, skeleton and smooth surface, heights everywhere |
+//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface, heights everywhere |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem) |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
@@ -88,6 +88,7 @@ pub mod draw;
 #[path = "../tests/common/draws.rs"]
 mod draws;
 mod geometry;
+pub mod guide;
 pub mod io;
 mod memory;
 pub mod mesh;
@@ -95,6 +96,7 @@ pub mod resample;
 pub mod skeleton;
 pub mod slice;
 pub mod spline;
+pub mod subdivision;
 pub mod subdomains;
 pub mod surface;
 pub mod terrain;

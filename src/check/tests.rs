@@ -7,8 +7,8 @@ use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::check::correct;
 use crate::clean::{CleanParams, clean};
 use crate::contour::{Contour, ContourMap};
+use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
-use crate::surface::{Tiling, tiling};
 
 /// Kinds that the check of labels, ends and missing contours makes.
 const JUDGED: [FindingKind; 7] = [
@@ -51,17 +51,17 @@ fn levels(count: usize) -> Vec<f64> {
     (0..count).map(|k| 100.0 + 10.0 * k as f64).collect()
 }
 
-fn tiled(contours: Vec<Contour>) -> (Tiling, Vec<Finding>) {
+fn subdivided(contours: Vec<Contour>) -> (Subdivision, Vec<Finding>) {
     let map = ContourMap { contours, ..ContourMap::default() };
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let report = tiling(map, &Frame::Hull, &()).unwrap();
+    let report = subdivide(map, &Frame::Hull, &()).unwrap();
     let mut findings = report.findings;
     findings.retain(|f| JUDGED.contains(&f.kind));
     (report.value, findings)
 }
 
 fn found(contours: Vec<Contour>) -> Vec<(FindingKind, Vec<u64>, Option<f64>)> {
-    let told = tiled(contours).1;
+    let told = subdivided(contours).1;
     let proposed = |f: &Finding| match f.proposal {
         Some(Proposal::Relabel { to, .. }) => Some(to),
         _ => None,
@@ -124,11 +124,11 @@ fn the_innermost_ring_gets_the_level_that_rises_on() {
 fn what_can_be_mended_in_two_ways_is_told_and_not_mended() {
     // 160 for the last ring, or 140 for the one before it; 150 for the last but one, or 130 for the last.
     for (innermost, feature) in [([150.0, 130.0], 6), ([140.0, 160.0], 7)] {
-        let (tiling, told) = tiled(hill(&[&levels(5)[..], &innermost].concat()));
+        let (subdivision, told) = subdivided(hill(&[&levels(5)[..], &innermost].concat()));
         assert_eq!(told.len(), 1, "{told:?}");
         assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::WrongLabel, &[feature][..]));
         assert!(told[0].message.contains("unless a contour beside it is wrong or missing"), "{told:?}");
-        assert_eq!((told[0].proposal.clone(), tiling.corrections), (None, Vec::new()));
+        assert_eq!((told[0].proposal.clone(), subdivision.corrections), (None, Vec::new()));
     }
     // Of the two levels that the innermost ring can have, 160 goes on rising, and 150 has its digits.
     let mut elevations = levels(7);
@@ -161,7 +161,7 @@ fn a_missing_contour_is_told_with_its_place() {
         let mut lines = lines;
         let is_hill = lines[0].is_closed();
         lines.remove(4);
-        let (_, told) = tiled(lines);
+        let (_, told) = subdivided(lines);
         assert_eq!(told.len(), 1, "{told:?}");
         assert_eq!(told[0].kind, FindingKind::SkippedLevel);
         assert_eq!(told[0].elevations, [130.0, 150.0]);
@@ -180,7 +180,7 @@ fn a_missing_contour_beside_a_wrong_label_is_told_too() {
         lines
     };
     for lines in [without(slope(&elevations)), without(hill(&elevations))] {
-        let told = tiled(lines).1;
+        let told = subdivided(lines).1;
         let kinds: Vec<_> = told.iter().map(|f| (f.kind, &f.features[..])).collect();
         assert_eq!(kinds, [(FindingKind::SkippedLevel, &[4][..]), (FindingKind::WrongLabel, &[4][..])], "{told:?}");
         assert!(
@@ -192,20 +192,20 @@ fn a_missing_contour_beside_a_wrong_label_is_told_too() {
 
 #[test]
 fn a_short_gap_is_told_once_and_can_be_joined() {
-    let (tiling, told) = tiled(cut(slope(&levels(7)), 3, 40, 45));
+    let (subdivision, told) = subdivided(cut(slope(&levels(7)), 3, 40, 45));
     assert_eq!(told.len(), 1, "{told:?}");
     assert_eq!(told[0].kind, FindingKind::Gap);
     assert_eq!(told[0].features, [4, 104]);
     assert!(matches!(told[0].proposal, Some(Proposal::Join { .. })));
-    assert!(matches!(tiling.corrections[..], [Correction::Join { .. }]));
-    let mended = correct(tiling.map, &tiling.corrections).value.contours;
+    assert!(matches!(subdivision.corrections[..], [Correction::Join { .. }]));
+    let mended = correct(subdivision.map, &subdivision.corrections).value.contours;
     assert_eq!(found(mended), []);
 }
 
 #[test]
 fn a_long_gap_is_told_once() {
     for (from, to) in [(30, 60), (35, 70)] {
-        let (_, told) = tiled(cut(slope(&levels(7)), 3, from, to));
+        let (_, told) = subdivided(cut(slope(&levels(7)), 3, from, to));
         assert_eq!(told.len(), 1, "{told:?}");
         assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::Gap, &[4, 104][..]));
     }
@@ -243,9 +243,9 @@ fn a_mislabelled_piece_between_open_ends_does_not_fit_its_band() {
 #[test]
 fn the_order_of_the_features_does_not_matter() {
     let mut lines = cut(slope(&[100.0, 110.0, 120.0, 310.0, 140.0, 160.0, 170.0, 180.0, 190.0]), 7, 30, 50);
-    let forward = tiled(lines.clone()).1;
+    let forward = subdivided(lines.clone()).1;
     lines.reverse();
-    assert_eq!(tiled(lines).1, forward);
+    assert_eq!(subdivided(lines).1, forward);
     assert_eq!(forward.len(), 3, "{forward:?}");
 }
 
@@ -284,8 +284,8 @@ mod random {
             let truth: Vec<f64> = lines.iter().map(|line| line.elevation).collect();
             lines[k].elevation += 10.0 * f64::from(by) * if which % 2 == 0 { 1.0 } else { -1.0 };
             let feature = lines[k].feature;
-            let tiling = tiled(lines.clone()).0;
-            let mended = correct(tiling.map, &tiling.corrections).value.contours;
+            let subdivision = subdivided(lines.clone()).0;
+            let mended = correct(subdivision.map, &subdivision.corrections).value.contours;
             let told = found(lines);
             prop_assert_eq!(told.len(), 1, "{:?}", told);
             // With 140, 150, 130 inwards, 160 for the last explains as much as 130 for the one around it.
@@ -294,7 +294,7 @@ mod random {
             // If anything is mended it is that line, and where one level fits it alone it has its own again.
             for line in mended {
                 let level = truth[line.feature as usize - 1];
-                let may_differ = line.feature == feature && (innermost || tiling.corrections.is_empty());
+                let may_differ = line.feature == feature && (innermost || subdivision.corrections.is_empty());
                 prop_assert!(line.elevation == level || may_differ, "{:?}", told);
             }
         }

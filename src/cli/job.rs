@@ -8,7 +8,7 @@ use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
 use tokosen::io::{StagedOutput, check_paths};
-use tokosen::surface::Tiling;
+use tokosen::subdivision::Subdivision;
 use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
@@ -53,9 +53,9 @@ impl<'a> Job<'a> {
     }
 
     /// Finds the sub-domains between them.
-    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs) -> Result<Tiling, Failure> {
-        let tiled = input.subdivide(water.sea, self.console);
-        tiled.map_err(|error| told(error, &input.findings, self.console).into())
+    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs) -> Result<Subdivision, Failure> {
+        let subdivision = input.subdivide(water.sea, self.console);
+        subdivision.map_err(|error| told(error, &input.findings, self.console).into())
     }
 
     /// Draws the picture, still under its temporary name, if one is asked for.

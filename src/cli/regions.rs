@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tokosen::io::StagedOutput;
 use tokosen::io::layer::of_landforms;
-use tokosen::io::write_layers_back;
+use tokosen::io::{StagedOutput, write_layers_back};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
-use tokosen::terrain::{landform_patches, tiling_picture};
+use tokosen::terrain::{landform_patches, subdivision_picture};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -58,13 +57,13 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.places)?;
-    let tiled = job.subdivide(&mut input, &args.water)?;
-    let forms = console.step("landforms", || landforms(&tiled.tin, &tiled.regions));
-    let layer = of_landforms(&forms, &tiled.tin, &tiled.regions);
+    let subdivision = job.subdivide(&mut input, &args.water)?;
+    let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
+    let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
-    job.draw(|| tiling_picture(&tiled, &[], Some(&landform_patches(&forms, &tiled.tin))))?;
+    job.draw(|| subdivision_picture(&subdivision, &[], Some(&landform_patches(&forms, &subdivision.tin))))?;
 
-    job.tell(&input.findings, &tiled.map);
+    job.tell(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = commit(staged)?;
     console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));

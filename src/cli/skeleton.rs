@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
-use tokosen::terrain::{tiling_picture, triangle_patches};
+use tokosen::terrain::{subdivision_picture, triangle_patches};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -75,26 +75,27 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
-    let tiled = job.subdivide(&mut input, &args.water)?;
-    let found = console.step("ridge and canyon lines", || skeleton(&tiled.tin, &tiled.regions, args.resolution));
+    let subdivision = job.subdivide(&mut input, &args.water)?;
+    let found =
+        console.step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution));
     let written = console.step("writing", || {
         let mut layers = vec![skeleton_lines(&found)];
         if args.triangles {
-            layers.push(skeleton_triangles(&tiled, &found));
+            layers.push(skeleton_triangles(&subdivision, &found));
         }
         let edges;
         if args.curve_mesh {
-            edges = junction_edges(&tiled.tin, &tiled.regions, &found);
-            layers.push(curve_mesh(&tiled, &found, &edges));
+            edges = junction_edges(&subdivision.tin, &subdivision.regions, &found);
+            layers.push(curve_mesh(&subdivision, &found, &edges));
         }
         write_layers_back(&staged, &layers, &back)
     })?;
     job.draw(|| {
-        let patches = args.triangles.then(|| triangle_patches(&tiled.tin, &found));
-        tiling_picture(&tiled, &found.lines, patches.as_ref())
+        let patches = args.triangles.then(|| triangle_patches(&subdivision.tin, &found));
+        subdivision_picture(&subdivision, &found.lines, patches.as_ref())
     })?;
 
-    job.tell(&input.findings, &tiled.map);
+    job.tell(&input.findings, &subdivision.map);
     describe(&found, args.resolution, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::Wanted;
+use super::params::Wanted;
 use crate::base::Grid;
 use crate::contour::{SourceRaster, source_raster};
 use crate::subdomains::Sheet;

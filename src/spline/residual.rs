@@ -30,7 +30,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         f64::from(heights[n]) * (1.0 - along) + f64::from(heights[n + step]) * along
     };
     let (mut east, mut south) = (Vec::new(), Vec::new());
-    for &(level, points) in &problem.contours {
+    for &(level, points) in problem.contours {
         lattice.cross(
             points,
             |c| east.push((c, level - between(c.node, 1, c.along))),

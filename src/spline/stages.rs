@@ -5,13 +5,15 @@ use std::borrow::Cow;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::STEP;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
 use super::reweight::{let_crease, near_contours, tighten};
 use crate::base::progress::Progress;
+
+/// What this step is called where progress is told.
+pub const STEP: &str = "smooth surface";
 
 /// The coarsest lattice has at most so many rows and columns.
 const COARSEST: usize = 12;
@@ -42,11 +44,11 @@ pub struct Problem<'a> {
     /// The finest lattice.
     pub lattice: Lattice,
     /// Level and vertices of the contours.
-    pub contours: Vec<(f64, &'a [DVec2])>,
+    pub contours: &'a [(f64, &'a [DVec2])],
     /// Single crossings with heights, for spot heights.
     pub spots: Vec<(Crossing, f64)>,
     /// Ridge and canyon lines.
-    pub creases: Vec<Vec<DVec2>>,
+    pub creases: &'a [Vec<DVec2>],
     /// Where bending across those begins to count less, as a share of where it does elsewhere.
     pub crease_knee: f64,
     /// Lowest and highest heights.
@@ -229,7 +231,7 @@ impl Stage<'_> {
         let contours = [east, south];
 
         let mut cut = [vec![false; count], vec![false; count]];
-        for line in &problem.creases {
+        for line in problem.creases {
             let [east, south] = &mut cut;
             lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
         }
@@ -371,9 +373,9 @@ mod tests {
         let heights = |gap: f64| {
             let problem = Problem {
                 lattice,
-                contours: vec![(10.0, &lines[0]), (20.0, &lines[1])],
+                contours: &[(10.0, &lines[0]), (20.0, &lines[1])],
                 spots: Vec::new(),
-                creases: Vec::new(),
+                creases: &[],
                 crease_knee: 0.1,
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
                 guide: &guide,

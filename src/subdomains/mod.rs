@@ -11,7 +11,6 @@ mod outline;
 mod regions;
 mod sheet;
 mod touch;
-pub(crate) mod water;
 mod waters;
 
 pub use frame::{Frame, FrameRing, frame_ring};
@@ -27,5 +26,4 @@ pub use outline::Outline;
 pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
 pub(crate) use sheet::Sheet;
 pub use touch::agreeing_at_corners;
-pub use water::Water;
 pub use waters::{contradicted_lakes, with_water};

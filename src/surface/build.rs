@@ -1,29 +1,31 @@
-//! From a clean map to a surface: tiling, skeleton, and a triangulation with it.
+//! From a clean map to a surface: subdivision, skeleton, and a triangulation with it.
 
 use std::collections::HashSet;
 
 use glam::DVec2;
 
-use super::nodes::{push_axis, with_nodes};
-use super::tiling::{Prepared, Tiling, prepare};
-use super::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use super::built::Surface;
+use super::conditions::conditions;
+use super::nodes::with_nodes;
+use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use super::skeleton_lines::{finer, with_skeleton};
+use super::trial_builder::TrialBuilder;
 use crate::base::error::{Error, Finding, Report, Result};
 use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::locate;
 use crate::memory;
-use crate::skeleton::{Axis, BreakLine, Skeleton, skeleton};
-use crate::spline::{self, bytes_on, draft, spline, working_grid};
-use crate::subdomains::Sheet;
-use crate::subdomains::{Gaps, Regions, Side};
-use crate::tin::{Tin, Triangulation};
-use crate::validate::error_field;
-use crate::validate::{Chosen, choose};
+use crate::skeleton::{Axis, Skeleton};
+use crate::spline::{self, bytes_on, spline, working_grid};
+use crate::subdivision::{Prepared, Subdivision, prepare};
+use crate::subdomains::{Gaps, Regions, Sheet, Side};
+use crate::tin::Tin;
+use crate::validate::{Chosen, TrialParams, choose, error_field};
 
 /// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
 ///
 /// # Errors
-/// As [`tiling_with_water`](super::tiling_with_water), and when the parameters are out of range.
+/// As [`subdivide_with_water`](crate::subdivision::subdivide_with_water), and when the parameters are out of range.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
         return Err(Error::out_of_range("resolution parameter w", params.resolution, "0 or more"));
@@ -33,39 +35,42 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             return Err(Error::out_of_range(name, value, "0 or more"));
         }
     }
+    let builder = TrialBuilder { resolution: (params.kind != SurfaceKind::Linear).then_some(params.resolution) };
+    let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder };
+    let choose = |sheet: &Sheet<'_>| choose(sheet, &params.spline, &trials);
     let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
-        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval), params)),
+        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut tiled, bridges, finer, findings } = found?;
+    let Triangulated { mut subdivision, bridges, finer, findings } = found?;
     // That took all labels for right. Only now it is known which are not.
-    let trusted = tiled.trusted();
+    let trusted = subdivision.trusted();
     let chosen = match &trusted {
-        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&tiled.sheet_of(map), params) }),
+        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.sheet_of(map)) }),
         None => chosen,
     };
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
-        (tiled, break_lines, axis) = with_skeleton(tiled, finer);
+        (subdivision, break_lines, axis) = with_skeleton(subdivision, finer);
         progress.finish();
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
-        let grid = working_grid(&tiled.sheet(), params.spline.wanted);
-        let triangles = locate(&tiled.tin, &grid, &());
-        let draft = draft(&tiled, &break_lines, &grid, &triangles);
+        let grid = working_grid(&subdivision.sheet(), params.spline.wanted);
+        let triangles = locate(&subdivision.tin, &grid, &());
+        let conditions = conditions(&subdivision, &break_lines, &grid, &triangles);
         progress.finish();
-        (Some(spline(&draft, &chosen.knobs, progress)), triangles)
+        (Some(spline(&conditions, &chosen.knobs, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
-        let known = trusted.as_ref().map(|map| tiled.sheet_of(map));
-        let errors = error_field(&tiled, known, params, chosen.as_ref(), working.as_ref());
+        let known = trusted.as_ref().map(|map| subdivision.sheet_of(map));
+        let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), working.as_ref());
         progress.finish();
         errors
     });
@@ -73,17 +78,17 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         && let Some(working) = &working
     {
         progress.start("triangulating the smooth surface", 0);
-        (tiled, break_lines) = with_nodes(tiled, axis, working, &triangles)?;
+        (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles)?;
         progress.finish();
     }
-    let Tiling { map, tin, regions, frame, interval, .. } = tiled;
+    let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
     let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen, errors };
     Ok(Report { value: surface, findings })
 }
 
 /// The triangulated map, before the ridge and canyon lines are in it.
 struct Triangulated {
-    tiled: Tiling,
+    subdivision: Subdivision,
     bridges: Vec<(f64, [DVec2; 2])>,
     /// Those lines and the triangulation with them, but for the linear surface. Their step is not finished.
     finer: Option<(Skeleton, Tin)>,
@@ -92,38 +97,24 @@ struct Triangulated {
 
 /// Triangulates a map, and finds its ridge and canyon lines where they are needed.
 fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
-    let Report { value: mut tiled, findings } = prepared.tiled(&params.water, progress)?;
+    let Report { value: mut subdivision, findings } = prepared.subdivide(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
-        let grid = working_grid(&tiled.sheet(), params.spline.wanted);
-        let length = tiled.map.contours.iter().map(|c| c.length()).sum();
+        let grid = working_grid(&subdivision.sheet(), params.spline.wanted);
+        let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
         let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
         memory::check(bytes_on(&grid, length), params.memory, what, remedy)?;
     }
     // A good part of the memory, so it goes where it is not needed any more.
-    let triangulation = std::mem::take(&mut tiled.triangulation);
-    let bridges = bridges(&tiled.tin, &tiled.regions, &tiled.gaps);
+    let triangulation = std::mem::take(&mut subdivision.triangulation);
+    let bridges = bridges(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let finer = if params.kind == SurfaceKind::Linear {
         None
     } else {
         progress.start("ridge and canyon lines", 0);
-        Some(finer(&tiled, triangulation, params.resolution)?)
+        Some(finer(&subdivision, triangulation, params.resolution)?)
     };
-    Ok(Triangulated { tiled, bridges, finer, findings })
-}
-
-/// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `tiled`.
-pub(crate) fn finer(tiled: &Tiling, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
-    let skeleton = skeleton(&tiled.tin, &tiled.regions, resolution);
-    let input = triangulation.input();
-    tiled.push_borders(input);
-    push_axis(input, &tiled.tin.source, &skeleton.axis, &skeleton.flow.heights);
-    Ok((skeleton, triangulation.into_tin()?))
-}
-
-/// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.
-pub(crate) fn with_skeleton(tiled: Tiling, (skeleton, tin): (Skeleton, Tin)) -> (Tiling, Vec<BreakLine>, Axis) {
-    (tiled.retriangulated(tin, None), skeleton.lines, skeleton.axis)
+    Ok(Triangulated { subdivision, bridges, finer, findings })
 }
 
 /// The bridges as lines, higher ground on their right.

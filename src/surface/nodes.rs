@@ -10,13 +10,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
-use super::tiling::Tiling;
 use crate::base::error::Result;
 use crate::contour::source_raster;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
 use crate::spline::Lattice;
 use crate::spline::WorkingGrid;
-use crate::tin::{InnerPoint, NONE, PartedEdge, TinInput, VertexKind};
+use crate::subdivision::Subdivision;
+use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
 
 /// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
 const CLEARANCE: f64 = 0.6;
@@ -32,32 +32,32 @@ const LARGEST: usize = 16;
 
 /// A triangulation of the smooth surface, and the ridge and canyon lines with its heights.
 ///
-/// `tiled` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
+/// `subdivision` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
 /// `triangles`.
 pub(crate) fn with_nodes(
-    mut tiled: Tiling,
+    mut subdivision: Subdivision,
     mut axis: Axis,
     working: &WorkingGrid,
     triangles: &[u32],
-) -> Result<(Tiling, Vec<BreakLine>)> {
+) -> Result<(Subdivision, Vec<BreakLine>)> {
     let lattice = Lattice::of_grid(&working.grid);
-    let (vertices, mut heights) = smooth_heights(&tiled, &mut axis, working);
+    let (vertices, mut heights) = smooth_heights(&subdivision, &mut axis, working);
     let step = lattice.step.max_element();
-    let stride = (tiled.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
+    let stride = (subdivision.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
     let spacing = stride as f64 * step;
-    let parted = part_long_pieces(&tiled, &mut axis, (&vertices, &mut heights), working, spacing);
-    let flow = flow(&tiled.tin, &tiled.regions, &axis, heights);
-    let lines = break_lines(&tiled.tin, &tiled.regions, &axis, &flow);
+    let parted = part_long_pieces(&subdivision, &mut axis, (&vertices, &mut heights), working, spacing);
+    let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights);
+    let lines = break_lines(&subdivision.tin, &subdivision.regions, &axis, &flow);
 
     let coarse = Strided { lattice, stride };
-    let is_source = source_raster(&tiled.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
+    let is_source = source_raster(&subdivision.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
     let clearance = if is_source { CLEARANCE_OF_SOURCE } else { CLEARANCE };
-    let regions = clear_nodes(&tiled, working, triangles, &coarse, clearance);
-    let kept = thinned(&regions, working, &coarse, TOLERANCE * tiled.interval.step);
+    let regions = clear_nodes(&subdivision, working, triangles, &coarse, clearance);
+    let kept = thinned(&regions, working, &coarse, TOLERANCE * subdivision.interval.step);
     let point = |k: usize| {
         let (region, node) = (regions[k], coarse.node(k));
-        let band = tiled.regions.regions[region as usize].band;
-        let position = working.grid.center(node % lattice.cols, node / lattice.cols) - tiled.tin.origin;
+        let band = subdivision.regions.regions[region as usize].band;
+        let position = working.grid.center(node % lattice.cols, node / lattice.cols) - subdivision.tin.origin;
         InnerPoint {
             region,
             kind: VertexKind::Axis,
@@ -66,7 +66,7 @@ pub(crate) fn with_nodes(
         }
     };
     let mut points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
-    let mut edges = part_long_borders(&tiled, spacing, &mut points);
+    let mut edges = part_long_borders(&subdivision, spacing, &mut points);
     for PartedPiece { edge, points: between } in parted {
         let first = points.len();
         let each = axis.points[between.clone()].iter().zip(&flow.heights[between]);
@@ -79,32 +79,18 @@ pub(crate) fn with_nodes(
         edges.push(PartedEdge { edge, points: first..points.len() });
     }
     for (&v, &height) in vertices.iter().zip(&flow.heights) {
-        tiled.tin.heights[v as usize] = height;
+        subdivision.tin.heights[v as usize] = height;
     }
     drop((regions, axis, flow));
-    let tin = tiled.tin.refined(&tiled.regions.of_triangle, &points, &edges)?;
+    let tin = subdivision.tin.refined(&subdivision.regions.of_triangle, &points, &edges)?;
     drop((points, edges));
-    Ok((tiled.retriangulated(tin, Some(working)), lines))
+    Ok((subdivision.retriangulated(tin, &|p| Some(f64::from(working.at(p)))), lines))
 }
 
-/// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the
-/// pieces lead to.
-pub(crate) fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
-    let each = axis.points.iter().zip(heights);
-    let points: Vec<u32> = each.map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis)).collect();
-    for piece in &axis.pieces {
-        let [a, b] = piece.map(|end| match end {
-            End::Axis(p) => points[p as usize],
-            End::Vertex(v) => source[v as usize],
-        });
-        input.push_edge(a, b);
-    }
-}
-
-/// The vertices of the axis points in `tiled` and their heights on the smooth surface; `axis` gets the sub-domains and
-/// triangles of `tiled`, and those points that are no vertex of their own are left out.
-fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
-    let tin = &tiled.tin;
+/// The vertices of the axis points in `subdivision` and their heights on the smooth surface; `axis` gets the sub-domains and
+/// triangles of `subdivision`, and those points that are no vertex of their own are left out.
+fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
+    let tin = &subdivision.tin;
     let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
     for (v, &source) in tin.source.iter().enumerate() {
         vertex_of[source as usize] = v as u32;
@@ -127,18 +113,18 @@ fn smooth_heights(tiled: &Tiling, axis: &mut Axis, working: &WorkingGrid) -> (Ve
     let mut vertices = Vec::with_capacity(axis.points.len());
     let mut known = vec![true; axis.points.len()];
     for (k, point) in axis.points.iter_mut().enumerate() {
-        let vertex = vertex_of.get(tiled.given + k).copied().filter(|&v| v != NONE);
+        let vertex = vertex_of.get(subdivision.given + k).copied().filter(|&v| v != NONE);
         let triangle = vertex.map(|v| triangle_of[v as usize]).filter(|&t| t != NONE);
         let (Some(v), Some(t)) = (vertex, triangle) else {
             known[k] = false;
             continue;
         };
         point.triangle = t;
-        point.region = tiled.regions.of_triangle[t as usize];
+        point.region = subdivision.regions.of_triangle[t as usize];
         let before = tin.heights[v as usize];
         let height = smooth_height(working, point.position + tin.origin, before, contour_distance[v as usize]);
         vertices.push(v);
-        heights.push(tiled.regions.regions[point.region as usize].band.strictly_inside(height));
+        heights.push(subdivision.regions.regions[point.region as usize].band.strictly_inside(height));
     }
     // A point that shares its place with another vertex, or lies outside the frame, ends the pieces that lead to it.
     let is_known = |end: &End| !matches!(end, End::Axis(p) if !known[*p as usize]);
@@ -193,12 +179,18 @@ impl Strided {
 }
 
 /// The sub-domain of each node, [`NONE`] where there is no height and near edges that the triangulation must hold.
-fn clear_nodes(tiled: &Tiling, working: &WorkingGrid, triangles: &[u32], nodes: &Strided, clearance: f64) -> Vec<u32> {
-    let tin = &tiled.tin;
+fn clear_nodes(
+    subdivision: &Subdivision,
+    working: &WorkingGrid,
+    triangles: &[u32],
+    nodes: &Strided,
+    clearance: f64,
+) -> Vec<u32> {
+    let tin = &subdivision.tin;
     let region = |k: usize| {
         let node = nodes.node(k);
         let t = triangles[node];
-        if t == NONE || working.heights[node].is_nan() { NONE } else { tiled.regions.of_triangle[t as usize] }
+        if t == NONE || working.heights[node].is_nan() { NONE } else { subdivision.regions.of_triangle[t as usize] }
     };
     let mut regions: Vec<u32> = (0..nodes.cols() * nodes.rows()).into_par_iter().map(region).collect();
     let place = |v: u32| nodes.place(tin.positions[v as usize] + tin.origin);

@@ -12,9 +12,9 @@ use glam::DVec2;
 use robust::{Coord, orient2d};
 
 use super::nodes::smooth_height;
-use super::tiling::Tiling;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
 use crate::spline::WorkingGrid;
+use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
 /// Rounding takes a place between two others no more than so many steps between large numbers off their line.
@@ -26,18 +26,18 @@ pub(crate) struct PartedPiece {
     pub points: Range<usize>,
 }
 
-/// Parts pieces of `axis` that are edges of `tiled`, at most so that the parts are `spacing` long, map units. Points are added
+/// Parts pieces of `axis` that are edges of `subdivision`, at most so that the parts are `spacing` long, map units. Points are added
 /// to `axis`, and their heights on the smooth surface to `heights`.
 ///
 /// `vertices` are those of the axis points.
 pub(crate) fn part_long_pieces(
-    tiled: &Tiling,
+    subdivision: &Subdivision,
     axis: &mut Axis,
     (vertices, heights): (&[u32], &mut Vec<f64>),
     working: &WorkingGrid,
     spacing: f64,
 ) -> Vec<PartedPiece> {
-    let tin = &tiled.tin;
+    let tin = &subdivision.tin;
     let narrow = narrow(tin);
     let mut long: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
@@ -70,9 +70,9 @@ pub(crate) fn part_long_pieces(
             let position = tin.positions[u].lerp(tin.positions[v], share);
             let before = tin.heights[u] + share * (tin.heights[v] - tin.heights[u]);
             let height = smooth_height(working, position + tin.origin, before, contour_distance(tin, sides, position));
-            let (triangle, region) = (sides[0], tiled.regions.of_triangle[sides[0] as usize]);
+            let (triangle, region) = (sides[0], subdivision.regions.of_triangle[sides[0] as usize]);
             axis.points.push(AxisPoint { position, level, triangle, region });
-            heights.push(tiled.regions.regions[region as usize].band.strictly_inside(height));
+            heights.push(subdivision.regions.regions[region as usize].band.strictly_inside(height));
         }
         let points = from..axis.points.len();
         let between = points.clone().map(|p| End::Axis(p as u32));
@@ -84,17 +84,21 @@ pub(crate) fn part_long_pieces(
     parted
 }
 
-/// Parts edges of `tiled` at the outer border that are no contours, at most so that the parts are `spacing` long, map units.
+/// Parts edges of `subdivision` at the outer border that are no contours, at most so that the parts are `spacing` long, map units.
 /// The points are added to `points`; like corners of the frame they have no heights yet.
 ///
 /// Edges with something beyond them stay: a polygon that is not convex, and contours that end beside a straight border.
-pub(crate) fn part_long_borders(tiled: &Tiling, spacing: f64, points: &mut Vec<InnerPoint>) -> Vec<PartedEdge> {
-    let tin = &tiled.tin;
+pub(crate) fn part_long_borders(
+    subdivision: &Subdivision,
+    spacing: f64,
+    points: &mut Vec<InnerPoint>,
+) -> Vec<PartedEdge> {
+    let tin = &subdivision.tin;
     let narrow = narrow(tin);
     let mut parted = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-        let region = tiled.regions.of_triangle[t as usize];
-        let is_dry = tiled.regions.region(t).is_some_and(|r| r.water.is_none());
+        let region = subdivision.regions.of_triangle[t as usize];
+        let is_dry = subdivision.regions.region(t).is_some_and(|r| r.water.is_none());
         let is_border = |i: &usize| tin.neighbours[t as usize][*i] == NONE && tin.contour_level(t, *i).is_none();
         for i in (0..3).filter(|i| is_dry && is_border(i) && tin.edge_length(t, *i) >= 2.0 * spacing) {
             let edge = tin.edge(t, i);

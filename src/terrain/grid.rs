@@ -14,8 +14,7 @@ use crate::io::raster::read_grid;
 use crate::memory;
 use crate::spline::Wanted;
 use crate::subdomains::{Frame, FrameRing, frame_ring};
-use crate::surface::{Surface, heights, heights_on};
-use crate::validate::{standard_errors, standard_errors_on};
+use crate::surface::{Surface, heights, heights_on, standard_errors, standard_errors_on};
 
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]

@@ -26,7 +26,7 @@ pub use input::{Input, InputOptions};
 pub use measure::{MeasureOptions, measure};
 pub use options::Options;
 pub use patches::{landform_patches, triangle_patches};
-pub use picture::{picture, tiling_picture};
+pub use picture::{picture, subdivision_picture};
 pub use prepare::{Preparation, Repair, all_right, is_repair};
 pub use told::{comparison_json, page, sentences, table};
 

@@ -4,7 +4,7 @@ use super::{GridSpec, Input, Preparation};
 use crate::base::error::Result;
 use crate::crs::Places;
 use crate::spline::SplineParams;
-use crate::subdomains::Water;
+use crate::subdivision::Water;
 use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 
 use super::grid::Cells;

@@ -9,8 +9,9 @@ use crate::contour::{Contour, ContourLine, Interval, Source};
 use crate::dem::{Dem, rasterise};
 use crate::draw::preview::{Patches, Preview, map_grid, render};
 use crate::skeleton::BreakLine;
+use crate::subdivision::Subdivision;
 use crate::subdomains::FrameRing;
-use crate::surface::{Surface, Tiling, heights};
+use crate::surface::{Surface, heights};
 
 /// How many levels of the input lie between index contours in a picture.
 const INDEX_EVERY: i64 = 5;
@@ -28,10 +29,15 @@ pub fn picture(surface: &Surface, contours: &[ContourLine]) -> Result<RgbImage> 
 ///
 /// # Errors
 /// As [`map_grid`] and [`render`].
-pub fn tiling_picture(tiling: &Tiling, break_lines: &[BreakLine], patches: Option<&Patches>) -> Result<RgbImage> {
-    let contours: Vec<ContourLine> = tiling.map.contours.iter().map(|c| contour_line(c, &tiling.interval)).collect();
-    let scene = Scene { frame: &tiling.frame, contours: &contours, break_lines, patches };
-    scene.draw(|grid| rasterise(&tiling.tin, grid, tiling.map.crs.clone(), &()))
+pub fn subdivision_picture(
+    subdivision: &Subdivision,
+    break_lines: &[BreakLine],
+    patches: Option<&Patches>,
+) -> Result<RgbImage> {
+    let contours: Vec<ContourLine> =
+        subdivision.map.contours.iter().map(|c| contour_line(c, &subdivision.interval)).collect();
+    let scene = Scene { frame: &subdivision.frame, contours: &contours, break_lines, patches };
+    scene.draw(|grid| rasterise(&subdivision.tin, grid, subdivision.map.crs.clone(), &()))
 }
 
 /// What a picture shows.

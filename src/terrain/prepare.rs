@@ -7,8 +7,8 @@ use crate::check::{LineParams, correct, examine, first_causes, merged};
 use crate::clean::{CleanParams, clean};
 use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
-use crate::subdomains::{Frame, Water};
-use crate::surface::{Tiling, tiling, tiling_with_water};
+use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
+use crate::subdomains::Frame;
 
 /// How far a map is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -175,8 +175,8 @@ impl Input {
     fn correct_ground(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         for _ in 0..ROUNDS {
             // A map that no surface can be made of is told by the step that makes it.
-            let Ok(tiled) = tiling(self.map.clone(), &Frame::Hull, progress) else { break };
-            let corrections = tiled.value.corrections;
+            let Ok(subdivision) = subdivide(self.map.clone(), &Frame::Hull, progress) else { break };
+            let corrections = subdivision.value.corrections;
             if corrections.is_empty() {
                 break;
             }
@@ -192,16 +192,16 @@ impl Input {
     /// A map of fewer than two levels has no such ground, which is a finding too.
     ///
     /// # Errors
-    /// As [`tiling`]. The findings stay in the input.
+    /// As [`subdivide`]. The findings stay in the input.
     pub fn judge(&mut self, progress: &dyn Progress) -> Result<ContourMap> {
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-        match (tiling(map, &Frame::Hull, progress), flat) {
+        match (subdivide(map, &Frame::Hull, progress), flat) {
             (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {
                 self.findings.push(Finding::general(FindingKind::TooFewLevels, error.to_string()));
                 Ok(map)
             }
-            (tiled, _) => Ok(self.found(tiled)?.map),
+            (subdivision, _) => Ok(self.found(subdivision)?.map),
         }
     }
 
@@ -209,14 +209,14 @@ impl Input {
     /// The map is moved out of the input.
     ///
     /// # Errors
-    /// As [`tiling_with_water`], and [`Error::Strict`] where anything is wrong and may not be. The findings stay in the
+    /// As [`subdivide_with_water`], and [`Error::Strict`] where anything is wrong and may not be. The findings stay in the
     /// input.
-    pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Tiling> {
+    pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Subdivision> {
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.lakes), sea };
-        let tiled = self.found(tiling_with_water(map, &self.frame, &water, progress))?;
+        let subdivision = self.found(subdivide_with_water(map, &self.frame, &water, progress))?;
         self.check_strict()?;
-        Ok(tiled)
+        Ok(subdivision)
     }
 
     /// Where anything is wrong with the input and may not be, that is an error.

@@ -17,11 +17,11 @@
 //! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, how far the
 //! surface may be off half-way between them, and how much relief it lacks.
 
+use super::builder::TrialParams;
 use super::roughness::{ROUGH, growth};
 use super::trial::{Missed, trials};
 use crate::spline::{Knobs, SplineParams};
 use crate::subdomains::Sheet;
-use crate::surface::SurfaceParams;
 
 /// Tension that suits most terrain; taken where the contours do not tell.
 const USUAL: f64 = 3.5;
@@ -94,12 +94,12 @@ pub struct Accuracy {
     pub count: usize,
 }
 
-/// Chooses what the parameters leave open.
+/// Chooses what the `given` parameters leave open.
 ///
 /// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
 /// the surface itself, or less.
-pub fn choose(sheet: &Sheet<'_>, params: &SurfaceParams) -> Chosen {
-    let SplineParams { tension, noise, .. } = params.spline;
+pub fn choose(sheet: &Sheet<'_>, given: &SplineParams, params: &TrialParams<'_>) -> Chosen {
+    let SplineParams { tension, noise, .. } = *given;
     let growth = growth(sheet);
     let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
     let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0, relief: 0.0 };

@@ -4,15 +4,15 @@ use glam::DVec2;
 use rayon::prelude::*;
 use rstar::RTree;
 
+use super::builder::{SurfaceBuilder, TrialParams};
 use crate::base::Grid;
 use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::locate;
 use crate::skeleton::BreakLine;
-use crate::spline::{Knobs, Wanted, WorkingGrid, draft, grid, slopes, spline, working_grid};
+use crate::spline::{Knobs, NODES_A_GAP, Wanted, WorkingGrid, slopes, spline, working_grid};
+use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
 use crate::subdomains::Sheet;
-use crate::surface::{SurfaceParams, Tiling, tiling};
-use crate::surface::{finer, with_skeleton};
 use crate::tin::NONE;
 
 /// Most nodes of one grid of the whole map, and most vertices; above that, squares are cut out.
@@ -39,7 +39,7 @@ const INTERVAL_SHARE: f64 = 1e-3;
 /// A map with a part of its levels hidden.
 pub struct Trial {
     /// The map of the levels that are left, with ridge and canyon lines.
-    pub tiled: Tiling,
+    pub subdivision: Subdivision,
     /// Its ridge and canyon lines.
     pub break_lines: Vec<BreakLine>,
     /// Places whose level is known, though the map that is left does not tell it.
@@ -83,9 +83,9 @@ pub struct Missed {
 /// surface can be drawn over are left out.
 ///
 /// The parts are small, so that each is one task.
-pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
     let cell = cell(sheet, params, 2);
-    let mut parts = parts(sheet, &params.frame, cell);
+    let mut parts = parts(sheet, params.frame, cell);
     for (map, _) in &mut parts {
         // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
         map.contours.retain(|c| !(c.is_closed() && c.length() < DOT * cell));
@@ -93,7 +93,7 @@ pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: 
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
-        Some(trial(map, frame, left, sheet.interval, Some(params.resolution), cell)?.missed(knobs))
+        Some(trial((map, frame), left, sheet.interval, cell, params.builder)?.missed(knobs, params.builder))
     });
     let each: Vec<[Vec<Missed>; N]> = missed.collect();
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
@@ -102,9 +102,9 @@ pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: 
 /// Size of the cells of a trial, for contours of every so many levels.
 ///
 /// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
-pub fn cell(sheet: &Sheet<'_>, params: &SurfaceParams, every: i64) -> f64 {
-    let cell = working_grid(sheet, params.spline.wanted).cell;
-    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / grid::NODES_A_GAP)
+pub fn cell(sheet: &Sheet<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
+    let cell = working_grid(sheet, params.wanted).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / NODES_A_GAP)
 }
 
 /// The whole map, or squares of a large one.
@@ -149,15 +149,14 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     (cut.map, Frame::Polygon(cut.area))
 }
 
-/// A part of a map with levels hidden; `None` if no surface can be drawn over those that are left. `interval` is the whole
-/// map's; `resolution` is that of the ridge and canyon lines, without one there are none.
+/// A part of a map, in its frame, with levels hidden; `None` if no surface can be drawn over those that are left. `interval` is
+/// the whole map's.
 pub fn trial(
-    map: &ContourMap,
-    frame: &Frame,
+    (map, frame): (&ContourMap, &Frame),
     left: Left,
     interval: Interval,
-    resolution: Option<f64>,
     cell: f64,
+    builder: &dyn SurfaceBuilder,
 ) -> Option<Trial> {
     let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
@@ -175,25 +174,17 @@ pub fn trial(
     };
     // With fewer vertices, lines that run close beside each other may come to cross.
     let spacings = [cell / VERTICES_A_CELL, 0.0];
-    let mut tiled = spacings.into_iter().find_map(|spacing| tiling(known(spacing), frame, &()).ok())?.value;
-    if (tiled.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+    let subdivision = spacings.into_iter().find_map(|spacing| subdivide(known(spacing), frame, &()).ok())?.value;
+    if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let places = sound(places, mended, tiled.sheet().gap);
-    let (tiled, break_lines) = match resolution {
-        None => (tiled, Vec::new()),
-        Some(resolution) => {
-            let triangulation = std::mem::take(&mut tiled.triangulation);
-            let finer = finer(&tiled, triangulation, resolution).ok()?;
-            let (tiled, break_lines, _) = with_skeleton(tiled, finer);
-            (tiled, break_lines)
-        }
-    };
-    let grid = working_grid(&tiled.sheet(), Some(Wanted::Cell(cell)));
+    let places = sound(places, mended, subdivision.sheet().gap);
+    let (subdivision, break_lines) = builder.with_lines(subdivision)?;
+    let grid = working_grid(&subdivision.sheet(), Some(Wanted::Cell(cell)));
     if grid.len() > MOST_NODES {
         return None;
     }
-    Some(Trial { tiled, break_lines, places, grid })
+    Some(Trial { subdivision, break_lines, places, grid })
 }
 
 /// A contour without the vertices that are nearer than `spacing`, along it, to the one before. Its ends stay.
@@ -232,12 +223,12 @@ fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
 impl Trial {
     /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
     /// places are the same for all.
-    fn missed<const N: usize>(&self, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
+    fn missed<const N: usize>(&self, knobs: [Knobs; N], builder: &dyn SurfaceBuilder) -> [Vec<Missed>; N] {
         let grid = &self.grid;
-        let triangles = locate(&self.tiled.tin, grid, &());
-        let draft = draft(&self.tiled, &self.break_lines, grid, &triangles);
-        let slopes = slopes(&draft.guide, grid);
-        let gap = draft.gap;
+        let triangles = locate(&self.subdivision.tin, grid, &());
+        let conditions = builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
+        let slopes = slopes(&conditions.guide, grid);
+        let gap = conditions.gap;
         let asked = |place: &Place| {
             let (col, row) = node(grid, place.at);
             let (col, row) = (col.round(), row.round());
@@ -245,16 +236,16 @@ impl Trial {
                 return None;
             }
             let n = row as usize * grid.cols + col as usize;
-            let region = if triangles[n] == NONE { None } else { self.tiled.regions.region(triangles[n]) }?;
+            let region = if triangles[n] == NONE { None } else { self.subdivision.regions.region(triangles[n]) }?;
             let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
-            let local = self.tiled.interval.step / f64::from(slopes[n]) / gap;
+            let local = self.subdivision.interval.step / f64::from(slopes[n]) / gap;
             let local = if local.is_nan() { 1.0 } else { local.clamp(GAP_LIMITS.0, GAP_LIMITS.1) };
             inside.then_some(place.length * local * gap)
         };
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
         knobs.map(|knobs| {
-            let surface = spline(&draft, &knobs, &());
-            let lacking = draft.lacking_relief(&surface.heights);
+            let surface = spline(&conditions, &knobs, &());
+            let lacking = conditions.lacking_relief(&surface.heights);
             let all = self.places.iter().zip(&weights);
             let missed = |(place, weight): (&Place, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
@@ -292,6 +283,19 @@ pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spline::Conditions;
+
+    struct ContoursAlone;
+
+    impl SurfaceBuilder for ContoursAlone {
+        fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
+            Some((subdivision, Vec::new()))
+        }
+
+        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid, _: &[u32]) -> Conditions<'a> {
+            unimplemented!("no smooth surface is drawn here")
+        }
+    }
 
     fn line(elevation: f64, points: impl IntoIterator<Item = (f64, f64)>) -> Contour {
         Contour { elevation, points: points.into_iter().map(DVec2::from).collect(), feature: 1 }
@@ -332,11 +336,12 @@ mod tests {
         let cell = 10.0;
         let thin = |c: &Contour| with_fewer_vertices(c, cell / VERTICES_A_CELL);
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
-        assert!(tiling(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
+        assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
         let left = Left { every: 2, phase: 0 };
-        let trial = trial(&map, &Frame::Hull, left, interval, None, cell).expect("all vertices are kept then");
-        assert!(trial.tiled.map.contours.iter().any(|c| c.points.len() > 400));
+        let trial =
+            trial((&map, &Frame::Hull), left, interval, cell, &ContoursAlone).expect("all vertices are kept then");
+        assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
     }
 }

@@ -13,8 +13,8 @@ use tokosen::check::{LineParams, correct, examine, first_causes, merged};
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::ContourMap;
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::subdivision::subdivide;
 use tokosen::subdomains::Frame;
-use tokosen::surface::tiling;
 
 /// Coordinates of the map's south-west corner.
 const CORNER: [f64; 2] = [-20_000.0, -35_000.0];
@@ -211,7 +211,7 @@ fn told(map: ContourMap) -> Vec<Finding> {
     let mut cleaning = Vec::new();
     let map = clean(map, &CleanParams { snap: SNAP, ..CleanParams::default() }).unwrap().collect(&mut cleaning);
     let mut findings = merged(lines, cleaning, SNAP);
-    tiling(map, &Frame::Hull, &()).unwrap().collect(&mut findings);
+    subdivide(map, &Frame::Hull, &()).unwrap().collect(&mut findings);
     first_causes(findings)
 }
 

@@ -11,24 +11,24 @@ use tokosen::base::error::FindingKind;
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::{ReadOptions, read_contours};
+use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Slope, Tableland, Valley};
 use tokosen::subdomains::{BorderKind, Frame, Landform, LandformClass, landforms};
-use tokosen::surface::{Tiling, tiling};
 
 use crate::common;
 
-fn tiled(map: ContourMap, frame: &Frame) -> Tiling {
+fn subdivision(map: ContourMap, frame: &Frame) -> Subdivision {
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let report = tiling(map, frame, &()).unwrap();
+    let report = subdivide(map, frame, &()).unwrap();
     let is_odd = |kind| kind == FindingKind::WrongLabel;
     let odd: Vec<_> = report.findings.iter().filter(|f| is_odd(f.kind)).collect();
     assert!(odd.is_empty(), "{odd:?}");
     report.value
 }
 
-fn sample(name: &str) -> Tiling {
+fn sample(name: &str) -> Subdivision {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
-    tiled(read_contours(&path, &ReadOptions::default()).unwrap().value, &Frame::Hull)
+    subdivision(read_contours(&path, &ReadOptions::default()).unwrap().value, &Frame::Hull)
 }
 
 fn map_of(lines: Vec<(f64, Vec<DVec2>)>) -> ContourMap {
@@ -43,24 +43,24 @@ fn ring(level: f64, x: f64, y: f64, radius: f64) -> (f64, Vec<DVec2>) {
 }
 
 /// The outline of a landform.
-fn polygon(tiled: &Tiling, form: &Landform) -> geo::Polygon<f64> {
-    let line = |ring: &tokosen::subdomains::Ring| ring.points(&tiled.tin).iter().map(|p| (p.x, p.y)).collect();
+fn polygon(subdivision: &Subdivision, form: &Landform) -> geo::Polygon<f64> {
+    let line = |ring: &tokosen::subdomains::Ring| ring.points(&subdivision.tin).iter().map(|p| (p.x, p.y)).collect();
     geo::Polygon::new(line(&form.rings[0]), form.rings[1..].iter().map(line).collect())
 }
 
 /// Sub-domains inside closed contours: how many of each class and depth.
-fn closed(tiled: &Tiling) -> Vec<(LandformClass, u32, usize)> {
+fn closed(subdivision: &Subdivision) -> Vec<(LandformClass, u32, usize)> {
     let mut counts: BTreeMap<(u32, LandformClass), usize> = BTreeMap::new();
-    for form in landforms(&tiled.tin, &tiled.regions).iter().filter(|f| !f.is_open) {
+    for form in landforms(&subdivision.tin, &subdivision.regions).iter().filter(|f| !f.is_open) {
         *counts.entry((form.depth, form.class)).or_default() += 1;
     }
     counts.into_iter().map(|((depth, class), count)| (class, depth, count)).collect()
 }
 
 /// The landform at a place.
-fn at(tiled: &Tiling, x: f64, y: f64) -> Landform {
-    let mut found = landforms(&tiled.tin, &tiled.regions);
-    found.retain(|f| polygon(tiled, f).contains(&point!(x: x, y: y)));
+fn at(subdivision: &Subdivision, x: f64, y: f64) -> Landform {
+    let mut found = landforms(&subdivision.tin, &subdivision.regions);
+    found.retain(|f| polygon(subdivision, f).contains(&point!(x: x, y: y)));
     assert_eq!(found.len(), 1, "at {x} {y}");
     found.remove(0)
 }
@@ -89,9 +89,9 @@ fn drawn_shapes_have_the_classes_of_the_paper() {
         ("fig5ab_two_branches_ridges_canyon", vec![(Branching, 0, 1), (Peak, 1, 1), (Tableland, 1, 1), (Peak, 2, 1)]),
         ("fig5cd_three_branches_basin", vec![(Branching, 0, 1), (Peak, 1, 3), (Basin, 1, 1), (Bottom, 2, 1)]),
     ] {
-        let tiled = sample(&format!("{name}.geojson"));
-        assert_eq!(closed(&tiled), expected, "{name}");
-        check(&tiled, name);
+        let subdivision = sample(&format!("{name}.geojson"));
+        assert_eq!(closed(&subdivision), expected, "{name}");
+        check(&subdivision, name);
     }
 }
 
@@ -100,28 +100,29 @@ fn pits_are_found_without_help() {
     // A crater with a central peak; a pit in a plateau; a pit within that pit.
     let crater = [ring(100.0, 0.0, 0.0, 100.0), ring(110.0, 0.0, 0.0, 90.0), ring(110.0, 0.0, 0.0, 80.0)];
     let inside = [ring(100.0, 0.0, 0.0, 70.0), ring(100.0, 0.0, 0.0, 30.0), ring(110.0, 0.0, 0.0, 20.0)];
-    let tiled = tiled(map_of(crater.into_iter().chain(inside).collect()), &Frame::Hull);
+    let subdivision = subdivision(map_of(crater.into_iter().chain(inside).collect()), &Frame::Hull);
     let expected =
         [(Tableland, 0, 1), (RidgePeak, 1, 1), (Basin, 2, 1), (Valley, 3, 1), (Tableland, 4, 1), (Peak, 5, 1)];
-    assert_eq!(closed(&tiled), expected);
-    check(&tiled, "crater");
+    assert_eq!(closed(&subdivision), expected);
+    check(&subdivision, "crater");
 
     let plateau = [ring(100.0, 0.0, 0.0, 100.0), ring(110.0, 0.0, 0.0, 80.0), ring(110.0, -30.0, 0.0, 10.0)];
     let deep = [ring(110.0, 30.0, 0.0, 30.0), ring(100.0, 30.0, 0.0, 25.0), ring(90.0, 30.0, 0.0, 10.0)];
-    let tiled = self::tiled(map_of(plateau.into_iter().chain(deep).collect()), &Frame::Hull);
+    let subdivision = self::subdivision(map_of(plateau.into_iter().chain(deep).collect()), &Frame::Hull);
     assert_eq!(
-        closed(&tiled),
+        closed(&subdivision),
         [(Tableland, 0, 1), (Branching, 1, 1), (Bottom, 2, 1), (Basin, 2, 1), (Basin, 3, 1), (Bottom, 4, 1)]
     );
-    assert_eq!(at(&tiled, 0.0, 60.0).mixture.to_string(), "ridge-peak 2");
-    check(&tiled, "plateau");
+    assert_eq!(at(&subdivision, 0.0, 60.0).mixture.to_string(), "ridge-peak 2");
+    check(&subdivision, "plateau");
 }
 
 #[test]
 fn equal_rings_alternate_inwards() {
     let rings = [100.0, 110.0, 110.0, 110.0].into_iter().zip([100.0, 80.0, 60.0, 40.0]);
-    let tiled = tiled(map_of(rings.map(|(level, radius)| ring(level, 0.0, 0.0, radius)).collect()), &Frame::Hull);
-    assert_eq!(closed(&tiled), [(Tableland, 0, 1), (RidgePeak, 1, 1), (Valley, 2, 1), (Peak, 3, 1)]);
+    let subdivision =
+        subdivision(map_of(rings.map(|(level, radius)| ring(level, 0.0, 0.0, radius)).collect()), &Frame::Hull);
+    assert_eq!(closed(&subdivision), [(Tableland, 0, 1), (RidgePeak, 1, 1), (Valley, 2, 1), (Peak, 3, 1)]);
 }
 
 #[test]
@@ -132,7 +133,7 @@ fn sub_domains_that_the_frame_cuts_are_open() {
     };
     // From the south: a valley between lines of 10, a slope with a knoll, a ridge between lines of 20, and a pit that the
     // northern edge cuts.
-    let tiled = tiled(
+    let subdivision = subdivision(
         map_of(vec![
             across(10.0, 0.0),
             across(10.0, 10.0),
@@ -146,7 +147,7 @@ fn sub_domains_that_the_frame_cuts_are_open() {
         &Frame::Hull,
     );
     let class = |x: f64, y: f64| {
-        let form = at(&tiled, x, y);
+        let form = at(&subdivision, x, y);
         (form.class, form.is_open, form.parent.is_some(), form.mixture.to_string())
     };
     assert_eq!(class(0.0, 5.0), (Valley, true, false, String::new()));
@@ -157,25 +158,29 @@ fn sub_domains_that_the_frame_cuts_are_open() {
     assert_eq!(class(0.0, 65.0), (Slope, true, false, String::new()));
     assert_eq!(class(0.0, 80.0), (Slope, true, false, String::new()));
     assert_eq!(class(0.0, 95.0), (Bottom, true, false, String::new()));
-    check(&tiled, "strips");
+    check(&subdivision, "strips");
 }
 
 #[test]
 fn the_ground_around_an_outermost_contour_is_no_parent() {
     let rings = || vec![ring(100.0, 0.0, 0.0, 100.0), ring(110.0, 0.0, 0.0, 50.0)];
     for frame in [Frame::Hull, Frame::Box] {
-        let tiled = tiled(map_of(rings()), &frame);
-        assert_eq!(closed(&tiled), [(Tableland, 0, 1), (Peak, 1, 1)]);
-        check(&tiled, "frame");
+        let subdivision = subdivision(map_of(rings()), &frame);
+        assert_eq!(closed(&subdivision), [(Tableland, 0, 1), (Peak, 1, 1)]);
+        check(&subdivision, "frame");
     }
     let wide: geo::Polygon<f64> = geo::Polygon::new(
         line_string![(x: -101.0, y: -101.0), (x: 101.0, y: -101.0), (x: 101.0, y: 101.0), (x: -101.0, y: 101.0)],
         vec![],
     );
-    let tiled = tiled(map_of(rings()), &Frame::Polygon(wide.into()));
-    let around = at(&tiled, 100.5, 100.5);
+    let subdivision = subdivision(map_of(rings()), &Frame::Polygon(wide.into()));
+    let around = at(&subdivision, 100.5, 100.5);
     assert_eq!((around.class, around.is_open, around.interior_count()), (Tableland, true, 1));
-    assert_eq!(closed(&tiled), [(Tableland, 1, 1), (Peak, 2, 1)], "there the frame's ground encloses the contour");
+    assert_eq!(
+        closed(&subdivision),
+        [(Tableland, 1, 1), (Peak, 2, 1)],
+        "there the frame's ground encloses the contour"
+    );
 }
 
 #[test]
@@ -185,7 +190,7 @@ fn contours_that_touch_keep_their_own_rings() {
         (level, corners.map(|(u, v)| DVec2::new(x + u, y + v)).to_vec())
     };
     let two = vec![square(100.0, 0.0, 0.0, 100.0), square(110.0, -10.0, -10.0, 10.0), square(110.0, 10.0, 10.0, 10.0)];
-    let two = tiled(map_of(two), &Frame::Hull);
+    let two = subdivision(map_of(two), &Frame::Hull);
     assert_eq!(closed(&two), [(Branching, 0, 1), (Peak, 1, 2)]);
     assert_eq!(at(&two, 0.0, 60.0).mixture.to_string(), "tableland 2");
     check(&two, "two");
@@ -194,7 +199,7 @@ fn contours_that_touch_keep_their_own_rings() {
     let around = [(-20.0, 0.0), (0.0, -20.0), (20.0, 0.0), (0.0, 20.0)];
     let mut four = vec![square(100.0, 0.0, 0.0, 100.0)];
     four.extend(around.map(|(x, y)| square(110.0, x, y, 10.0)));
-    let four = tiled(map_of(four), &Frame::Hull);
+    let four = subdivision(map_of(four), &Frame::Hull);
     assert_eq!(closed(&four), [(Bottom, 0, 1), (Tableland, 0, 1), (Peak, 1, 4)]);
     assert_eq!(at(&four, 0.0, 0.0).class, Bottom);
     check(&four, "four");
@@ -204,7 +209,7 @@ fn contours_that_touch_keep_their_own_rings() {
         let corners = [(50.0, 50.0), (20.0, 10.0), (10.0, 20.0), (50.0, 50.0)];
         (110.0, corners.map(DVec2::from).to_vec())
     }];
-    let notch = tiled(map_of(notch), &Frame::Hull);
+    let notch = subdivision(map_of(notch), &Frame::Hull);
     assert_eq!(closed(&notch), [(Tableland, 0, 1), (RidgePeak, 1, 1), (Bottom, 2, 1)]);
     check(&notch, "notch");
 }
@@ -213,27 +218,27 @@ fn contours_that_touch_keep_their_own_rings() {
 fn a_line_that_ends_inside_is_no_border() {
     let mut lines = vec![ring(100.0, 0.0, 0.0, 100.0), ring(110.0, 0.0, 0.0, 50.0)];
     lines.push((110.0, vec![DVec2::new(0.0, 60.0), DVec2::new(5.0, 70.0), DVec2::new(0.0, 80.0)]));
-    let tiled = tiled(map_of(lines), &Frame::Hull);
-    assert_eq!(closed(&tiled), [(Tableland, 0, 1), (Peak, 1, 1)]);
-    check(&tiled, "stub");
+    let subdivision = subdivision(map_of(lines), &Frame::Hull);
+    assert_eq!(closed(&subdivision), [(Tableland, 0, 1), (Peak, 1, 1)]);
+    check(&subdivision, "stub");
 }
 
 /// All that holds for the landforms of any map.
-fn check(tiled: &Tiling, what: &str) {
-    let forms = landforms(&tiled.tin, &tiled.regions);
-    assert_eq!(forms.len(), tiled.regions.regions.len(), "{what}");
+fn check(subdivision: &Subdivision, what: &str) {
+    let forms = landforms(&subdivision.tin, &subdivision.regions);
+    assert_eq!(forms.len(), subdivision.regions.regions.len(), "{what}");
     let mut sum = 0.0;
-    let polygons: Vec<geo::Polygon<f64>> = forms.iter().map(|f| polygon(tiled, f)).collect();
-    let frame: f64 = tiled.frame.area.unsigned_area();
+    let polygons: Vec<geo::Polygon<f64>> = forms.iter().map(|f| polygon(subdivision, f)).collect();
+    let frame: f64 = subdivision.frame.area.unsigned_area();
     for (id, (form, polygon)) in forms.iter().zip(&polygons).enumerate() {
         assert!(polygon.is_valid(), "{what}: sub-domain {id} {:?}", polygon.check_validation());
-        let outlined: f64 = form.rings.iter().map(|r| r.signed_area(&tiled.tin)).sum();
+        let outlined: f64 = form.rings.iter().map(|r| r.signed_area(&subdivision.tin)).sum();
         assert!((outlined - form.area).abs() <= 1e-9 * frame, "{what}: {outlined} {}", form.area);
-        assert!(form.rings[0].signed_area(&tiled.tin) > 0.0, "{what}");
-        assert!(form.rings[1..].iter().all(|r| r.signed_area(&tiled.tin) < 0.0), "{what}");
+        assert!(form.rings[0].signed_area(&subdivision.tin) > 0.0, "{what}");
+        assert!(form.rings[1..].iter().all(|r| r.signed_area(&subdivision.tin) < 0.0), "{what}");
         assert!(form.class != Branching || form.mixture != Default::default(), "{what}");
         sum += form.area;
-        let region = &tiled.regions.regions[id];
+        let region = &subdivision.regions.regions[id];
         for ring in &form.rings {
             let edges: u32 = ring.borders.iter().map(|b| b.edges).sum();
             assert_eq!(edges as usize, ring.vertices.len(), "{what}");
@@ -262,7 +267,7 @@ fn outlines_tile_the_frame_on_any_terrain() {
         for terrain in common::all_kinds(seed) {
             let map = clean(map_of(terrain.contours()), &CleanParams::default()).unwrap().value;
             for frame in [Frame::Hull, Frame::Box] {
-                let Ok(report) = tiling(map.clone(), &frame, &()) else { continue };
+                let Ok(report) = subdivide(map.clone(), &frame, &()) else { continue };
                 check(&report.value, &format!("{} {seed} {frame:?}", terrain.kind));
             }
         }
@@ -277,7 +282,7 @@ fn contradictions(rings: Vec<(f64, Vec<DVec2>)>, marks: &[(u64, bool)]) -> Vec<S
     }
     map.depressions = marks.iter().copied().collect();
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    let findings = tiling(map, &Frame::Hull, &()).unwrap().findings;
+    let findings = subdivide(map, &Frame::Hull, &()).unwrap().findings;
     findings.into_iter().filter(|f| f.kind == FindingKind::DepressionMark).map(|f| f.message).collect()
 }
 

@@ -11,21 +11,22 @@ use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap};
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, axis_heights, skeleton};
+use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::{Frame, Side};
-use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Tiling, build, tiling};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 use tokosen::tin::VertexKind;
 
-fn tiling_of(map: ContourMap) -> Tiling {
+fn tiling_of(map: ContourMap) -> Subdivision {
     let map = clean(map, &CleanParams::default()).unwrap().value;
-    tiling(map, &Frame::Hull, &()).unwrap().value
+    subdivide(map, &Frame::Hull, &()).unwrap().value
 }
 
-fn sample(name: &str) -> Tiling {
+fn sample(name: &str) -> Subdivision {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
     tiling_of(read_contours(&path, &ReadOptions::default()).unwrap().value)
 }
 
-fn of_terrain(terrain: &Terrain) -> Tiling {
+fn of_terrain(terrain: &Terrain) -> Subdivision {
     let contours = terrain.contours().into_iter().enumerate().map(|(i, (elevation, points))| Contour {
         elevation,
         points,
@@ -34,8 +35,8 @@ fn of_terrain(terrain: &Terrain) -> Tiling {
     tiling_of(ContourMap { contours: contours.collect(), ..ContourMap::default() })
 }
 
-fn lines_of(tiling: &Tiling, resolution: f64) -> Skeleton {
-    skeleton(&tiling.tin, &tiling.regions, resolution)
+fn lines_of(subdivision: &Subdivision, resolution: f64) -> Skeleton {
+    skeleton(&subdivision.tin, &subdivision.regions, resolution)
 }
 
 const SAMPLES: [&str; 8] = [
@@ -54,8 +55,8 @@ fn bits(p: DVec2) -> [u64; 2] {
 }
 
 /// Every line falls from each vertex to the next, lies in its band, and its ends are what they say.
-fn check(tiling: &Tiling, lines: &[BreakLine], what: &str) {
-    let tin = &tiling.tin;
+fn check(subdivision: &Subdivision, lines: &[BreakLine], what: &str) {
+    let tin = &subdivision.tin;
     let on_contour = (0..tin.positions.len()).filter(|&v| tin.kinds[v] == VertexKind::Contour);
     let contour: HashMap<[u64; 2], f64> =
         on_contour.map(|v| (bits(tin.point(v as u32).truncate()), tin.heights[v])).collect();
@@ -64,7 +65,7 @@ fn check(tiling: &Tiling, lines: &[BreakLine], what: &str) {
         assert!(line.points.len() >= 2, "{what}");
         let falls = line.points.windows(2).all(|w| w[0].z > w[1].z);
         assert!(falls, "{what}: a {:?} line does not fall: {:?}", line.kind, line.points);
-        let band = tiling.regions.regions[line.region as usize].band;
+        let band = subdivision.regions.regions[line.region as usize].band;
         for p in &line.points[1..line.points.len() - 1] {
             assert!(band.lo < p.z && p.z < band.hi, "{what}: {} is not inside {band:?}", p.z);
         }
@@ -82,10 +83,10 @@ fn lines_fall_on_all_kinds_of_terrain() {
     let mut canyons = 0;
     for seed in 0..6 {
         for terrain in all_kinds(seed) {
-            let tiling = of_terrain(&terrain);
+            let subdivision = of_terrain(&terrain);
             for resolution in [0.0, 1.0, 3.0] {
-                let found = lines_of(&tiling, resolution);
-                check(&tiling, &found.lines, &format!("{} {seed}, w {resolution}", terrain.kind));
+                let found = lines_of(&subdivision, resolution);
+                check(&subdivision, &found.lines, &format!("{} {seed}, w {resolution}", terrain.kind));
                 canyons += found.lines.iter().filter(|l| l.kind == BreakKind::Canyon).count();
             }
         }
@@ -119,15 +120,15 @@ fn arrivals(lines: &[BreakLine]) -> (usize, usize) {
 
 #[test]
 fn lines_go_on_from_sub_domain_to_sub_domain() {
-    let tiling = sample("caryville_20m.gpkg");
-    let found = lines_of(&tiling, 1.0);
-    check(&tiling, &found.lines, "caryville");
+    let subdivision = sample("caryville_20m.gpkg");
+    let found = lines_of(&subdivision, 1.0);
+    check(&subdivision, &found.lines, "caryville");
     let (places, shared) = continued(&found.lines);
     assert!(4 * shared > places, "{shared} of {places} ends at contours");
     let (arrivals, shared) = arrivals(&found.lines);
     assert!(2 * shared > arrivals, "{shared} of {arrivals} ends at the next contour");
     assert_eq!(
-        left_behind(&tiling, &found),
+        left_behind(&subdivision, &found),
         0,
         "lines stop at a contour although a line that was kept can be reached beyond"
     );
@@ -135,8 +136,8 @@ fn lines_go_on_from_sub_domain_to_sub_domain() {
 
 /// How many lines stop at the next contour although flat triangles lead from there to a line beyond. Where all of the bend
 /// beyond was eliminated, or there is none, a line rightly stops.
-fn left_behind(tiling: &Tiling, found: &Skeleton) -> usize {
-    let (tin, regions) = (&tiling.tin, &tiling.regions);
+fn left_behind(subdivision: &Subdivision, found: &Skeleton) -> usize {
+    let (tin, regions) = (&subdivision.tin, &subdivision.regions);
     let mut around: HashMap<[u64; 2], Vec<(u32, usize)>> = HashMap::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         for (k, v) in tin.triangles[t as usize].into_iter().enumerate() {
@@ -182,11 +183,11 @@ fn left_behind(tiling: &Tiling, found: &Skeleton) -> usize {
 #[test]
 fn more_resolution_leaves_fewer_and_shorter_lines() {
     for name in SAMPLES.into_iter().chain(["caryville_20m.gpkg"]) {
-        let tiling = sample(name);
+        let subdivision = sample(name);
         let totals: Vec<(f64, usize, f64)> = [0.0, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0]
             .into_iter()
             .map(|w| {
-                let lines = lines_of(&tiling, w).lines;
+                let lines = lines_of(&subdivision, w).lines;
                 (w, lines.len(), lines.iter().map(BreakLine::length).sum())
             })
             .collect();
@@ -202,11 +203,11 @@ fn more_resolution_leaves_fewer_and_shorter_lines() {
 
 #[test]
 fn the_surface_has_the_same_lines() {
-    let tiling = sample("fig5ab_two_branches_ridges_canyon.geojson");
-    let found = lines_of(&tiling, 1.0);
+    let subdivision = sample("fig5ab_two_branches_ridges_canyon.geojson");
+    let found = lines_of(&subdivision, 1.0);
     for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
         let surface =
-            build(tiling.map.clone(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value;
+            build(subdivision.map.clone(), &SurfaceParams { kind, ..SurfaceParams::default() }, &()).unwrap().value;
         if kind == SurfaceKind::Skeleton {
             assert_eq!(surface.break_lines, found.lines);
         }
@@ -277,8 +278,8 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
     let (mut compared, mut blocked) = (0, 0);
     // On caryville many sights run along a row of the grid that the contours were cut from, through vertices of contours.
     for name in SAMPLES.into_iter().chain(["caryville_20m.gpkg"]) {
-        let tiling = sample(name);
-        let (tin, regions) = (&tiling.tin, &tiling.regions);
+        let subdivision = sample(name);
+        let (tin, regions) = (&subdivision.tin, &subdivision.regions);
         let mut borders: HashMap<u32, Vec<(f64, [DVec2; 2])>> = HashMap::new();
         let mut ground: HashMap<u32, Vec<[DVec2; 3]>> = HashMap::new();
         for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
@@ -290,7 +291,7 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
                 }
             }
         }
-        let points = lines_of(&tiling, 1.0).axis.points;
+        let points = lines_of(&subdivision, 1.0).axis.points;
         let heights = axis_heights(tin, regions, &points);
         for (p, height) in points.iter().zip(heights) {
             let border = &borders[&p.region];

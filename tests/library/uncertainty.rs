@@ -6,8 +6,9 @@ use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap, Source};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::spline::Wanted;
+use tokosen::surface::standard_errors;
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build, heights};
-use tokosen::validate::{Lesson, standard_errors};
+use tokosen::validate::Lesson;
 
 const STEP: f64 = 10.0;
 const CELLS: usize = 160;

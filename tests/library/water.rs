@@ -15,8 +15,8 @@ use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourLayer, ContourMap, Lake, Source};
 use tokosen::dem::rasterise;
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::subdivision::Water;
 use tokosen::subdomains::Frame;
-use tokosen::subdomains::Water;
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 
 fn circle(center: (f64, f64), radius: f64) -> Vec<DVec2> {

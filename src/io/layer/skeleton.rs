@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::skeleton::{BreakKind, JunctionEdge, Skeleton};
-use crate::surface::Tiling;
+use crate::subdivision::Subdivision;
 use crate::tin::TriangleKind;
 
 const LINE_COLUMNS: &[Column] = &[
@@ -56,14 +56,14 @@ pub fn skeleton_lines(skeleton: &Skeleton) -> Layer<'_> {
 
 /// The triangles inside the frame, as the layer `triangles`: terminal, sleeve, junction, eliminated (a junction that was
 /// turned into a sleeve) or isolated (a whole sub-domain), with sub-domain and band.
-pub fn skeleton_triangles<'a>(tiling: &Tiling, skeleton: &Skeleton) -> Layer<'a> {
-    let tin = &tiling.tin;
+pub fn skeleton_triangles<'a>(subdivision: &Subdivision, skeleton: &Skeleton) -> Layer<'a> {
+    let tin = &subdivision.tin;
     let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
     let rows = inside.map(|t| {
         let corner = |k: usize| tin.point(tin.triangles[t as usize][k]).truncate();
         let ring: Vec<DVec2> = [0, 1, 2, 0].map(corner).to_vec();
         let level = |of: fn(&crate::subdomains::Band) -> f64| {
-            let level = tiling.regions.region(t).map(|r| of(&r.band)).filter(|level| level.is_finite());
+            let level = subdivision.regions.region(t).map(|r| of(&r.band)).filter(|level| level.is_finite());
             level.map_or(Cell::Null, Cell::Real)
         };
         let kind = match skeleton.kinds[t as usize] {
@@ -75,7 +75,7 @@ pub fn skeleton_triangles<'a>(tiling: &Tiling, skeleton: &Skeleton) -> Layer<'a>
         };
         let cells = vec![
             Cell::Text(kind.into()),
-            Cell::Int(tiling.regions.of_triangle[t as usize].into()),
+            Cell::Int(subdivision.regions.of_triangle[t as usize].into()),
             level(|band| band.lo),
             level(|band| band.hi),
         ];
@@ -86,12 +86,12 @@ pub fn skeleton_triangles<'a>(tiling: &Tiling, skeleton: &Skeleton) -> Layer<'a>
 
 /// The curve mesh (paper, section 4, figure 7b), as the layer `curve_mesh`: contours, edges of the junction triangles that
 /// were kept, ridge and canyon lines. Contours belong to no single sub-domain.
-pub fn curve_mesh<'a>(tiling: &'a Tiling, skeleton: &'a Skeleton, edges: &'a [JunctionEdge]) -> Layer<'a> {
+pub fn curve_mesh<'a>(subdivision: &'a Subdivision, skeleton: &'a Skeleton, edges: &'a [JunctionEdge]) -> Layer<'a> {
     let row = |shape, kind: &'static str, region: Option<u32>| {
         let region = region.map_or(Cell::Null, |r| Cell::Int(r.into()));
         Row { shape, cells: vec![Cell::Text(kind.into()), region] }
     };
-    let contours = tiling.map.contours.iter();
+    let contours = subdivision.map.contours.iter();
     let contours = contours.map(|c| row(Shape::Contour(&c.points, c.elevation), "contour", None));
     let edges = edges.iter().map(|e| row(Shape::Line(&e.ends), "junction", Some(e.region)));
     let lines = skeleton.lines.iter();

@@ -7,13 +7,13 @@ use super::model::{ErrorModel, Known, left};
 use super::places::seen;
 use super::sides::sides;
 use crate::contour::LineError;
-use crate::dem::{Dem, heights_at, locate};
-use crate::spline::WorkingGrid;
-use crate::spline::{self, blurred, slopes, working_grid};
-use crate::subdomains::Sheet;
-use crate::subdomains::{Region, Side};
-use crate::surface::{Surface, SurfaceParams, Tiling};
-use crate::validate::{Chosen, roughness};
+use crate::dem::{heights_at, locate};
+use crate::spline::{WorkingGrid, blurred, slopes, working_grid};
+use crate::subdivision::Subdivision;
+use crate::subdomains::{Region, Sheet, Side};
+use crate::validate::builder::TrialParams;
+use crate::validate::choose::Chosen;
+use crate::validate::roughness;
 
 /// Ground between contours that are so many times further apart than in the mean is hardly known.
 const WIDE: f64 = 6.0;
@@ -38,30 +38,30 @@ pub struct ErrorField {
     inferred: Vec<bool>,
 }
 
-/// The expected error of a surface that was built from `tiled`; `working` and `chosen` are those of the smooth surface.
+/// The expected error of a surface that was built from `subdivision`; `working` and `chosen` are those of the smooth surface.
 /// Contours are hidden of `trusted`, if the labels of some are wrong.
 pub fn error_field(
-    tiled: &Tiling,
+    subdivision: &Subdivision,
     trusted: Option<Sheet<'_>>,
-    params: &SurfaceParams,
+    params: &TrialParams<'_>,
     chosen: Option<&Chosen>,
     working: Option<&WorkingGrid>,
 ) -> ErrorField {
-    let sheet = tiled.sheet();
+    let sheet = subdivision.sheet();
     let gap = sheet.gap;
     let growth = roughness::growth(&sheet);
     let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
-    let model = ErrorModel::learn(&seen, growth, tiled.interval.step, gap);
+    let model = ErrorModel::learn(&seen, growth, subdivision.interval.step, gap);
     drop(seen);
-    let grid = working.map_or_else(|| working_grid(&sheet, params.spline.wanted), |w| w.grid);
-    let triangles = locate(&tiled.tin, &grid, &());
-    let sides = sides(tiled, &grid, &triangles);
-    let guide = heights_at(&tiled.tin, &grid, &triangles);
+    let grid = working.map_or_else(|| working_grid(&sheet, params.wanted), |w| w.grid);
+    let triangles = locate(&subdivision.tin, &grid, &());
+    let sides = sides(subdivision, &grid, &triangles);
+    let guide = heights_at(&subdivision.tin, &grid, &triangles);
     drop(triangles);
     let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
     let fixing = (sides.share_at_vertices > CUT_FROM_NODES).then(|| blurred(&sides.crossings, grid.cols, FIXING_REACH));
     let at = |n: usize| {
-        let Some(region) = tiled.regions.regions.get(sides.regions[n] as usize) else {
+        let Some(region) = subdivision.regions.regions.get(sides.regions[n] as usize) else {
             return (f32::NAN, f32::NAN, false);
         };
         let height = f64::from(heights[n]);
@@ -76,7 +76,7 @@ pub fn error_field(
             Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
-        let error = chosen.map_or(error, |c| spline::error_left(error, band, &c.knobs));
+        let error = chosen.map_or(error, |c| c.knobs.error_left(error, band));
         let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);
         let inferred = region.water.is_none() && (place.climb.is_some() || distances[0] + distances[1] > WIDE * gap);
         (error as f32, reach as f32, inferred)
@@ -141,28 +141,6 @@ impl ErrorField {
         let on_grid = col >= 0.0 && row >= 0.0 && col < grid.cols as f64 && row < grid.rows as f64;
         on_grid && self.inferred[row as usize * grid.cols + col as usize]
     }
-}
-
-/// Standard errors of the cells of a height map of the surface, metres: no data where it has none. `None` if none were
-/// asked for when the surface was built.
-pub fn standard_errors(surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
-    standard_errors_on(surface, dem, &Some)
-}
-
-/// [`standard_errors`] for a height map in other coordinates than the surface: `to_surface` gives the place on the surface
-/// of a place in those.
-pub fn standard_errors_on(
-    surface: &Surface,
-    dem: &Dem,
-    to_surface: &(impl Fn(DVec2) -> Option<DVec2> + Sync),
-) -> Option<Vec<f32>> {
-    let field = surface.errors.as_ref()?;
-    let grid = &dem.grid;
-    let error = |(i, height): (usize, &f32)| {
-        let place = if height.is_nan() { None } else { to_surface(grid.center(i % grid.cols, i / grid.cols)) };
-        place.map_or(f32::NAN, |p| field.at(p))
-    };
-    Some(dem.values.par_iter().enumerate().map(error).collect())
 }
 
 /// How far a line on the surface is expected to be off. `None` if the line has no length inside the frame.

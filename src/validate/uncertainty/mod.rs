@@ -10,5 +10,5 @@ mod places;
 mod sides;
 
 pub(crate) use field::error_field;
-pub use field::{ErrorField, line_error, standard_errors, standard_errors_on};
+pub use field::{ErrorField, line_error};
 pub use model::{ErrorModel, Lesson};

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::sides::sides;
 use crate::dem::locate;
-use crate::spline::{Knobs, draft, spline};
+use crate::spline::{Knobs, spline};
 use crate::subdomains::Sheet;
-use crate::surface::{SurfaceKind, SurfaceParams};
 use crate::tin::NONE;
-use crate::validate::trial::{Left, Trial, between, cell, node, parts, trial};
+use crate::validate::builder::{SurfaceBuilder, TrialParams};
+use crate::validate::trial::{Left, Place, Trial, between, cell, node, parts, trial};
 
 /// A place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,37 +32,36 @@ impl Seen {
 
 /// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
 /// smooth surface; without them it is that of the triangles.
-pub fn seen(sheet: &Sheet<'_>, params: &SurfaceParams, knobs: Option<Knobs>) -> Vec<Seen> {
+pub fn seen(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: Option<Knobs>) -> Vec<Seen> {
     // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
     let cell = cell(sheet, params, 1);
-    let parts = parts(sheet, &params.frame, cell);
+    let parts = parts(sheet, params.frame, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
-        let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
-        Some(of_trial(&trial(map, frame, left, sheet.interval, resolution, cell)?, knobs))
+        Some(of_trial(&trial((map, frame), left, sheet.interval, cell, params.builder)?, knobs, params.builder))
     });
     found.collect::<Vec<_>>().concat()
 }
 
-fn of_trial(trial: &Trial, knobs: Option<Knobs>) -> Vec<Seen> {
-    let Trial { tiled, break_lines, places, grid } = trial;
-    let triangles = locate(&tiled.tin, grid, &());
-    let sides = sides(tiled, grid, &triangles);
-    let draft = draft(tiled, break_lines, grid, &triangles);
+fn of_trial(trial: &Trial, knobs: Option<Knobs>, builder: &dyn SurfaceBuilder) -> Vec<Seen> {
+    let Trial { subdivision, break_lines, places, grid } = trial;
+    let triangles = locate(&subdivision.tin, grid, &());
+    let sides = sides(subdivision, grid, &triangles);
+    let conditions = builder.conditions(subdivision, break_lines, grid, &triangles);
     // Hidden contours all lie half-way, where heights are drawn to.
-    let smooth = knobs.map(|knobs| spline(&draft, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
-    let ask = |place: &crate::validate::trial::Place| {
+    let smooth = knobs.map(|knobs| spline(&conditions, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
+    let ask = |place: &Place| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());
         if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
             return None;
         }
         let near = triangles[row as usize * grid.cols + col as usize];
-        let t = if near == NONE { None } else { tiled.tin.locate(near, place.at - tiled.tin.origin) }?;
-        let band = tiled.regions.region(t)?.band;
-        let sides = sides.at(place.at, tiled.regions.of_triangle[t as usize])?;
-        let guide = f64::from(between(grid, &draft.guide, place.at)?);
+        let t = if near == NONE { None } else { subdivision.tin.locate(near, place.at - subdivision.tin.origin) }?;
+        let band = subdivision.regions.region(t)?.band;
+        let sides = sides.at(place.at, subdivision.regions.of_triangle[t as usize])?;
+        let guide = f64::from(between(grid, &conditions.guide, place.at)?);
         let height = match &smooth {
             Some(heights) => f64::from(between(grid, heights, place.at)?),
             None => guide,

@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use crate::base::Grid;
 use crate::spline::Lattice;
+use crate::subdivision::Subdivision;
 use crate::subdomains::Band;
-use crate::surface::Tiling;
 use crate::tin::NONE;
 
 /// Rounds of four sweeps: more than one where sub-domains wind.
@@ -31,15 +31,15 @@ pub struct Sides {
 }
 
 /// Finds the sides of the nodes that lie in `triangles`.
-pub fn sides(tiled: &Tiling, grid: &Grid, triangles: &[u32]) -> Sides {
+pub fn sides(subdivision: &Subdivision, grid: &Grid, triangles: &[u32]) -> Sides {
     let lattice = Lattice::of_grid(grid);
-    let region = |&t: &u32| if t == NONE { NONE } else { tiled.regions.of_triangle[t as usize] };
+    let region = |&t: &u32| if t == NONE { NONE } else { subdivision.regions.of_triangle[t as usize] };
     let regions: Vec<u32> = triangles.iter().map(region).collect();
     let nearest = [vec![NOWHERE; regions.len()], vec![NOWHERE; regions.len()]];
     let crossings = vec![0.0; regions.len()];
     let mut sides = Sides { lattice, regions, nearest, crossings, share_at_vertices: 0.0 };
-    let bands: Vec<Band> = tiled.regions.regions.iter().map(|r| r.band).collect();
-    sides.start(tiled, &bands);
+    let bands: Vec<Band> = subdivision.regions.regions.iter().map(|r| r.band).collect();
+    sides.start(subdivision, &bands);
     let Sides { lattice, regions, nearest: [below, above], .. } = &mut sides;
     rayon::join(|| spread(lattice, regions, below), || spread(lattice, regions, above));
     sides
@@ -131,8 +131,8 @@ impl Sides {
     }
 
     /// Marks the nodes on both ends of every edge that a contour crosses, and those around spot heights.
-    fn start(&mut self, tiled: &Tiling, bands: &[Band]) {
-        let tin = &tiled.tin;
+    fn start(&mut self, subdivision: &Subdivision, bands: &[Band]) {
+        let tin = &subdivision.tin;
         let lattice = self.lattice;
         let (mut all, mut at_vertices) = (0usize, 0usize);
         for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
@@ -157,7 +157,7 @@ impl Sides {
             }
         }
         self.share_at_vertices = at_vertices as f64 / all.max(1) as f64;
-        for spot in tiled.used_spots() {
+        for spot in subdivision.used_spots() {
             let place = lattice.place(spot.truncate());
             let (col, row) = (place.x.floor(), place.y.floor());
             if col < 0.0 || row < 0.0 || col as usize + 1 >= lattice.cols || row as usize + 1 >= lattice.rows {

@@ -8,8 +8,8 @@ use geo::{LineString, MultiPolygon, Polygon, Validation};
 use glam::{DVec2, DVec3};
 use tokosen::contour::{Contour, ContourMap, Lake};
 use tokosen::resample::{FitParams, SampleParams};
+use tokosen::subdivision::Water;
 use tokosen::subdomains::Frame;
-use tokosen::subdomains::Water;
 use tokosen::surface::{SurfaceKind, SurfaceParams, Triangles};
 
 use crate::guarantees::{Lines, hold};

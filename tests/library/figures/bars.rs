@@ -1,4 +1,4 @@
-//! What holds for the tiling of every sample: constrained Delaunay by brute force, and nothing lost or covered twice.
+//! What holds for the subdivision of every sample: constrained Delaunay by brute force, and nothing lost or covered twice.
 
 use std::collections::HashMap;
 
@@ -37,8 +37,8 @@ fn disturbers([a, b, c]: [DVec2; 3], points: &[DVec2], segments: &[[DVec2; 2]]) 
 
 /// Pieces of contours, relative to the triangulation's origin.
 fn segments(sample: &Sample) -> Vec<[DVec2; 2]> {
-    let local = |p: &DVec2| *p - sample.tiling.tin.origin;
-    let lines = sample.tiling.map.contours.iter();
+    let local = |p: &DVec2| *p - sample.subdivision.tin.origin;
+    let lines = sample.subdivision.map.contours.iter();
     lines.flat_map(|c| c.points.windows(2).map(|w| [local(&w[0]), local(&w[1])])).collect()
 }
 
@@ -46,7 +46,7 @@ fn segments(sample: &Sample) -> Vec<[DVec2; 2]> {
 fn every_triangle_is_constrained_delaunay() {
     for name in ALL {
         let sample = sample(name);
-        let tin = &sample.tiling.tin;
+        let tin = &sample.subdivision.tin;
         tin.validate().unwrap();
         let segments = segments(&sample);
         for t in sample.triangles() {
@@ -60,8 +60,8 @@ fn every_triangle_is_constrained_delaunay() {
 fn the_other_diagonal_is_found_out() {
     let sample = sample("fig2_triangles");
     let [a, b, k, l] = [(0.0, 0.0), (90.0, -10.0), (38.0, 41.0), (57.0, 35.0)]
-        .map(|p| DVec2::from(p) + ORIGIN - sample.tiling.tin.origin);
-    let found = |corners| disturbers(corners, &sample.tiling.tin.positions, &segments(&sample));
+        .map(|p| DVec2::from(p) + ORIGIN - sample.subdivision.tin.origin);
+    let found = |corners| disturbers(corners, &sample.subdivision.tin.positions, &segments(&sample));
     assert_eq!(found([a, b, l]), []);
     assert_eq!(found([a, b, k]), [l]);
 }
@@ -92,12 +92,12 @@ fn line_around(map: &ContourMap, p: DVec2, except: Option<usize>) -> Option<usiz
 fn areas_of_triangles_add_up() {
     for name in ALL {
         let (sample, map) = (sample(name), map(name));
-        let tin = &sample.tiling.tin;
+        let tin = &sample.subdivision.tin;
         let mut of_region: HashMap<u32, f64> = HashMap::new();
         let mut line_of_region: HashMap<u32, Option<usize>> = HashMap::new();
         for t in sample.triangles() {
             let [a, b, c] = tin.corners(t);
-            let region = sample.tiling.regions.of_triangle[t as usize];
+            let region = sample.subdivision.regions.of_triangle[t as usize];
             *of_region.entry(region).or_default() += (b - a).perp_dot(c - a) / 2.0;
             let around = line_around(&map, sample.centre(t) + ORIGIN, None);
             assert_eq!(

@@ -7,8 +7,8 @@ use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::ContourMap;
 use tokosen::io::{ReadOptions, read_contours};
 use tokosen::skeleton::{Elimination, eliminate};
+use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::{Frame, Side};
-use tokosen::surface::{Tiling, tiling};
 use tokosen::tin::{TriangleKind, triangle_kinds};
 
 /// Where the drawings have their zero, map coordinates.
@@ -32,7 +32,7 @@ pub const ALL: [&str; 12] = [
 
 /// A triangulated sample.
 pub struct Sample {
-    pub tiling: Tiling,
+    pub subdivision: Subdivision,
     pub kinds: Vec<TriangleKind>,
 }
 
@@ -47,10 +47,10 @@ pub fn map(name: &str) -> ContourMap {
 
 /// Reads and triangulates a sample.
 pub fn sample(name: &str) -> Sample {
-    let report = tiling(map(name), &Frame::Hull, &()).unwrap();
+    let report = subdivide(map(name), &Frame::Hull, &()).unwrap();
     assert!(report.findings.is_empty(), "{name}: {:?}", report.findings);
     let kinds = triangle_kinds(&report.value.tin);
-    Sample { tiling: report.value, kinds }
+    Sample { subdivision: report.value, kinds }
 }
 
 /// How many triangles of each kind there are.
@@ -64,12 +64,12 @@ pub struct Counts {
 impl Sample {
     /// The triangles inside the frame.
     pub fn triangles(&self) -> impl Iterator<Item = u32> {
-        (0..self.tiling.tin.len() as u32).filter(|&t| self.tiling.tin.is_inside(t))
+        (0..self.subdivision.tin.len() as u32).filter(|&t| self.subdivision.tin.is_inside(t))
     }
 
     /// The corners of a triangle in the drawing's coordinates.
     pub fn corners(&self, t: u32) -> [DVec2; 3] {
-        self.tiling.tin.corners(t).map(|p| p + self.tiling.tin.origin - ORIGIN)
+        self.subdivision.tin.corners(t).map(|p| p + self.subdivision.tin.origin - ORIGIN)
     }
 
     pub fn centre(&self, t: u32) -> DVec2 {
@@ -87,17 +87,17 @@ impl Sample {
 
     /// The sub-domain at a place of the drawing.
     pub fn region_at(&self, x: f64, y: f64) -> u32 {
-        self.tiling.regions.of_triangle[self.triangle_at(DVec2::new(x, y)) as usize]
+        self.subdivision.regions.of_triangle[self.triangle_at(DVec2::new(x, y)) as usize]
     }
 
     /// The levels around a sub-domain, each with whether the ground lies above it.
     pub fn levels(&self, region: u32) -> Vec<(f64, bool)> {
-        let levels = &self.tiling.regions.regions[region as usize].levels;
+        let levels = &self.subdivision.regions.regions[region as usize].levels;
         levels.iter().map(|&(level, side)| (level, side == Side::Above)).collect()
     }
 
     pub fn triangles_of(&self, region: u32) -> Vec<u32> {
-        self.triangles().filter(|&t| self.tiling.regions.of_triangle[t as usize] == region).collect()
+        self.triangles().filter(|&t| self.subdivision.regions.of_triangle[t as usize] == region).collect()
     }
 
     pub fn counts(&self, region: u32) -> Counts {
@@ -112,7 +112,7 @@ impl Sample {
 
     /// What is eliminated at a resolution w.
     pub fn elimination(&self, w: f64) -> Elimination {
-        eliminate(&self.tiling.tin, &self.kinds, &self.tiling.regions, w)
+        eliminate(&self.subdivision.tin, &self.kinds, &self.subdivision.regions, w)
     }
 
     /// The terminal triangles of a sub-domain whose branch is kept at w = 1.

@@ -32,7 +32,7 @@ fn expected(at: (f64, f64), levels: &[(f64, bool)], holes: usize, class: Landfor
 /// Checks levels, sides, class and the number of triangles of each kind; the sub-domains are all different, and there are
 /// `outside` more of them between the outermost line and the convex hull.
 fn check(sample: &Sample, wanted: &[Expected], outside: usize) {
-    let forms = landforms(&sample.tiling.tin, &sample.tiling.regions);
+    let forms = landforms(&sample.subdivision.tin, &sample.subdivision.regions);
     let mut regions: Vec<u32> = wanted
         .iter()
         .map(|w| {
@@ -48,12 +48,12 @@ fn check(sample: &Sample, wanted: &[Expected], outside: usize) {
     regions.sort_unstable();
     regions.dedup();
     assert_eq!(regions.len(), wanted.len(), "places in different sub-domains");
-    assert_eq!(sample.tiling.regions.regions.len(), wanted.len() + outside);
+    assert_eq!(sample.subdivision.regions.regions.len(), wanted.len() + outside);
 }
 
 /// Of the lines inside the sub-domain at a place, how many are higher than, level with and lower than the one around it.
 fn mixture_at(sample: &Sample, x: f64, y: f64) -> [u32; 3] {
-    let forms = landforms(&sample.tiling.tin, &sample.tiling.regions);
+    let forms = landforms(&sample.subdivision.tin, &sample.subdivision.regions);
     let mixture = forms[sample.region_at(x, y) as usize].mixture;
     assert_eq!(mixture.valleys, 0);
     [mixture.tablelands, mixture.ridge_peaks, mixture.basins]
@@ -63,7 +63,7 @@ fn mixture_at(sample: &Sample, x: f64, y: f64) -> [u32; 3] {
 /// so that one canyon may be two lines from a saddle on: lines that share a point count once.
 fn lines_at(sample: &Sample, x: f64, y: f64) -> (usize, usize) {
     let region = sample.region_at(x, y);
-    let lines = skeleton(&sample.tiling.tin, &sample.tiling.regions, 1.0).lines;
+    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0).lines;
     let own = |kind: BreakKind| {
         let mut groups: Vec<HashSet<[u64; 2]>> = Vec::new();
         for line in lines.iter().filter(|line| line.kind == kind && line.region == region) {
@@ -90,7 +90,7 @@ fn figure_1a_one_to_one() {
         ],
         0,
     );
-    let pieces = sample.tiling.map.contours.iter().map(|c| c.points.len() - 1).sum();
+    let pieces = sample.subdivision.map.contours.iter().map(|c| c.points.len() - 1).sum();
     let between = sample.counts(sample.region_at(-300.0, 0.0));
     assert_eq!(between, Counts { terminal: 0, sleeve: pieces, junction: 0 });
     assert_eq!(lines_at(&sample, -300.0, 0.0), (0, 0));

@@ -55,7 +55,7 @@ fn figure_2_every_triangle() {
         let outside = sample.triangle_at(DVec2::new(x, y));
         assert_eq!(sample.kinds[outside as usize], TriangleKind::Isolated);
     }
-    assert_eq!(sample.tiling.regions.regions.len(), 4);
+    assert_eq!(sample.subdivision.regions.regions.len(), 4);
 }
 
 /// The only junction in the sub-domain at a place.
@@ -81,7 +81,7 @@ fn figure_3a_a_junction_with_two_corners_on_one_line() {
         let found = sample.elimination(w);
         assert_eq!(found.eliminated[junction as usize], is_eliminated, "w = {w}");
         assert_eq!(found.dropped[spur as usize], is_eliminated, "w = {w}");
-        let lines = skeleton(&sample.tiling.tin, &sample.tiling.regions, w).lines;
+        let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, w).lines;
         let in_spur = |p: &glam::DVec3| p.truncate().distance(ORIGIN) < 1e-6;
         assert_eq!(lines.iter().any(|line| line.points.iter().any(in_spur)), !is_eliminated, "w = {w}");
     }
@@ -138,12 +138,12 @@ fn figure_6_heights_along_a_ridge() {
         .iter()
         .map(|&(x, _)| {
             let place = DVec2::new(x, 0.0);
-            let position = place + ORIGIN - sample.tiling.tin.origin;
+            let position = place + ORIGIN - sample.subdivision.tin.origin;
             AxisPoint { position, level: Some(low), triangle: sample.triangle_at(place), region }
         })
         .collect();
-    let found = axis_heights(&sample.tiling.tin, &sample.tiling.regions, &points);
-    let lines = skeleton(&sample.tiling.tin, &sample.tiling.regions, 1.0).lines;
+    let found = axis_heights(&sample.subdivision.tin, &sample.subdivision.regions, &points);
+    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0).lines;
     for (&(x, to_lower), height) in centres.iter().zip(found) {
         let wanted = (low * from_upper(x) + to_lower * high) / (from_upper(x) + to_lower);
         assert!((height - wanted).abs() < 1e-9, "at {x}: {height}, by hand {wanted}");

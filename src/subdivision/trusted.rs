@@ -1,12 +1,12 @@
 //! What of a map can be trusted to learn from. Beside wrong labels all ground looks rough where levels are hidden, and bands are
 //! those of other ground.
 
-use super::tiling::Tiling;
+use super::Subdivision;
 use crate::check::{Correction, correct};
 use crate::contour::ContourMap;
 use crate::subdomains::Sheet;
 
-impl Tiling {
+impl Subdivision {
     /// The map with the elevations that are proposed for wrong labels, without the lines whose label is wrong though none is
     /// proposed; `None` if the ground around contradicts no label.
     pub(crate) fn trusted(&self) -> Option<ContourMap> {

@@ -1,0 +1,36 @@
+#![doc = include_str!("rustdoc_links.md")]
+#![doc = include_str!("README.md")]
+
+// The pages are Markdown files that also read well in the repository. There, links lead from file to file; here, the same
+// links must lead from module to module. Markdown takes the first of two definitions of a link. So rustdoc_links.md, with
+// the modules, comes before each page, and the page ends with the files.
+
+/// Declares one module per page.
+macro_rules! pages {
+    ($($page:ident = $file:literal,)+) => {$(
+        #[doc = include_str!("rustdoc_links.md")]
+        #[doc = include_str!($file)]
+        pub mod $page {}
+    )+};
+}
+
+pages! {
+    denser_contours = "denser_contours.md",
+    height_maps = "height_maps.md",
+    coordinates = "coordinates.md",
+    base_map = "base_map.md",
+    checking = "checking.md",
+    uncertainty = "uncertainty.md",
+    comparing = "comparing.md",
+    slope = "slope.md",
+    models = "models.md",
+    subdomains = "subdomains.md",
+    water = "water.md",
+    formats = "formats.md",
+    options = "options.md",
+    method = "method.md",
+    accuracy = "accuracy.md",
+    speed = "speed.md",
+    limits = "limits.md",
+    library = "library.md",
+}

@@ -1,0 +1,73 @@
+//! What the smooth surface on a grid has to meet, whatever the hyper-parameters.
+
+use glam::{DVec2, DVec3};
+
+use super::density::closeness;
+use super::lattice::{Crossing, Lattice};
+use super::{expected, relief};
+use crate::base::Grid;
+
+/// What the smooth surface on a grid has to meet. Arrays have a value per node, row by row from the north-west; NaN marks nodes
+/// outside the frame.
+pub struct Conditions<'a> {
+    /// Its cells' centres are the nodes.
+    pub grid: Grid,
+    /// Level (metres) and vertices (map coordinates) of the contours.
+    pub contours: Vec<(f64, &'a [DVec2])>,
+    /// Spot heights: map position and height, metres.
+    pub spots: Vec<DVec3>,
+    /// Ridge and canyon lines, map coordinates.
+    pub creases: Vec<Vec<DVec2>>,
+    /// Contour interval, metres.
+    pub interval: f64,
+    /// Mean distance between neighbouring contours, map units.
+    pub gap: f64,
+    /// Lowest and highest heights, metres.
+    pub bounds: [Vec<f32>; 2],
+    /// Heights of the reference surface, whose slopes the tension draws to, metres.
+    pub guide: Vec<f32>,
+    /// Whether water may stay at a node.
+    pub hollows: Vec<bool>,
+}
+
+impl Conditions<'_> {
+    /// What bulges and hollows of a surface on the grid lack ([`relief::lacking`]) if it may be off by a metre half-way between
+    /// contours in the mean.
+    pub fn lacking_relief(&self, heights: &[f32]) -> Vec<f32> {
+        let Conditions { grid, gap, interval, bounds: [lo, hi], guide, .. } = self;
+        let lattice = Lattice::of_grid(grid);
+        let closeness = closeness(guide, grid, *gap, *interval);
+        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &self.spot_crossings());
+        relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, *interval)
+    }
+
+    /// Spot heights as crossings of the edges between nodes.
+    pub(super) fn spot_crossings(&self) -> Vec<(Crossing, f64)> {
+        spot_crossings(&self.spots, &Lattice::of_grid(&self.grid), &self.guide)
+    }
+}
+
+/// Spot heights, carried along the reference surface to the edges north and south of each.
+fn spot_crossings(spots: &[DVec3], lattice: &Lattice, guide: &[f32]) -> Vec<(Crossing, f64)> {
+    let mut found = Vec::new();
+    for spot in spots {
+        let place = lattice.place(spot.truncate());
+        let (col, row) = (place.x.floor(), place.y.floor());
+        if col < 0.0 || row < 0.0 || col as usize + 1 >= lattice.cols || row as usize + 1 >= lattice.rows {
+            continue;
+        }
+        let (u, v) = (place.x - col, place.y - row);
+        let node = row as usize * lattice.cols + col as usize;
+        let below = node + lattice.cols;
+        let g = |n: usize| f64::from(guide[n]);
+        let north = g(node) * (1.0 - u) + g(node + 1) * u;
+        let south = g(below) * (1.0 - u) + g(below + 1) * u;
+        let here = north * (1.0 - v) + south * v;
+        if here.is_finite() {
+            // The guide passes through the spot itself; its slope carries the height to the edges north and south.
+            found.push((Crossing { node: node as u32, along: u, at_vertex: false }, spot.z + north - here));
+            found.push((Crossing { node: below as u32, along: u, at_vertex: false }, spot.z + south - here));
+        }
+    }
+    found
+}

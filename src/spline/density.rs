@@ -1,0 +1,43 @@
+//! How close contours are to each other, node by node, and the tension that follows from it.
+
+use rayon::prelude::*;
+
+use super::slopes::slopes;
+use crate::base::Grid;
+
+/// Rounds of averaging over neighbours that smooth the density.
+const SMOOTHING: usize = 3;
+/// Limits of the local gap between contours against the mean gap, for the tension.
+const GAP_LIMITS: (f64, f64) = (1e-3, 1e3);
+
+/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope.
+pub fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64) -> Vec<f32> {
+    let slopes = slopes(guide, grid);
+    let relative = |s: &f32| {
+        let gaps = f64::from(*s) * gap / interval;
+        if gaps.is_nan() { 1.0 } else { gaps.clamp(GAP_LIMITS.0, GAP_LIMITS.1) as f32 }
+    };
+    let mut factor: Vec<f32> = slopes.par_iter().map(relative).collect();
+    for _ in 0..SMOOTHING {
+        factor = around(&factor, grid, |old, n| {
+            (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0
+        });
+    }
+    factor
+}
+
+/// Tension at each node, per square of the eastward step: `k / (mean gap · local gap)`.
+pub fn tension(closeness: &[f32], grid: &Grid, gap: f64, k: f64) -> Vec<f32> {
+    let whole = k * (grid.cell.x / gap).powi(2);
+    closeness.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
+}
+
+/// A new value for every node that has all its neighbours.
+fn around(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync) -> Vec<f32> {
+    let at = |n: usize| {
+        let (i, j) = (n % grid.cols, n / grid.cols);
+        let inner = i > 0 && i + 1 < grid.cols && j > 0 && j + 1 < grid.rows;
+        if inner { value(old, n) } else { old[n] }
+    };
+    (0..old.len()).into_par_iter().map(at).collect()
+}

@@ -1,0 +1,20 @@
+//! Slopes of heights at the nodes of a grid.
+
+use rayon::prelude::*;
+
+use crate::base::Grid;
+
+/// Slope at every node, rise over run; NaN beside nodes outside the frame.
+pub(crate) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
+    let at = |n: usize| {
+        let (i, j) = (n % grid.cols, n / grid.cols);
+        let (w, e) = (i.saturating_sub(1), (i + 1).min(grid.cols - 1));
+        let (s, t) = (j.saturating_sub(1), (j + 1).min(grid.rows - 1));
+        let east =
+            (heights[j * grid.cols + e] - heights[j * grid.cols + w]) / ((e - w).max(1) as f64 * grid.cell.x) as f32;
+        let south =
+            (heights[t * grid.cols + i] - heights[s * grid.cols + i]) / ((t - s).max(1) as f64 * grid.cell.y) as f32;
+        (east * east + south * south).sqrt()
+    };
+    (0..heights.len()).into_par_iter().map(at).collect()
+}

@@ -1,0 +1,118 @@
+//! What is triangulated besides the contours, and the triangulation that nothing in it contradicts.
+
+use std::borrow::Cow;
+
+use glam::DVec2;
+
+use super::known::known_regions;
+use super::spots::spots_outside_bands;
+use super::water::{Ponds, lake_finding, leave_out_vanished};
+use crate::base::error::{Finding, Result};
+use crate::contour::{ContourMap, Interval};
+use crate::geometry::Border;
+use crate::subdomains::{
+    FrameRing, Gaps, Link, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes, with_water,
+};
+use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
+
+/// What is triangulated besides the contours.
+#[derive(Debug, Clone)]
+pub(super) struct Constraints {
+    /// The frame is a polygon: its edges go in too, because the convex hull of all points does not follow it.
+    pub(super) is_polygon: bool,
+    /// From open ends to the frame.
+    pub(super) links: Vec<Link>,
+    /// Points nearer than this to each other are one.
+    pub(super) tolerance: f64,
+    /// Which of the map's spot heights are used.
+    pub(super) spots: Vec<bool>,
+    /// The lakes, with their shores.
+    pub(super) ponds: Ponds,
+    /// The level of the sea.
+    pub(super) sea: Option<f64>,
+}
+
+/// A triangulation with its sub-domains.
+pub(super) struct Found {
+    pub(super) triangulation: Triangulation,
+    pub(super) tin: Tin,
+    pub(super) regions: Regions,
+    pub(super) gaps: Gaps,
+    /// About the sub-domains.
+    pub(super) findings: Vec<Finding>,
+}
+
+impl Constraints {
+    /// Contours come first, so that their heights win where points coincide.
+    fn input(&self, map: &ContourMap, frame: &FrameRing) -> TinInput {
+        let rings: Vec<Vec<DVec2>> = frame.rings().collect();
+        let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for &p in map.contours.iter().flat_map(|c| &c.points).chain(rings.iter().flatten()) {
+            lo = lo.min(p);
+            hi = hi.max(p);
+        }
+        let mut input = TinInput::new([lo, hi], self.tolerance);
+        let links = self.links.iter().map(|link| (link.elevation, vec![link.end, link.frame]));
+        let contours = map.contours.iter().map(|c| (c.elevation, Cow::from(&c.points)));
+        let courses = contours.chain(links.map(|(level, points)| (level, Cow::from(points))));
+        self.ponds.push(&mut input, courses);
+        for spot in map.spots.iter().zip(&self.spots).filter(|(_, used)| **used).map(|(s, _)| s) {
+            input.push(spot.truncate(), spot.z, VertexKind::Spot);
+        }
+        for ring in rings {
+            let corners: Vec<u32> = ring.iter().map(|&c| input.push(c, f64::NAN, VertexKind::Frame)).collect();
+            if self.is_polygon {
+                let next = corners.iter().cycle().skip(1);
+                corners.iter().zip(next).for_each(|(&a, &b)| input.push_edge(a, b));
+            }
+        }
+        input
+    }
+
+    /// Triangulates, and leaves out spot heights and lakes until none contradicts the contours around it.
+    pub(super) fn triangulated(
+        &mut self,
+        map: &ContourMap,
+        frame: &FrameRing,
+        ends: &[OpenEnd],
+        interval: &Interval,
+        findings: &mut Vec<Finding>,
+    ) -> Result<Found> {
+        loop {
+            let mut triangulation = Triangulation::new(self.input(map, frame))?;
+            let tin = self.within_frame(triangulation.tin()?, frame);
+            let gaps = close_gaps(&tin, ends, interval.step);
+            let tin = self.ponds.mark(tin.with_gaps(&gaps.bridges, &gaps.gates));
+            let (tin, report) = known_regions(tin, interval);
+            let heights = self.ponds.heights();
+            let dry = contradicted_lakes(&tin, &report.value, &heights);
+            let vanished = leave_out_vanished(&mut self.ponds, &tin);
+            if !dry.is_empty() || !vanished.is_empty() {
+                findings.extend(vanished);
+                for (lake, place, band) in dry {
+                    findings.push(lake_finding(&self.ponds, lake, place, band));
+                    self.ponds.leave_out(lake);
+                }
+                continue;
+            }
+            let regions = agreeing_at_corners(with_water(report.value, &tin, &heights, self.sea), &tin);
+            let outside = spots_outside_bands(map, &tin, &regions);
+            if outside.is_empty() {
+                return Ok(Found { triangulation, tin, regions, gaps, findings: report.findings });
+            }
+            for (spot, finding) in outside {
+                self.spots[spot] = false;
+                findings.push(finding);
+            }
+        }
+    }
+
+    /// Takes the triangles outside a boundary polygon out of the frame.
+    fn within_frame(&self, tin: Tin, frame: &FrameRing) -> Tin {
+        if !self.is_polygon {
+            return tin;
+        }
+        let border = Border::new(&frame.area);
+        tin.restricted(|p| border.contains(p))
+    }
+}

@@ -1,0 +1,15 @@
+//! The subdivision of a map (paper, sections 3.2 and 3.3): its contours, triangulated in the frame, with the sub-domains
+//! between them, lakes and the sea, and what the ground between contours shows of wrong labels.
+
+mod constraints;
+mod frame_heights;
+mod known;
+mod prepare;
+mod spots;
+mod subdivide;
+mod trusted;
+mod water;
+
+pub(crate) use prepare::{Prepared, prepare};
+pub use subdivide::{Subdivision, subdivide, subdivide_with_water};
+pub use water::Water;

@@ -1,0 +1,73 @@
+//! A map cut to its frame, with what has to be triangulated.
+
+use super::constraints::Constraints;
+use super::water::{Ponds, Water, sea_level};
+use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::contour::{Clipped, ContourMap, Interval, clip, find_interval};
+use crate::geometry::with_corners_at;
+use crate::subdomains::{Frame, FrameRing, OpenEnd, frame_ring, link_open_ends, links_at};
+
+/// A map in its frame, ready to be triangulated.
+pub(crate) struct Prepared {
+    /// The map, cut to the frame.
+    pub map: ContourMap,
+    /// The frame's outline.
+    pub frame: FrameRing,
+    /// The vertical interval.
+    pub interval: Interval,
+    pub(super) ends: Vec<OpenEnd>,
+    pub(super) constraints: Constraints,
+    pub(super) findings: Vec<Finding>,
+}
+
+/// Cuts a map to its frame, and sees what has to be triangulated.
+///
+/// # Errors
+/// When the map has fewer than two levels, or as [`subdivide_with_water`] for the sea.
+pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
+    let frame = frame_ring(&map, wanted);
+    let mut findings = Vec::new();
+    let (map, frame) = match wanted {
+        Frame::Polygon(polygon) => {
+            if frame.area != *polygon {
+                let message = "the frame polygon reaches beyond the contours; the surface ends at their convex hull";
+                findings.push(Finding::general(FindingKind::FrameBeyondMap, message));
+            }
+            let area = with_corners_at(&map.places().collect::<Vec<_>>(), &frame.area);
+            let Clipped { map, area } = clip(map, &area);
+            (map, FrameRing { area })
+        }
+        Frame::Hull | Frame::Box => (map, frame),
+    };
+    let sea = sea_level(water, &map, &mut findings)?;
+    let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
+    let tolerance = frame.tolerance();
+    let (ends, links) = link_open_ends(&map, &frame, tolerance);
+    let frame = match wanted {
+        Frame::Hull | Frame::Box => frame,
+        Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
+    };
+    let is_polygon = matches!(wanted, Frame::Polygon(_));
+    let on_links = links_at(&map.spots, &links, tolerance);
+    for (spot, link) in map.spots.iter().zip(&on_links) {
+        if let Some(link) = link.filter(|link| link.elevation != spot.z) {
+            let message = format!(
+                "the spot height {} m lies where the contour {} m leads on to the frame; it is left out",
+                spot.z, link.elevation
+            );
+            let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
+            findings.push(finding.of_elevations([spot.z, link.elevation]));
+        }
+    }
+    let spots = on_links.iter().map(Option::is_none).collect();
+    let constraints = Constraints { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
+    Ok(Prepared { map, frame, interval, ends, constraints, findings })
+}
+
+fn too_few_levels(map: &ContourMap, frame: &Frame) -> Error {
+    let in_polygon = matches!(frame, Frame::Polygon(_));
+    match map.contours.first() {
+        None => Error::NoContours { in_polygon },
+        Some(c) => Error::TooFewLevels { lines: map.contours.len(), elevation: c.elevation, in_polygon },
+    }
+}

@@ -1,0 +1,186 @@
+//! Subdivision (paper, section 3.3): the triangulated contours of a clean map with their sub-domains.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::constraints::{Constraints, Found};
+use super::frame_heights::with_frame_heights;
+use super::known::known_regions;
+use super::prepare::{Prepared, prepare};
+use super::water::{Shores, Water, settle};
+use crate::base::error::{Report, Result};
+use crate::base::progress::Progress;
+use crate::check::{Correction, Ground, Judged, contradicted_marks, judge};
+use crate::contour::{ContourMap, Interval};
+use crate::subdomains::{Frame, FrameRing, Gaps, KeptBands, Outline, Regions, Sheet, sub_domains, with_water};
+use crate::tin::{Tin, TinInput, Triangulation};
+
+/// Triangles that one task looks at.
+const CHUNK: usize = 1 << 14;
+
+/// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
+#[derive(Debug, Clone)]
+pub struct Subdivision {
+    /// The map, cut to the frame.
+    pub map: ContourMap,
+    /// Its constrained Delaunay triangulation; corners of the frame have heights too.
+    pub tin: Tin,
+    /// The sub-domains of its triangles.
+    pub regions: Regions,
+    /// The frame's outline.
+    pub frame: FrameRing,
+    /// The input's vertical interval.
+    pub interval: Interval,
+    /// What would mend the faults that were found, for [`correct`](crate::check::correct). Their lines are those of the map as
+    /// it came in where the frame is no polygon.
+    pub corrections: Vec<Correction>,
+    /// As [`Judged::doubted`].
+    pub(crate) doubted: Vec<u32>,
+    /// What closes the gaps between open ends.
+    pub(crate) gaps: Gaps,
+    constraints: Constraints,
+    /// The triangulation itself, to which points can be added, until it is taken.
+    pub(crate) triangulation: Triangulation,
+    /// Number of its points; those that are computed come after them.
+    pub(crate) given: usize,
+}
+
+/// Triangulates a clean map (see [`clean`](fn@crate::clean::clean)) and finds its sub-domains.
+///
+/// # Errors
+/// When the map has fewer than two levels, when a contour line crosses another, or when the points have no extent.
+pub fn subdivide(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Result<Report<Subdivision>> {
+    subdivide_with_water(map, wanted, &Water::default(), progress)
+}
+
+/// [`subdivide`] with lakes and the sea.
+///
+/// A lake whose height is not known gets that of its shore. Where contours of other levels cross or touch it, it is cut
+/// back from them; what contradicts the contours around it is left out.
+///
+/// # Errors
+/// As [`subdivide`], and [`Error::Parameter`](crate::base::error::Error::Parameter) when no contour lies at the level of the sea.
+pub fn subdivide_with_water(
+    map: ContourMap,
+    wanted: &Frame,
+    water: &Water,
+    progress: &dyn Progress,
+) -> Result<Report<Subdivision>> {
+    prepare(map, wanted, water)?.subdivide(water, progress)
+}
+
+impl Prepared {
+    /// Triangulates it and finds the sub-domains.
+    ///
+    /// # Errors
+    /// When a contour line crosses another, or when the points have no extent.
+    pub fn subdivide(self, water: &Water, progress: &dyn Progress) -> Result<Report<Subdivision>> {
+        let Self { map, mut frame, interval, ends, mut constraints, mut findings } = self;
+        progress.start("triangulating", 0);
+        let mut found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+        if !water.lakes.is_empty() {
+            let ground = with_frame_heights(found.tin, &found.regions, &|_| None);
+            let shores =
+                Shores { map: &map, links: &constraints.links, frame: &frame, tin: &ground, regions: &found.regions };
+            let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+            (constraints.ponds, frame) = (ponds, with_ends);
+            found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
+        }
+        let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
+        findings.extend(of_regions);
+        let ground = Ground {
+            map: &map,
+            tin: &tin,
+            regions: &sub_domains,
+            frame: &frame,
+            ends: &ends,
+            links: &constraints.links,
+            gaps: &gaps,
+        };
+        let Judged { findings: of_labels, corrections, doubted } = judge(&ground);
+        findings.extend(of_labels);
+        findings.extend(contradicted_marks(&map, &tin, &sub_domains));
+        let tin = with_frame_heights(tin, &sub_domains, &|_| None);
+        progress.finish();
+        let given = triangulation.input().len();
+        let regions = sub_domains;
+        let subdivision = Subdivision {
+            map,
+            tin,
+            regions,
+            frame,
+            interval,
+            corrections,
+            doubted,
+            gaps,
+            constraints,
+            triangulation,
+            given,
+        };
+        Ok(Report { value: subdivision, findings })
+    }
+}
+
+impl Subdivision {
+    /// What the triangles do not tell, with the area of the triangles inside the frame.
+    pub(crate) fn sheet(&self) -> Sheet<'_> {
+        let tin = &self.tin;
+        let doubled = |t: u32| {
+            let [a, b, c] = tin.corners(t);
+            (b - a).perp_dot(c - a)
+        };
+        // Added up in this order whatever the number of threads.
+        let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
+            let first = (k * CHUNK) as u32;
+            (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
+        });
+        let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
+        Sheet::with_area(&self.map, &self.frame, self.interval, area)
+    }
+
+    /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
+    pub(crate) fn push_borders(&self, input: &mut TinInput) {
+        for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
+            input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
+        }
+        for [u, v] in Outline::new(&self.tin).loose_edges() {
+            input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
+        }
+    }
+
+    /// The spot heights that agree with the contours around them.
+    pub(crate) fn used_spots(&self) -> impl Iterator<Item = DVec3> {
+        self.map.spots.iter().zip(&self.constraints.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
+    }
+
+    /// The same with a finer triangulation, which more points and edges were added to.
+    ///
+    /// Corners of the frame get the heights of `smooth` (metres at a map position), where it has one.
+    pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
+        let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, given, .. } = self;
+        let kept = KeptBands::new(&tin, regions);
+        let outline = Outline::new(&tin);
+        // The first triangulation is a large part of the memory; with lakes it tells where they are.
+        let before = (!constraints.ponds.is_empty()).then_some(tin);
+        let tin = outline.applied(finer).with_gaps(&gaps.bridges, &gaps.gates);
+        let tin = match before {
+            Some(before) => tin.with_lakes_of(&before),
+            None => tin,
+        };
+        let is_dry = constraints.ponds.is_empty() && constraints.sea.is_none();
+        let known = is_dry.then(|| kept.applied(&tin, sub_domains(&tin, &interval)));
+        let (tin, regions) = match known {
+            Some((regions, true)) => (tin, regions),
+            // With water, and where constraints of the frame that hold no contour are in it again.
+            _ => {
+                let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
+                let regions = with_water(regions, &tin, &constraints.ponds.heights(), constraints.sea);
+                let (regions, _) = kept.applied(&tin, regions);
+                (tin, regions)
+            }
+        };
+        let tin = with_frame_heights(tin, &regions, smooth);
+        let triangulation = Triangulation::default();
+        Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, triangulation, given }
+    }
+}

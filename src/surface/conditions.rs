@@ -1,0 +1,72 @@
+//! What a subdivision asks of the smooth surface on a grid: bands, reference heights, contours, spot heights and creases.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::base::Grid;
+use crate::contour::ContourMap;
+use crate::dem::heights_at;
+use crate::skeleton::BreakLine;
+use crate::spline::{Conditions, Lattice};
+use crate::subdivision::Subdivision;
+use crate::subdomains::{Side, line_at, line_starts, local_bands};
+use crate::tin::NONE;
+
+/// Looks up bands and reference heights at the nodes of a grid. `subdivision` is the triangulation with ridge and canyon lines, `triangles` are
+/// those that the nodes lie in.
+pub(crate) fn conditions<'a>(
+    subdivision: &'a Subdivision,
+    break_lines: &[BreakLine],
+    grid: &Grid,
+    triangles: &[u32],
+) -> Conditions<'a> {
+    let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
+    let is_wrong = |v: u32| {
+        !wrong.is_empty()
+            && line_at(&subdivision.tin, &starts, v).is_some_and(|line| wrong.binary_search(&line).is_ok())
+    };
+    let local = local_bands(&subdivision.tin, &subdivision.regions, is_wrong);
+    let of_region = |t: u32| subdivision.regions.region(t).map(|r| r.band);
+    let band = |&t: &u32| if t == NONE { None } else { local.get(&t).copied().or_else(|| of_region(t)) };
+    let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
+    let mut hi: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.hi as f32)).collect();
+    for (node, level) in on_contours(&subdivision.map, grid) {
+        if !lo[node].is_nan() {
+            (lo[node], hi[node]) = (level as f32, level as f32);
+        }
+    }
+    let is_hollow = is_hollow(subdivision);
+    let hollows: Vec<bool> = triangles
+        .par_iter()
+        .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
+        .collect();
+    let guide = heights_at(&subdivision.tin, grid, triangles);
+    let flat = |line: &BreakLine| line.points.iter().map(|p| p.truncate()).collect();
+    Conditions {
+        grid: *grid,
+        contours: subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect(),
+        spots: subdivision.used_spots().collect(),
+        creases: break_lines.iter().map(flat).collect(),
+        interval: subdivision.interval.step,
+        gap: subdivision.sheet().gap,
+        bounds: [lo, hi],
+        guide,
+        hollows,
+    }
+}
+
+/// The nodes of a grid that vertices of contours lie on, with the level: the band on either side of the contour would be too
+/// wide.
+pub(crate) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let lattice = Lattice::of_grid(grid);
+    map.contours.iter().flat_map(move |contour| {
+        let node = move |p: &DVec2| lattice.node_at(*p).map(|node| (node, contour.elevation));
+        contour.points.iter().filter_map(node)
+    })
+}
+
+/// By sub-domain: whether the ground lies in a hollow that contours enclose, or may: all its levels are above it.
+fn is_hollow(subdivision: &Subdivision) -> Vec<bool> {
+    let regions = &subdivision.regions.regions;
+    regions.iter().map(|r| r.levels.iter().all(|(_, side)| *side == Side::Below)).collect()
+}

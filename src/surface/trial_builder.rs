@@ -1,0 +1,35 @@
+//! The surfaces of trials with hidden levels, built like that of the whole map.
+
+use super::conditions::conditions;
+use super::skeleton_lines::{finer, with_skeleton};
+use crate::base::Grid;
+use crate::skeleton::BreakLine;
+use crate::spline::Conditions;
+use crate::subdivision::Subdivision;
+use crate::validate::SurfaceBuilder;
+
+/// Builds surfaces with ridge and canyon lines of this resolution, or without such lines.
+pub struct TrialBuilder {
+    /// The paper's resolution parameter w.
+    pub resolution: Option<f64>,
+}
+
+impl SurfaceBuilder for TrialBuilder {
+    fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
+        let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
+        let triangulation = std::mem::take(&mut subdivision.triangulation);
+        let finer = finer(&subdivision, triangulation, resolution).ok()?;
+        let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
+        Some((subdivision, break_lines))
+    }
+
+    fn conditions<'a>(
+        &self,
+        subdivision: &'a Subdivision,
+        break_lines: &[BreakLine],
+        grid: &Grid,
+        triangles: &[u32],
+    ) -> Conditions<'a> {
+        conditions(subdivision, break_lines, grid, triangles)
+    }
+}
