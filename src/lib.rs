@@ -7,8 +7,14 @@
 //!
 //! # The pipeline
 //!
+//! [`Terrain`] is the entry: it calls the steps below in the order that they need. [`Input`] reads or takes the contours,
+//! [`Options`] has the parameters of all steps.
+//!
 //! | step | takes | gives |
 //! |---|---|---|
+//! | [`Input::read`], [`Input::from_map`], [`Input::from_arrays`] | a file, or lines in memory | an [`Input`]: a map on its working plane, findings about it |
+//! | [`Input::prepare`] | an input | the same, examined, repaired, cleaned, fitted and sampled |
+//! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
 //! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
 //! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
 //! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
@@ -43,18 +49,45 @@
 //! Coordinates must not be degrees: [`crs::Places`] brings them to a plane and back. Higher ground lies on the right of every
 //! contour that comes out.
 //!
-//! # Example
+//! # Examples
 //!
-//! A hill of two contours, sliced at 2 m and rasterised:
+//! Contours 2 m apart and a height map from a file of contours, as the command `densify --dem` makes them:
+//!
+//! ```
+//! use tokosen::io::layer::of_contours;
+//! use tokosen::io::raster::write_dem;
+//! use tokosen::io::{StagedOutput, write_layers_back};
+//! use tokosen::{GridSpec, Input, Interval, Options, Terrain};
+//!
+//! fn main() -> tokosen::Result<()> {
+//!     let folder = tempfile::tempdir().expect("a folder for the outputs");
+//!     let grid = GridSpec::Cell(5.0);
+//!     let options = Options { grid: Some(grid.clone()), ..Options::default() };
+//!     let terrain = Terrain::build(Input::read("samples/fig5cd_three_branches_basin.geojson")?, &options)?;
+//!     terrain.findings.iter().for_each(|finding| eprintln!("{finding}"));
+//!
+//!     let layers = terrain.contours(&[Interval::every(2.0)])?;
+//!     let contours = StagedOutput::create(&folder.path().join("dense.gpkg"))?;
+//!     write_layers_back(&contours, &layers.iter().map(of_contours).collect::<Vec<_>>(), &terrain.to_output(None)?)?;
+//!     contours.commit()?;
+//!
+//!     let dem = StagedOutput::create(&folder.path().join("dem.tif"))?;
+//!     write_dem(&dem.path(), &terrain.dem(&grid)?)?;
+//!     dem.commit()
+//! }
+//! ```
+//!
+//! The steps themselves: a hill of two contours, sliced at 2 m and rasterised:
 //!
 //! ```
 //! use glam::DVec2;
-//! use tokosen::contour::{CleanParams, Contour, ContourMap, clean};
-//! use tokosen::dem::Grid;
+//! use tokosen::base::Grid;
+//! use tokosen::clean::{CleanParams, clean};
+//! use tokosen::contour::{Contour, ContourMap};
 //! use tokosen::slice::{LayerParams, Target, contour_layers};
 //! use tokosen::surface::{SurfaceParams, build, heights};
 //!
-//! # fn main() -> tokosen::error::Result<()> {
+//! # fn main() -> tokosen::Result<()> {
 //! let ring = |radius: f64, elevation: f64| {
 //!     let angle = |k: i32| f64::from(k % 60) * std::f64::consts::TAU / 60.0;
 //!     let points = (0..=60).map(|k| radius * DVec2::from_angle(angle(k))).collect();
