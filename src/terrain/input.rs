@@ -60,6 +60,8 @@ pub struct Input {
     /// The file of the contours.
     pub(super) file: Option<PathBuf>,
     pub(super) unit: ElevationUnit,
+    /// Memory that reading may take, bytes.
+    memory: Option<u64>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }
@@ -119,7 +121,12 @@ impl Input {
         let map = read.collect(&mut findings);
         let map = named(options.unit.map_in_metres(map), options.crs.as_ref(), &mut findings);
         let (map, places) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
-        Ok(Self { map, findings, places, unit: options.unit, ..Self::default() })
+        Ok(Self { map, findings, places, unit: options.unit, memory: options.memory, ..Self::default() })
+    }
+
+    /// How further files are read.
+    fn reading(&self) -> ReadOptions {
+        ReadOptions { memory: self.memory, ..ReadOptions::default() }
     }
 
     /// The file of the contours, if they are from one.
@@ -139,7 +146,7 @@ impl Input {
     pub fn read_spots(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
         step(progress, "reading", || {
             let mut about = Vec::new();
-            let SpotHeights { points, crs } = read_spot_heights(path, &ReadOptions::default())?.collect(&mut about);
+            let SpotHeights { points, crs } = read_spot_heights(path, &self.reading())?.collect(&mut about);
             let to_working = self.places.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
             for finding in &mut about {
                 let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
@@ -169,7 +176,7 @@ impl Input {
     /// # Errors
     /// As [`read_water`] and [`Input::add_lakes`]; the error names the file.
     pub fn read_lakes(&mut self, path: &Path) -> Result<()> {
-        let (lakes, crs) = read_water(path, &ReadOptions::default())?.collect(&mut self.findings);
+        let (lakes, crs) = read_water(path, &self.reading())?.collect(&mut self.findings);
         self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
@@ -192,7 +199,7 @@ impl Input {
     /// # Errors
     /// As [`read_area`] and [`Input::set_boundary`]; the error names the file.
     pub fn read_boundary(&mut self, path: &Path) -> Result<()> {
-        let (area, crs) = read_area(path, &ReadOptions::default())?;
+        let (area, crs) = read_area(path, &self.reading())?;
         self.set_boundary(&area, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 

@@ -29,6 +29,8 @@ pub struct MeasureOptions<'a> {
     pub points: Option<&'a Path>,
     /// Unit of their heights.
     pub unit: ElevationUnit,
+    /// Memory that reading them may take, bytes. No limit if `None`.
+    pub memory: Option<u64>,
 }
 
 /// All figures of a comparison. What was noticed about the check points goes to `findings`.
@@ -68,7 +70,8 @@ pub fn measure(
     }
     found.bands = bands(pair, progress)?;
     if let Some(path) = options.points {
-        let mut checks = read_spot_heights(path, &ReadOptions::default())?.collect(findings);
+        let reading = ReadOptions { memory: options.memory, ..ReadOptions::default() };
+        let mut checks = read_spot_heights(path, &reading)?.collect(findings);
         checks.points.iter_mut().for_each(|point| point.z = options.unit.metres(point.z));
         for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
             figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);

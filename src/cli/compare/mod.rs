@@ -16,7 +16,7 @@ use super::input::InputArgs;
 use super::job::{commit, told};
 use super::output::{self, GridArgs};
 use super::surface::SurfaceArgs;
-use super::{Failure, summary};
+use super::{Failure, memory, summary};
 
 /// How far a height map or the surface of contours is from another
 ///
@@ -80,6 +80,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         interval: args.interval,
         points: args.input.map.points.as_deref(),
         unit: args.input.map.unit.unit(),
+        memory: memory::available(),
     };
     let measured = measure(&pair, &options, &mut findings, console);
     let found = measured.map_err(|error| told(error, &side::placed(&findings), console))?;
