@@ -220,9 +220,9 @@ impl DeriveArgs {
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         let options = self.surface.options(Some(&grid), Triangles::Guide);
         let terrain = build(&mut input, &self.surface, &options, console)?;
-        let dem = terrain.dem_with(&grid, console)?;
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);
+        let dem = terrain.dem_with(&grid, console)?;
         Ok(Ground { dem, source, findings: terrain.findings })
     }
 }
