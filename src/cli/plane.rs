@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use tokosen::base::error::{Error, Finding, FindingKind};
-use tokosen::contour::ContourMap;
+use tokosen::contour::{ContourMap, reproject};
 use tokosen::crs::{Bringer, Crs, CrsKind, Places, Returner, working_crs};
 use tokosen::io::looks_like_degrees;
 
@@ -81,7 +81,7 @@ pub fn flat(
             return Ok((map, places));
         }
     };
-    let (map, places) = Places::project(map, &working).map_err(about)?.collect(findings);
+    let (map, places) = reproject(map, &working).map_err(about)?.collect(findings);
     for finding in findings {
         finding.place = finding.place.and_then(|p| places.on_plane(p));
     }
