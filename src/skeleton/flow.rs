@@ -23,7 +23,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec2;
 
-use super::axis::{Axis, AxisPoint, End};
+use super::pieces::{Axis, AxisPoint, End};
 use crate::base::rows::Rows;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::axis::{Axis, End};
+use super::break_line::{BreakKind, BreakLine, LineEnd};
 use super::flow::{Flow, is_ridge};
-use super::{BreakKind, BreakLine, LineEnd};
+use super::pieces::{Axis, End};
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, VertexKind};
 
