@@ -16,7 +16,7 @@
 //! | [`Input::prepare`] | an input | the same, examined, repaired, cleaned, fitted and sampled |
 //! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
 //! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
-//! | [`crs::working_crs`], [`crs::Places::project`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
+//! | [`crs::working_crs`], [`contour::reproject`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
 //! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
 //! | [`clean::clean`](fn@clean::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`resample::fit`](fn@resample::fit) | a clean map | a [`Fitted`](resample::Fitted) one: smooth lines within a tolerance |

@@ -5,5 +5,6 @@ pub mod error;
 mod grid;
 pub mod progress;
 pub(crate) mod rows;
+pub(crate) mod union_find;
 
 pub use grid::Grid;

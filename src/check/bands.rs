@@ -8,6 +8,7 @@
 
 use super::graph::{Graph, Pair};
 use super::grid::Label;
+use crate::base::union_find::UnionFind;
 
 /// A contour whose label is wrong: one in some hundred.
 const WRONG: f64 = 5.0;
@@ -284,13 +285,11 @@ impl Tree {
         let mut by_length: Vec<u32> = (0..graph.pairs.len() as u32).collect();
         let length = |p: u32| graph.pairs[p as usize].length;
         by_length.sort_by(|&a, &b| length(b).total_cmp(&length(a)).then(a.cmp(&b)));
-        let mut root: Vec<u32> = (0..count as u32).collect();
+        let mut trees = UnionFind::new(count);
         let mut near: Vec<Vec<u32>> = vec![Vec::new(); count];
         for p in by_length {
             let [a, b] = graph.pairs[p as usize].sides;
-            let (a_root, b_root) = (find(&mut root, a), find(&mut root, b));
-            if a_root != b_root {
-                root[a_root.max(b_root) as usize] = a_root.min(b_root);
+            if trees.unite(a as usize, b as usize) {
                 near[a as usize].push(p);
                 near[b as usize].push(p);
             }
@@ -318,14 +317,6 @@ impl Tree {
         }
         Self { parent, order, near }
     }
-}
-
-fn find(root: &mut [u32], mut r: u32) -> u32 {
-    while root[r as usize] != r {
-        root[r as usize] = root[root[r as usize] as usize];
-        r = root[r as usize];
-    }
-    r
 }
 
 #[cfg(test)]

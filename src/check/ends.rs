@@ -8,10 +8,11 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::DVec2;
 
+use super::correction::{Correction, Judged};
 use super::graph::Graph;
 use super::grid::{Label, LevelGrid};
+use super::ground::Ground;
 use super::labels::Wrong;
-use super::{Correction, Ground, Judged};
 use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::subdomains::{Link, OpenEnd, Sight, line_starts};

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::bands::{Explanation, Span, levels_between, separates};
+use super::correction::{Correction, Judged};
 use super::graph::{Graph, Stretch};
 use super::grid::{Label, LevelGrid, is_other_unit, likeness};
-use super::{Correction, Ground, Judged};
+use super::ground::Ground;
 use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::contour::ContourMap;
 use crate::subdomains::{line_at, line_starts};

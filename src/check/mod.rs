@@ -11,6 +11,7 @@ mod depressions;
 mod ends;
 mod graph;
 mod grid;
+mod ground;
 mod labels;
 mod lines;
 #[cfg(test)]
@@ -20,32 +21,11 @@ mod widths;
 pub use causes::first_causes;
 pub use correction::{Correction, Judged, correct};
 pub(crate) use depressions::contradicted_marks;
+pub(crate) use ground::Ground;
 pub use lines::{LineParams, examine, merged};
 
 use self::graph::Graph;
 use self::grid::LevelGrid;
-use crate::contour::ContourMap;
-use crate::subdomains::{FrameRing, Gaps, Link, OpenEnd, Regions};
-use crate::tin::Tin;
-
-/// A triangulated map, as it is judged.
-#[derive(Clone, Copy)]
-pub(crate) struct Ground<'a> {
-    /// The clean map, cut to the frame.
-    pub map: &'a ContourMap,
-    /// Its triangulation, the map's contours before all other points.
-    pub tin: &'a Tin,
-    /// The sub-domains of its triangles.
-    pub regions: &'a Regions,
-    /// The frame.
-    pub frame: &'a FrameRing,
-    /// All ends of open contours.
-    pub ends: &'a [OpenEnd],
-    /// From ends to the frame.
-    pub links: &'a [Link],
-    /// What closes the openings between ends.
-    pub gaps: &'a Gaps,
-}
 
 /// Judges the labels, the ends and the completeness of a triangulated map by the bands of its sub-domains.
 pub(crate) fn judge(ground: &Ground) -> Judged {

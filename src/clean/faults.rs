@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::segments::Segments;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::union_find::UnionFind;
 use crate::contour::Contour;
 use crate::geometry::Segment;
 use crate::geometry::{self, Meeting, meeting, point_distance};
@@ -81,14 +82,7 @@ fn pair(segments: &Segments, i: u32, j: u32, separation: f64) -> Pair {
 
 /// Numbers of the pairs that are one fault, in the order of their first pairs.
 fn groups(segments: &Segments, pairs: &[Pair], separation: f64) -> Vec<Vec<usize>> {
-    let mut parent: Vec<usize> = (0..pairs.len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut sets = UnionFind::new(pairs.len());
     for (i, pair) in pairs.iter().enumerate().filter(|(_, pair)| !pair.is_clean_cross) {
         let (s, t) = pair.segments;
         for s in around(segments, s) {
@@ -98,14 +92,13 @@ fn groups(segments: &Segments, pairs: &[Pair], separation: f64) -> Vec<Vec<usize
                 if j == i || other.is_clean_cross || !share_a_place(pair, other, separation) {
                     continue;
                 }
-                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-                parent[a.max(b)] = a.min(b);
+                sets.unite(i, j);
             }
         }
     }
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for i in 0..pairs.len() {
-        groups.entry(root(&mut parent, i)).or_default().push(i);
+        groups.entry(sets.root(i)).or_default().push(i);
     }
     groups.into_values().collect()
 }

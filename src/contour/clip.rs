@@ -11,7 +11,7 @@ use geo::MultiPolygon;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::{Contour, ContourMap};
+use super::map::{Contour, ContourMap};
 use crate::base::bits::bits;
 use crate::geometry::{Border, OnEdge, rings, with_vertices};
 use crate::geometry::{Meeting, Segment, meeting, place, point_distance};

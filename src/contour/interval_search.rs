@@ -11,7 +11,8 @@
 //!
 //! Lines count by their vertices, so that a short auxiliary contour or one wrong label does not count for a whole level.
 
-use super::{Contour, Interval};
+use super::levels::Interval;
+use super::map::Contour;
 
 /// Exponent of a level's number of vertices in its weight. Below one, so that a single level with very many lines (the
 /// shore of a plain) does not outvote the others.

@@ -4,9 +4,7 @@
 //! nearest number to its decimal value (0.3, not 0.1 + 0.1 + 0.1): that is the number that a reader of the text gets,
 //! and levels can then be compared without a tolerance.
 
-use super::Contour;
-
-pub use super::interval_search::find_interval;
+use super::map::Contour;
 
 /// How near to a level a height must be to count as lying on it, as a share of the step. Far above the rounding
 /// of any elevation, far below the last digit that people write.
@@ -20,7 +18,7 @@ const MAX_DECIMALS: i32 = 9;
 pub struct Interval {
     /// Height between neighbouring levels, metres, positive.
     pub step: f64,
-    /// Height of the level with k = 0, metres. From [`find_interval`] it is at least 0 and less than the step.
+    /// Height of the level with k = 0, metres. From [`find_interval`](super::find_interval) it is at least 0 and less than the step.
     pub base: f64,
 }
 

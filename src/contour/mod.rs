@@ -5,82 +5,19 @@ mod interval_search;
 mod lake;
 mod levels;
 mod line;
+mod map;
 mod outlying;
+mod reproject;
 mod source_raster;
 mod unit;
 
 pub use clip::{Clipped, clip};
+pub use interval_search::find_interval;
 pub use lake::Lake;
-pub use levels::{Interval, distinct_levels, find_interval};
+pub use levels::{Interval, distinct_levels};
 pub use line::{ContourLayer, ContourLine, LineError, Source};
+pub use map::{Contour, ContourMap};
 pub(crate) use outlying::{outlying_vertices, without_outlying};
+pub use reproject::reproject;
 pub use source_raster::{SourceRaster, source_raster};
 pub use unit::ElevationUnit;
-
-use std::collections::BTreeMap;
-
-use glam::{DVec2, DVec3};
-
-use crate::crs::Crs;
-
-/// A line of one elevation.
-///
-/// Coordinates are map units (x east, y north), elevations metres. A closed line repeats its first point at the end.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Contour {
-    /// Elevation of the whole line.
-    pub elevation: f64,
-    /// The vertices in order.
-    pub points: Vec<DVec2>,
-    /// Number of the feature in the file that the line came from, for messages.
-    pub feature: u64,
-}
-
-impl Contour {
-    /// Whether the line ends where it starts, around an area.
-    pub fn is_closed(&self) -> bool {
-        self.points.len() >= 4 && self.points.first() == self.points.last()
-    }
-
-    /// Length along the line, in map units.
-    pub fn length(&self) -> f64 {
-        self.points.windows(2).map(|w| w[0].distance(w[1])).sum()
-    }
-}
-
-/// A map's contour lines and spot heights with their coordinate reference system.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ContourMap {
-    /// The contour lines.
-    pub contours: Vec<Contour>,
-    /// Single points of known height (x, y, elevation).
-    pub spots: Vec<DVec3>,
-    /// Features, by their number, that the input marks as depression contours (true) or as none (false). Only checked
-    /// against what the contours tell.
-    pub depressions: BTreeMap<u64, bool>,
-    /// Places where cleaning left a piece of a line out because it met another line or itself: what is left there need not
-    /// be where the line was meant to be, and nothing is learnt from the ground around.
-    pub mended: Vec<DVec2>,
-    /// The coordinate reference system, if the input names one.
-    pub crs: Option<Crs>,
-}
-
-impl ContourMap {
-    /// Number of vertices of all contours.
-    pub fn vertex_count(&self) -> usize {
-        self.contours.iter().map(|c| c.points.len()).sum()
-    }
-
-    /// Whether all coordinates fit in ±180 and ±90, as degrees do. For maps whose coordinate reference system is not known;
-    /// a map without lines does not look like degrees.
-    pub fn looks_like_degrees(&self) -> bool {
-        let mut points = self.contours.iter().flat_map(|contour| &contour.points).peekable();
-        points.peek().is_some() && points.all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0)
-    }
-
-    /// Where the vertices of all contours and the spot heights lie.
-    pub(crate) fn places(&self) -> impl Iterator<Item = DVec2> {
-        let vertices = self.contours.iter().flat_map(|c| c.points.iter().copied());
-        vertices.chain(self.spots.iter().map(|s| s.truncate()))
-    }
-}

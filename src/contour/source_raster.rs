@@ -7,7 +7,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Contour;
+use super::map::Contour;
 use crate::base::Grid;
 
 /// Vertices that rows and columns are looked for in.

@@ -1,6 +1,7 @@
 //! Units of elevations. Inside and on output they are metres.
 
-use super::{Contour, ContourMap, Lake};
+use super::lake::Lake;
+use super::map::{Contour, ContourMap};
 
 /// A unit that a map's elevations may be in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

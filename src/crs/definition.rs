@@ -4,8 +4,8 @@
 //! for the projections that are in wide use. A datum that lies elsewhere than WGS 84 by an unknown amount is refused when
 //! it has to be left, because a silent error of a hundred metres is worse than none.
 
+use super::system::{Crs, CrsKind, definition};
 use super::wkt::Node;
-use super::{Crs, CrsKind, definition};
 use crate::base::error::{Error, Result};
 
 /// Parameters of a system.

@@ -16,10 +16,10 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::definition::label;
-use super::{Crs, Transform};
+use super::system::Crs;
+use super::transform::Transform;
 use crate::base::bits::bits;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
-use crate::contour::{Contour, ContourMap};
 
 /// Steps of coordinates on the plane to the metre.
 const STEPS: f64 = 1e6;
@@ -75,27 +75,29 @@ impl Places {
         Self { input: crs.clone(), working: crs, ..Self::default() }
     }
 
-    /// Brings a map to the plane of a projected system: coordinates are transformed, if it is another one than the map's,
+    /// Brings points to the plane of a projected system: coordinates are transformed, if it is another one than `input`,
     /// and brought to whole micrometres.
     ///
-    /// Vertices that would fall together by that keep all their digits. Those that fall together all the same become one,
-    /// with a finding.
+    /// The vertices of `lines` are remembered, and come back bit for bit. Those that would fall together by rounding keep all
+    /// their digits. Those that fall together all the same become one, with a finding. `others` are brought along, and are
+    /// not remembered.
     ///
     /// # Errors
-    /// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on
-    /// the plane.
-    pub fn project(map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Self)>> {
-        let Some(input) = map.crs.clone() else {
-            return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });
-        };
-        let way = Transform::between(&input, working)?;
-        let mut map = map;
-        let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, &input, working));
+    /// [`Error::Data`] if there is no way between the systems, or a point has no place on the plane. The points are of no
+    /// use then.
+    pub fn project(
+        lines: &mut [&mut [DVec2]],
+        others: &mut [DVec2],
+        input: &Crs,
+        working: &Crs,
+    ) -> Result<Report<Self>> {
+        let way = Transform::between(input, working)?;
+        let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, input, working));
         let pair = |p: &DVec2| Ok((bits(on_steps(forward(*p)?)), *p));
-        let pairs = |line: &Contour| line.points.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
-        let pairs = map.contours.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
+        let pairs = |line: &&mut [DVec2]| line.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
+        let pairs = lines.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
         let mut originals = in_order(pairs.into_iter().flatten().collect());
-        check_way(&way, &originals, &input, working)?;
+        check_way(&way, &originals, input, working)?;
         let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         let crowded: HashSet<Place> = same_place.map(|pair| pair[0].0).collect();
         let place = |p: DVec2| -> Result<DVec2> {
@@ -103,15 +105,12 @@ impl Places {
             let place = on_steps(exact);
             Ok(if crowded.contains(&bits(place)) { exact } else { place })
         };
-        map.contours.par_iter_mut().flat_map_iter(|line| &mut line.points).try_for_each(|p| {
+        lines.par_iter_mut().flat_map_iter(|line| line.iter_mut()).try_for_each(|p| {
             *p = place(*p)?;
             Ok::<(), Error>(())
         })?;
-        for spot in &mut map.spots {
-            *spot = place(spot.truncate())?.extend(spot.z);
-        }
-        for mended in &mut map.mended {
-            *mended = place(*mended)?;
+        for p in others {
+            *p = place(*p)?;
         }
         let mut findings = Vec::new();
         if !crowded.is_empty() {
@@ -132,9 +131,8 @@ impl Places {
             // Most coordinates have no more digits than micrometres.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
-        map.crs = Some(working.clone());
         let places = Self {
-            input: Some(input),
+            input: Some(input.clone()),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
             in_steps: true,
@@ -145,7 +143,7 @@ impl Places {
             }),
             around,
         };
-        Ok(Report { value: (map, places), findings })
+        Ok(Report { value: places, findings })
     }
 
     /// Whether the map is worked on in the system of its file.
@@ -371,22 +369,23 @@ impl Returner {
 mod tests {
     use super::*;
 
-    fn map(crs: u32, points: &[[f64; 2]]) -> ContourMap {
-        let points = points.iter().map(|p| DVec2::from(*p)).collect();
-        let contours = vec![Contour { elevation: 10.0, points, feature: 1 }];
-        ContourMap { contours, crs: Some(Crs::from_epsg(crs)), ..ContourMap::default() }
+    /// A line of these points, brought from one system to another.
+    fn project(from: u32, points: &[[f64; 2]], to: u32) -> Result<Report<(Vec<DVec2>, Places)>> {
+        let mut points: Vec<DVec2> = points.iter().map(|p| DVec2::from(*p)).collect();
+        let report = Places::project(&mut [&mut points], &mut [], &Crs::from_epsg(from), &Crs::from_epsg(to))?;
+        Ok(Report { value: (points, report.value), findings: report.findings })
     }
 
     #[test]
     fn vertices_come_back_bit_for_bit_and_others_nearly() {
         let points: Vec<[f64; 2]> =
             (0..2000).map(|k| [138.7 + f64::from(k) * 0.000_137, 35.3 + f64::from(k * k % 977) * 0.000_031]).collect();
-        let report = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap();
+        let report = project(6668, &points, 6676).unwrap();
         assert!(report.findings.is_empty());
         let (flat, places) = report.value;
-        assert_eq!(flat.crs.as_ref().and_then(|crs| crs.epsg), Some(6676));
+        assert_eq!(places.working_crs().and_then(|crs| crs.epsg), Some(6676));
         let back = places.give_back(None).unwrap();
-        for (p, q) in points.iter().zip(&flat.contours[0].points) {
+        for (p, q) in points.iter().zip(&flat) {
             assert_eq!(back.place(*q).map(|p| p.to_array().map(f64::to_bits)), Some(p.map(f64::to_bits)));
             let near = back.place(*q + DVec2::splat(1e-5)).unwrap();
             assert!(near.distance(DVec2::from(*p)) < 2e-10);
@@ -398,7 +397,7 @@ mod tests {
         // To another system they go from their own coordinates.
         let onwards = places.give_back(Some(&Crs::from_epsg(32654))).unwrap();
         let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(32654)).unwrap();
-        assert_eq!(onwards.place(flat.contours[0].points[7]), way.forward(DVec2::from(points[7])));
+        assert_eq!(onwards.place(flat[7]), way.forward(DVec2::from(points[7])));
         assert_eq!(onwards.crs().and_then(|crs| crs.epsg), Some(32654));
     }
 
@@ -410,35 +409,35 @@ mod tests {
         let metric: Vec<DVec2> = metric.into_iter().map(|p| (p * 100.0).round() / 100.0).collect();
         let way = Transform::between(&Crs::wgs84(), &Crs::from_epsg(25832)).unwrap();
         let degrees: Vec<[f64; 2]> = metric.iter().map(|p| way.inverse(*p).unwrap().to_array()).collect();
-        let (flat, _) = Places::project(map(4326, &degrees), &Crs::from_epsg(25832)).unwrap().value;
-        assert_eq!(flat.contours[0].points, metric);
+        let (flat, _) = project(4326, &degrees, 25832).unwrap().value;
+        assert_eq!(flat, metric);
     }
 
     #[test]
     fn vertices_that_fall_together_keep_their_digits_or_are_told() {
         // Three hundred nanometres apart.
         let near = [[138.7, 35.3], [138.7 + 3e-12, 35.3], [138.8, 35.3]];
-        let report = Places::project(map(6668, &near), &Crs::from_epsg(6676)).unwrap();
+        let report = project(6668, &near, 6676).unwrap();
         assert!(report.findings.is_empty(), "{:?}", report.findings);
         let (flat, places) = report.value;
-        for (p, q) in near.iter().zip(&flat.contours[0].points) {
+        for (p, q) in near.iter().zip(&flat) {
             assert_eq!(places.in_input(*q).map(|p| p.to_array()), Some(*p));
         }
         // Near the meridian of Greenwich degrees have more digits than metres far from the equator.
         let nearest = [[1e-18, 60.0], [2e-18, 60.0], [0.1, 60.0]];
-        let report = Places::project(map(4326, &nearest), &Crs::from_epsg(32631)).unwrap();
+        let report = project(4326, &nearest, 32631).unwrap();
         assert_eq!(report.findings.len(), 1, "{:?}", report.findings);
     }
 
     #[test]
     fn noise_in_metres_is_taken_off_and_given_back() {
         let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
-        let (flat, places) = Places::project(map(25832, &noisy), &Crs::from_epsg(25832)).unwrap().value;
-        assert_eq!(flat.contours[0].points[0], DVec2::new(436_203.79, 6_444_375.56));
+        let (flat, places) = project(25832, &noisy, 25832).unwrap().value;
+        assert_eq!(flat[0], DVec2::new(436_203.79, 6_444_375.56));
         assert!(places.are_unmoved() && places.originals.pairs.len() == 1);
         let back = places.give_back(None).unwrap();
         assert!(!back.is_identity());
-        for (p, q) in noisy.iter().zip(&flat.contours[0].points) {
+        for (p, q) in noisy.iter().zip(&flat) {
             assert_eq!(back.place(*q).map(|p| p.to_array()), Some(*p));
         }
         assert_eq!(back.place(DVec2::new(0.1, 0.2)), Some(DVec2::new(0.1, 0.2)));
@@ -447,26 +446,22 @@ mod tests {
     #[test]
     fn places_that_are_none_are_refused() {
         for points in [[[138.7, 35.3], [138.7, 95.0]], [[138.7, 35.3], [48.5, 0.0]]] {
-            let error = Places::project(map(6668, &points), &Crs::from_epsg(6676)).unwrap_err();
+            let error = project(6668, &points, 6676).unwrap_err();
             assert!(matches!(&error, Error::NoPlace { .. }), "{error}");
             assert!(error.to_string().ends_with("is that the right coordinate reference system?"), "{error}");
         }
-        let nowhere = ContourMap { crs: None, ..map(6668, &[]) };
-        assert!(Places::project(nowhere, &Crs::from_epsg(6676)).is_err());
     }
 
     #[test]
     fn longitudes_beyond_180_stay_there() {
-        let (flat, places) =
-            Places::project(map(4326, &[[179.9, -17.0], [180.2, -17.1]]), &Crs::from_epsg(32701)).unwrap().value;
-        let middle = flat.contours[0].points[0].midpoint(flat.contours[0].points[1]);
+        let (flat, places) = project(4326, &[[179.9, -17.0], [180.2, -17.1]], 32701).unwrap().value;
+        let middle = flat[0].midpoint(flat[1]);
         assert!((places.in_input(middle).unwrap().x - 180.05).abs() < 1e-3);
     }
 
     #[test]
     fn boundaries_bend_and_lakes_do_not() {
-        let (_, places) =
-            Places::project(map(6668, &[[138.7, 35.3], [138.8, 35.4]]), &Crs::from_epsg(6676)).unwrap().value;
+        let (_, places) = project(6668, &[[138.7, 35.3], [138.8, 35.4]], 6676).unwrap().value;
         let bringer = places.bring(None).unwrap();
         let corners = [(138.75, 35.3), (138.875, 35.3), (138.875, 35.4), (138.75, 35.4), (138.75, 35.3)];
         let sheet = Polygon::new(LineString::from(corners.to_vec()), Vec::new());

@@ -13,8 +13,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use proj4rs::Proj;
 
-use super::Crs;
 use super::definition::{DEGREE, Definition, Shift, label};
+use super::system::Crs;
 use crate::base::error::{Error, Result};
 
 /// A way from one system to another and back.

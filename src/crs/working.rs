@@ -8,7 +8,8 @@
 use glam::DVec2;
 
 use super::definition::{DEGREE, Definition, Shift, label};
-use super::{Crs, CrsKind, Transform};
+use super::system::{Crs, CrsKind};
+use super::transform::Transform;
 use crate::base::error::{Error, Result};
 
 /// How far data may lie from a UTM zone's meridian, degrees of longitude: a degree over the border of the zone.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::Dem;
+use super::height_map::Dem;
 use crate::base::Grid;
 use crate::crs::Crs;
 
@@ -49,6 +49,15 @@ impl GroundScale {
     }
 }
 
+impl Dem {
+    /// Metres on the ground in a map unit, east and north, in the middle row; `None` if the unit is not known.
+    pub fn metres_per_unit(&self) -> Option<DVec2> {
+        let crs = self.crs.as_ref()?;
+        let is_known = crs.is_geographic() || crs.length_unit().is_some();
+        is_known.then(|| GroundScale::of(self).row(self.grid.rows / 2))
+    }
+}
+
 /// Whether a height map of unknown system has coordinates and cells that could only be degrees.
 pub fn looks_like_degrees(grid: &Grid, crs: Option<&Crs>) -> bool {
     let far = grid.corner + DVec2::new(grid.cols as f64, -(grid.rows as f64)) * grid.cell;
@@ -78,6 +87,21 @@ fn per_mercator_metre(y: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_degree_is_as_long_as_on_the_ellipsoid() {
+        let of = |epsg: Option<u32>, north: f64| {
+            let grid = Grid { corner: DVec2::new(138.0, north), cell: DVec2::splat(0.5), cols: 4, rows: 2 };
+            Dem { grid, values: vec![], crs: epsg.map(Crs::from_epsg) }.metres_per_unit()
+        };
+        // The middle of the second row is at 36 degrees: 1' of latitude is 1849.32 m there.
+        let degree = of(Some(6668), 36.75).unwrap();
+        assert!((degree.y / 60.0 - 1849.3).abs() < 0.2 && (degree.x / 60.0 - 1502.8).abs() < 0.5, "{degree}");
+        let equator = of(Some(4326), 0.75).unwrap();
+        assert!((equator.x - 111_319.49).abs() < 0.01 && (equator.y - 110_574.28).abs() < 0.02, "{equator}");
+        assert_eq!(of(Some(6690), 36.0), Some(DVec2::ONE));
+        assert_eq!(of(None, 36.0), None);
+    }
 
     #[test]
     fn degrees_have_their_length_on_the_ellipsoid() {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Dem;
+use super::height_map::Dem;
 use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;

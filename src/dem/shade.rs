@@ -7,7 +7,8 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Dem, GroundScale};
+use super::ground::GroundScale;
+use super::height_map::Dem;
 
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]

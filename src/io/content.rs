@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::format::VectorFormat;
+use super::gsi;
 use super::raster::READABLE_EXTENSIONS;
-use super::{VectorFormat, gsi};
 use crate::base::error::{Error, Result};
 
 /// What can be read from a path.

@@ -5,44 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use super::attributes::{FLAGS, KINDS};
 use super::table::{Field, Table, Value};
-
-/// Names of attributes that say yes or no, in lower case.
-const FLAGS: &[&str] =
-    &["depression", "is_depression", "isdepression", "depress", "depressed", "isdepressed", "is_depr", "凹地"];
-
-/// Names of attributes whose text tells the kind of line, in lower case.
-const KINDS: &[&str] = &[
-    "type",
-    "kind",
-    "class",
-    "category",
-    "contourtype",
-    "contour_type",
-    "contour_ty",
-    "conttype",
-    "linetype",
-    "line_type",
-    "featuretype",
-    "feature_type",
-    "ftype",
-    "subtype",
-    "description",
-    "descriptio",
-    "desc",
-    "index",
-    "種別",
-    "種類",
-    "線種",
-    "区分",
-    "分類",
-];
-
-/// Whether an attribute of this name may mark depressions.
-pub(super) fn may_mark(name: &str) -> bool {
-    let name = name.trim().to_lowercase();
-    FLAGS.contains(&name.as_str()) || KINDS.contains(&name.as_str())
-}
 
 /// The features with lines that are marked as depressions (true) or, by an attribute of yes and no, as none (false).
 ///
@@ -104,6 +68,5 @@ mod tests {
         assert_eq!(of("type", text("non-depression")), None);
         assert_eq!(of("type", Value::Number(1.0)), None);
         assert_eq!(of("elev", text("depression")), None);
-        assert!(may_mark("Type") && !may_mark("elev"));
     }
 }

@@ -8,11 +8,13 @@
 //! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
 
 mod area;
+mod attributes;
 mod content;
 mod depression;
 mod dxf;
 mod elevation;
 mod flatgeobuf;
+mod format;
 mod geojson;
 mod gpkg;
 pub mod gsi;
@@ -29,7 +31,6 @@ mod water;
 use std::path::{Path, PathBuf};
 
 use geo::MultiPolygon;
-use glam::DVec3;
 
 use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Lake};
@@ -40,6 +41,8 @@ use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
+pub use elevation::SpotHeights;
+pub use format::VectorFormat;
 pub use paths::check_paths;
 pub use staged::{StagedOutput, discard_unfinished};
 
@@ -53,52 +56,6 @@ pub struct ReadOptions {
     pub layer: Option<String>,
     /// Memory that may be taken, bytes: a file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
-}
-
-/// Points of known height.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct SpotHeights {
-    /// x, y in map units, height in metres.
-    pub points: Vec<DVec3>,
-    /// The coordinate reference system, if the file names one.
-    pub crs: Option<Crs>,
-}
-
-/// A vector format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum VectorFormat {
-    /// `.geojson`, `.json`
-    GeoJson,
-    /// `.gpkg`
-    GeoPackage,
-    /// `.fgb`
-    FlatGeobuf,
-    /// `.dxf`
-    Dxf,
-    /// `.shp` with its companions
-    Shapefile,
-}
-
-impl VectorFormat {
-    /// The format of a file, by its extension.
-    ///
-    /// # Errors
-    /// If the extension is none of the known ones; the message lists them.
-    pub fn from_path(path: &Path) -> Result<Self> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        match extension.as_str() {
-            "geojson" | "json" => Ok(Self::GeoJson),
-            "gpkg" => Ok(Self::GeoPackage),
-            "fgb" => Ok(Self::FlatGeobuf),
-            "dxf" => Ok(Self::Dxf),
-            "shp" => Ok(Self::Shapefile),
-            _ => Err(Error::file(
-                path,
-                "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
-            )),
-        }
-    }
 }
 
 /// Reads contour lines, and the spot heights that come with them.

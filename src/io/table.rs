@@ -7,8 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
-use super::depression::may_mark;
-use super::elevation::is_elevation_name;
+use super::attributes::{is_elevation_name, may_mark};
 use crate::base::error::Finding;
 use crate::crs::Crs;
 

@@ -5,22 +5,14 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
-use super::axis::{Arrival, Draft, End};
+use super::draft::{Draft, beyond};
 use super::eliminate::Elimination;
-use crate::subdomains::{Regions, Side};
+use super::pieces::End;
+use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, TriangleKind};
 
 /// How many triangles are looked at for each arrival.
 const TRIALS: usize = 256;
-
-/// The side of the contour at an arrival that the ground beyond lies on: it goes on falling, or rising.
-pub(super) fn beyond(tin: &Tin, regions: &Regions, arrival: &Arrival) -> Option<Side> {
-    let level = tin.heights[arrival.vertex as usize];
-    regions.regions[arrival.region as usize].side(level).map(|side| match side {
-        Side::Above => Side::Below,
-        Side::Below => Side::Above,
-    })
-}
 
 /// Adds side lines from arrivals that no line of the ground beyond ends at. `removed`: pieces that no longer count.
 pub(super) fn attach(

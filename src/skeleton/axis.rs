@@ -6,8 +6,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::attach::attach;
+use super::draft::{Arrival, Draft};
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
+use super::pieces::{Axis, End};
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
@@ -18,75 +20,6 @@ const NARROW: f64 = 1e-9;
 /// Nor do triangles no wider than so many steps between numbers of the size of the map's coordinates: points would lie
 /// beside them by rounding, perhaps beyond a contour.
 const NARROW_STEPS: f64 = 64.0;
-
-/// A point between two places of one contour level.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisPoint {
-    /// Position relative to the triangulation's origin.
-    pub position: DVec2,
-    /// The level on both sides; none for a point anywhere in its sub-domain.
-    pub level: Option<f64>,
-    /// A triangle that the point lies in or on.
-    pub triangle: u32,
-    /// The sub-domain.
-    pub region: u32,
-}
-
-/// Where a piece of a line leads to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum End {
-    /// To an axis point.
-    Axis(u32),
-    /// To a vertex of the triangulation: the tip of a contour's bend, or a vertex of the next contour.
-    Vertex(u32),
-}
-
-/// Axis points and the pieces of line between them.
-#[derive(Debug, Clone, Default)]
-pub struct Axis {
-    /// The points, those in dropped branches included: they carry height, not lines.
-    pub points: Vec<AxisPoint>,
-    /// Pieces of ridge and canyon lines. The first end is an axis point.
-    pub pieces: Vec<[End; 2]>,
-}
-
-/// An axis in the making, with what tells where its pieces run.
-pub(super) struct Draft {
-    pub axis: Axis,
-    /// The axis point on each edge of each triangle, [`NONE`] where the edge is no chord.
-    pub of_edge: Vec<[u32; 3]>,
-    /// The piece through each triangle that has just one, else [`NONE`].
-    pub piece_of: Vec<u32>,
-    /// Lines that reach the next contour.
-    pub arrivals: Vec<Arrival>,
-    /// Triangles that a side line runs through; none has two, for they could cross.
-    pub crossed: HashSet<u32>,
-}
-
-/// Where a line reaches the next contour.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Arrival {
-    /// The contour's vertex.
-    pub vertex: u32,
-    /// The sub-domain that the line comes from.
-    pub region: u32,
-    /// Its last triangle.
-    pub triangle: u32,
-}
-
-impl Draft {
-    fn add_point(&mut self, regions: &Regions, t: u32, position: DVec2, level: f64) -> u32 {
-        let region = regions.of_triangle[t as usize];
-        self.axis.points.push(AxisPoint { position, level: Some(level), triangle: t, region });
-        (self.axis.points.len() - 1) as u32
-    }
-
-    /// Adds the one piece of a triangle.
-    fn add_piece(&mut self, t: u32, from: u32, to: End) {
-        self.piece_of[t as usize] = self.axis.pieces.len() as u32;
-        self.axis.pieces.push([End::Axis(from), to]);
-    }
-}
 
 /// Collects the axis points of all sub-domains and joins them through sleeves, tips and junctions.
 ///

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Skeleton;
+use super::build::Skeleton;
 use crate::subdomains::Regions;
 use crate::tin::{Tin, TriangleKind};
 

@@ -23,8 +23,9 @@ use std::collections::{BinaryHeap, HashMap};
 
 use glam::DVec2;
 
-use super::axis::{Axis, AxisPoint, End};
+use super::pieces::{Axis, AxisPoint, End};
 use crate::base::rows::Rows;
+use crate::base::union_find::UnionFind;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
 
@@ -228,7 +229,7 @@ impl<'a> Network<'a> {
         let number: HashMap<u32, usize> = members.iter().enumerate().map(|(k, &p)| (p, k)).collect();
         let depth = DEPTH * (self.ceiling - self.floor);
         // Water rises over all points together; the root of each pool is its lowest point.
-        let mut pool: Vec<usize> = (0..members.len()).collect();
+        let mut pools = UnionFind::new(members.len());
         let mut wet = vec![false; members.len()];
         let mut found = vec![members[sorted[0]]];
         for &k in &sorted {
@@ -239,7 +240,7 @@ impl<'a> Network<'a> {
                 if !wet[other] {
                     continue;
                 }
-                let (a, b) = (root(&mut pool, k), root(&mut pool, other));
+                let (a, b) = (pools.root(k), pools.root(other));
                 if a == b {
                     continue;
                 }
@@ -248,7 +249,7 @@ impl<'a> Network<'a> {
                 if height(k) - height(shallow) > depth {
                     found.push(members[shallow]);
                 }
-                pool[shallow] = deep;
+                pools.hang(shallow, deep);
             }
         }
         found
@@ -265,15 +266,6 @@ impl<'a> Network<'a> {
             (link, length)
         })
     }
-}
-
-/// The root of a pool; halves the way to it.
-fn root(pool: &mut [usize], mut k: usize) -> usize {
-    while pool[k] != k {
-        pool[k] = pool[pool[k]];
-        k = pool[k];
-    }
-    k
 }
 
 /// Lengths along the flow and steady heights of one network, by turn.

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
 
-use super::axis::AxisPoint;
 use super::caps::Cap;
+use super::pieces::AxisPoint;
 use super::sight::{nearest_in_sight, sees};
 use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side};

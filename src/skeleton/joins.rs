@@ -8,9 +8,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::attach::beyond;
-use super::axis::{Draft, End};
+use super::draft::{Draft, beyond};
 use super::eliminate::Elimination;
+use super::pieces::End;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
 

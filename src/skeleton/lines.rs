@@ -7,9 +7,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::axis::{Axis, End};
+use super::break_line::{BreakKind, BreakLine, LineEnd};
 use super::flow::{Flow, is_ridge};
-use super::{BreakKind, BreakLine, LineEnd};
+use super::pieces::{Axis, End};
+use crate::base::union_find::UnionFind;
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, VertexKind};
 
@@ -181,19 +182,17 @@ fn open_side(tin: &Tin, t: u32) -> Option<LineEnd> {
 
 /// Gives lines that share end points, directly or through others, one number, in the order of the lines.
 fn number_networks(lines: &mut [BreakLine], ends: &[[End; 2]]) {
-    let mut parent: Vec<u32> = (0..lines.len() as u32).collect();
-    let mut first_at: HashMap<End, u32> = HashMap::new();
+    let mut networks = UnionFind::new(lines.len());
+    let mut first_at: HashMap<End, usize> = HashMap::new();
     for (k, pair) in ends.iter().enumerate() {
         for &end in pair {
-            let other = *first_at.entry(end).or_insert(k as u32);
-            let (a, b) = (root(&mut parent, k as u32), root(&mut parent, other));
-            parent[a.max(b) as usize] = a.min(b);
+            networks.unite(k, *first_at.entry(end).or_insert(k));
         }
     }
     let mut next = 0;
     for k in 0..lines.len() {
         // A root is the first line of its network.
-        let root = root(&mut parent, k as u32) as usize;
+        let root = networks.root(k);
         lines[k].network = if root == k {
             next += 1;
             next - 1
@@ -201,13 +200,4 @@ fn number_networks(lines: &mut [BreakLine], ends: &[[End; 2]]) {
             lines[root].network
         };
     }
-}
-
-/// The root of a tree of line numbers; halves the way to it.
-fn root(parent: &mut [u32], mut k: u32) -> u32 {
-    while parent[k as usize] != k {
-        parent[k as usize] = parent[parent[k as usize] as usize];
-        k = parent[k as usize];
-    }
-    k
 }

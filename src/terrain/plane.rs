@@ -1,7 +1,7 @@
 //! From the coordinates of the contours to the plane that they are worked on in.
 
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
-use crate::contour::ContourMap;
+use crate::contour::{ContourMap, reproject};
 use crate::crs::{Crs, CrsKind, Places, working_crs};
 
 /// The map with the system that the caller names.
@@ -37,7 +37,7 @@ pub(super) fn on_plane(
             return Ok((map, places));
         }
     };
-    let (map, places) = Places::project(map, &working)?.collect(findings);
+    let (map, places) = reproject(map, &working)?.collect(findings);
     for finding in findings {
         finding.place = finding.place.and_then(|p| places.on_plane(p));
     }

@@ -1,18 +1,17 @@
-//! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. With `walk`, the only file that knows spade.
+//! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. With `cdt` and `walk`, the only file that knows spade.
 
 use std::collections::HashMap;
 
 use glam::DVec2;
 use rayon::prelude::*;
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, InsertionError, Point2, Triangulation as _};
+use spade::{InsertionError, Point2, Triangulation as _};
 
+use super::cdt::Cdt;
+use super::input::TinInput;
+use super::network::{CONSTRAINT, NONE, Tin};
 use super::walk::is_found;
-use super::{CONSTRAINT, NONE, Tin, TinInput};
 use crate::base::error::{Error, Result};
-
-/// spade's triangulation.
-pub(super) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// A constrained Delaunay triangulation that can grow. Points and edges that are added to its [`input`](Self::input) are in
 /// the next [`tin`](Self::tin); those that were there before keep their numbers.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::VertexKind;
+use super::network::VertexKind;
 
 /// Points and edges to triangulate.
 ///

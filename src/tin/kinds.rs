@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Tin;
+use super::network::Tin;
 
 /// A triangle by the number of its edges that lie neither on a contour nor on the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use robust::orient2d;
 
-use super::{NONE, Tin};
+use super::network::{NONE, Tin};
 
 impl Tin {
     /// The triangle that a place (relative to the origin) lies in or on, walking from triangle `from`; none outside of the

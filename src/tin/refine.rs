@@ -10,7 +10,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::build::{Face, faces};
-use super::{CONSTRAINT, NONE, Tin, TinInput, VertexKind};
+use super::input::TinInput;
+use super::network::{CONSTRAINT, NONE, Tin, VertexKind};
 use crate::base::error::Result;
 use crate::base::rows::Rows;
 
@@ -245,8 +246,6 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::Interval;
-    use crate::subdomains::regions;
     use crate::tin::triangulate;
 
     /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
@@ -270,6 +269,25 @@ mod tests {
         input
     }
 
+    /// The number of the sub-domain of each triangle.
+    fn numbered(tin: &Tin) -> Vec<u32> {
+        let mut of_triangle = vec![NONE; tin.len()];
+        let mut count = 0;
+        for first in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+            if of_triangle[first as usize] != NONE {
+                continue;
+            }
+            let mut stack = vec![first];
+            while let Some(t) = stack.pop() {
+                of_triangle[t as usize] = count;
+                let beyond = (0..3).filter_map(|i| tin.across(t, i));
+                stack.extend(beyond.filter(|&n| of_triangle[n as usize] == NONE));
+            }
+            count += 1;
+        }
+        of_triangle
+    }
+
     #[test]
     fn parts_joined_are_the_triangulation_of_all() {
         for (open, enough) in [(0, 1), (0, 12), (0, 1000), (3, 1), (3, 30)] {
@@ -278,7 +296,7 @@ mod tests {
             let mut with_edge = input.clone();
             with_edge.push_edge(ends[0], ends[1]);
             let tin = triangulate(with_edge).unwrap();
-            let of_triangle = regions(&tin, &Interval { step: 10.0, base: 0.0 }).of_triangle;
+            let of_triangle = numbered(&tin);
             let place = |k: u32, seed: f64| 23.9 * (f64::from(k) * seed).fract() - 11.95;
             let scattered = (1..200).map(|k| DVec2::new(place(k, 0.618_034), place(k, 0.754_878)));
             let between = [2.5, 0.0, -3.0].map(|y| DVec2::new(-8.0, y));

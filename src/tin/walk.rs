@@ -3,7 +3,7 @@
 use spade::handles::FixedVertexHandle;
 use spade::{Point2, Triangulation as _};
 
-use super::build::Cdt;
+use super::cdt::Cdt;
 
 /// Steps after which a walk counts as endless. Those between points side by side take a few, and some thousand round a vertex
 /// in the middle of a large ring.

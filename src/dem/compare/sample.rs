@@ -14,10 +14,8 @@ const ON_CENTRE: f64 = 1e-6;
 /// Nothing is carried on beyond the outermost centres.
 pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
     let grid = &dem.grid;
-    let first = grid.center(0, 0);
-    let (x, y) = ((place.x - first.x) / grid.cell.x, (first.y - place.y) / grid.cell.y);
     let settled = |v: f64| if (v - v.round()).abs() < ON_CENTRE { v.round() } else { v };
-    let (x, y) = (settled(x), settled(y));
+    let (x, y) = grid.place(place).to_array().map(settled).into();
     let inside = |v: f64, count: usize| v >= 0.0 && v <= count as f64 - 1.0;
     if !inside(x, grid.cols) || !inside(y, grid.rows) {
         return f64::NAN;

@@ -2,10 +2,12 @@
 
 use tiny_skia::{Pixmap, Rect, Transform};
 
+use super::canvas::paint;
 use super::color::{INK, PAPER, Rgb, Tint};
 use super::lines::{self, CANYON_STYLE, Class, Plan, RIDGE_STYLE, Style};
+use super::scale;
 use super::text::{Align, Typesetter};
-use super::{Preview, paint, scale};
+use super::view::Preview;
 use crate::dem::Dem;
 use crate::skeleton::{BreakKind, BreakLine};
 

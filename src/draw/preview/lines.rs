@@ -8,8 +8,8 @@
 use glam::DVec2;
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
+use super::canvas::paint;
 use super::color::{CANYON, CONTOUR, RIDGE, Rgb};
-use super::paint;
 use crate::base::Grid;
 use crate::contour::{ContourLine, Source};
 use crate::skeleton::{BreakKind, BreakLine};

@@ -10,11 +10,14 @@ use glam::{DVec2, DVec3};
 use image::RgbImage;
 use tiny_skia::{IntSize, Pixmap};
 
+use super::canvas::image_of;
 use super::color::{self, INK, Rgb, Tint};
+use super::legend;
 use super::lines::{self, CANYON_STYLE, RIDGE_STYLE, Style};
+use super::sheet::{MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
 use super::text::Typesetter;
+use super::view::Preview;
 use super::zbuffer::{self, Corner, Piece, Scene};
-use super::{MAX_COLS, MAX_ROWS, MIN_LEGEND, Preview, image_of, legend, sheet};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::contour::{ContourLine, Source};

@@ -3,9 +3,9 @@
 use glam::DVec2;
 use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Transform};
 
+use super::canvas::paint;
 use super::color::{INK, Rgb};
 use super::lines::{Style, stroke, to_pixels};
-use super::paint;
 use crate::base::Grid;
 
 /// How much of the fill's colour is seen, 0 to 1.

@@ -6,8 +6,8 @@
 use ab_glyph::{Font, FontRef, OutlineCurve, Point, PxScale, ScaleFont};
 use tiny_skia::{FillRule, PathBuilder, Pixmap, Stroke, Transform};
 
+use super::canvas::paint;
 use super::color::Rgb;
-use super::paint;
 
 /// Where a text lies relative to the given place.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,6 +13,7 @@ mod entity;
 mod groups;
 mod layers;
 mod names;
+mod output;
 mod read;
 mod tables;
 mod write;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::Result as Written;
 
-use super::write::Groups;
+use super::output::Groups;
 use crate::io::layer::Bounds;
 
 /// Handle of the block that the entities belong to.

@@ -5,13 +5,12 @@
 //! for every f64 to come back bit for bit.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
-use std::fs::File;
-use std::io::{BufWriter, Result as Written, Write};
+use std::io::Result as Written;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
+use super::output::Groups;
 use super::tables::{self, MODEL_SPACE};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
@@ -30,8 +29,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     let bounds = layer.rows.iter().fold(NO_BOUNDS, |bounds, row| joined(bounds, row.shape.bounds()));
     let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
     let run = || -> Written<()> {
-        let file = File::create(path)?;
-        let mut out = Groups { file: BufWriter::with_capacity(1 << 16, file), handle: FIRST_HANDLE };
+        let mut out = Groups::create(path, FIRST_HANDLE)?;
         write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
         tables::write(&mut out, &layers, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
@@ -41,48 +39,9 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
         out.pairs(&[(0, "ENDSEC")])?;
         tables::write_objects(&mut out)?;
         out.pairs(&[(0, "EOF")])?;
-        out.file.flush()
+        out.flush()
     };
     run().map_err(|e| Error::io("write", path, e))
-}
-
-/// The groups written so far.
-pub(super) struct Groups {
-    file: BufWriter<File>,
-    handle: u64,
-}
-
-impl Groups {
-    /// Writes a group.
-    pub fn put(&mut self, code: i32, value: impl Display) -> Written<()> {
-        writeln!(self.file, "{code:>3}\n{value}")
-    }
-
-    /// Writes several groups.
-    pub fn pairs(&mut self, pairs: &[(i32, &str)]) -> Written<()> {
-        pairs.iter().try_for_each(|(code, value)| self.put(*code, value))
-    }
-
-    /// Writes numbers under this and the following codes, each ten on, as coordinates have them.
-    pub fn numbers(&mut self, code: i32, numbers: &[f64]) -> Written<()> {
-        (code..).step_by(10).zip(numbers).try_for_each(|(code, number)| self.put(code, format_args!("{number:?}")))
-    }
-
-    /// Begins an object with a handle that no other has, and gives that back.
-    pub fn begin(&mut self, kind: &str, owner: u64) -> Written<u64> {
-        let handle = self.handle;
-        self.handle += 1;
-        self.put(0, kind)?;
-        self.put(5, format_args!("{handle:X}"))?;
-        self.put(330, format_args!("{owner:X}"))?;
-        Ok(handle)
-    }
-
-    fn begin_entity(&mut self, kind: &str, owner: u64, layer: &str) -> Written<u64> {
-        let handle = self.begin(kind, owner)?;
-        self.pairs(&[(100, "AcDbEntity"), (8, layer)])?;
-        Ok(handle)
-    }
 }
 
 fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {

@@ -9,88 +9,23 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
+use super::attributes::is_elevation_name;
+use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
-use super::{SpotHeights, depression};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
 use crate::contour::{Contour, ContourMap};
-
-/// Names of attributes that hold elevations in metres, in lower case and without a unit: English, then what mapping
-/// agencies of other languages write.
-const NAMES: &[&str] = &[
-    "elev",
-    "elevation",
-    "elevatio",
-    "elev_value",
-    "elevvalue",
-    "contourelevation",
-    "contourele",
-    "contour_elev",
-    "z",
-    "zvalue",
-    "z_value",
-    "zcoord",
-    "height",
-    "hgt",
-    "level",
-    "contour",
-    "contours",
-    "alti",
-    "alt",
-    "altitude",
-    "ele",
-    "hoehe",
-    "höhe",
-    "hohe",
-    "hoehenlinie",
-    "hoejde",
-    "højde",
-    "hoyde",
-    "høyde",
-    "hojd",
-    "höjd",
-    "hojdvarde",
-    "korkeus",
-    "korkeusarvo",
-    "cota",
-    "quota",
-    "cote",
-    "kote",
-    "kota",
-    "altitud",
-    "altitudine",
-    "elevacion",
-    "elevación",
-    "elevacao",
-    "elevação",
-    "hoogte",
-    "vyska",
-    "výška",
-    "wysokosc",
-    "wysokość",
-    "标高",
-    "標高",
-    "標高値",
-    "等高線",
-    "等高线",
-    "高さ",
-    "高程",
-    "高度",
-    "등고선",
-    "등고수치",
-    "высота",
-];
-
-/// Endings that say metres. Names that say feet are not recognised: the user has to name such a field knowingly.
-const METRE_ENDINGS: &[&str] = &["_m", "_metre", "_metres", "_meter", "_meters", "(m)", "[m]"];
+use crate::crs::Crs;
 
 /// Attributes are often rounded to centimetres: elevations that differ by no more are the same, in metres.
 const SAME_ELEVATION: f64 = 0.01;
 
-/// Whether an attribute of this name is taken for an elevation when the user names none.
-pub(super) fn is_elevation_name(name: &str) -> bool {
-    let name = name.trim().to_lowercase();
-    let bare = METRE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).map_or(name.as_str(), str::trim_end);
-    NAMES.contains(&bare)
+/// Points of known height.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SpotHeights {
+    /// x, y in map units, height in metres.
+    pub points: Vec<DVec3>,
+    /// The coordinate reference system, if the file names one.
+    pub crs: Option<Crs>,
 }
 
 /// Where elevations come from.

@@ -1,13 +1,9 @@
 //! GeoPackage (OGC 12-128r17, version 1.3): an SQLite file with agreed tables.
 
+mod quoted;
 mod read;
 mod wkb;
 mod write;
 
 pub(super) use read::read;
 pub(super) use write::write;
-
-/// A name as SQL takes it, whatever characters it has.
-fn quoted(name: &str) -> String {
-    format!("\"{}\"", name.replace('"', "\"\""))
-}

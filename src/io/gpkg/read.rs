@@ -6,7 +6,8 @@ use std::path::Path;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
-use super::{quoted, wkb};
+use super::quoted::quoted;
+use super::wkb;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use rusqlite::{Connection, params, params_from_iter};
 
-use super::{quoted, wkb};
+use super::quoted::quoted;
+use super::wkb;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};

@@ -14,11 +14,10 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use super::archive::each_document;
+use super::archive::{each_document, nothing};
 use super::datum::Datums;
 use super::dem::check_root;
 use super::meter::Source;
-use super::nothing;
 use super::tuples::number;
 use super::xml::{Step, Xml};
 use crate::base::error::{Error, Finding, FindingKind, Result};

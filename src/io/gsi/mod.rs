@@ -33,9 +33,9 @@ use std::path::Path;
 pub(super) use features::read;
 pub use product::Product;
 
-use crate::base::error::{Error, Report, Result};
+use crate::base::error::{Report, Result};
 use crate::dem::Dem;
-use archive::{Seen, each_document, has_extension, item_of};
+use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
 use meter::Source;
 use xml::unreadable;
@@ -101,28 +101,4 @@ pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
     let (mut dem, product) = mosaic::mosaic(path, tiles, &mut findings)?;
     dem.crs = datums.crs(&mut findings);
     Ok(Report { value: GsiDem { dem, product }, findings })
-}
-
-/// An error that tells what was looked for and what was met.
-fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
-    if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
-        let message = match path.is_dir() {
-            true => {
-                format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file")
-            }
-            false => format!("the archive holds a .{foreign} file; unpack it and name that file"),
-        };
-        return Error::file(path, message);
-    }
-    let mut found: Vec<String> = seen.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
-    if seen.visited > 0 {
-        let noun = if seen.visited == 1 { "document" } else { "documents" };
-        found.push(format!("{} {noun} without one", seen.visited));
-    }
-    let found = if found.is_empty() {
-        "no file FG-GML-….xml or FG-GML-….zip is in it".to_owned()
-    } else {
-        format!("found: {}", found.join(", "))
-    };
-    Error::file(path, format!("there is no {wanted} of 基盤地図情報 in it ({found})"))
 }

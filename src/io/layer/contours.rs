@@ -1,6 +1,6 @@
 //! The layer of contours.
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::contour::{ContourLayer, Source};
 
 const COLUMNS: &[Column] = &[

@@ -1,6 +1,6 @@
 //! The layer of findings.
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::base::error::{Finding, Proposal};
 
 const COLUMNS: &[Column] = &[

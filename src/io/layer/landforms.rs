@@ -1,6 +1,6 @@
 //! The layer of sub-domains.
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
 

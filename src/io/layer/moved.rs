@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Layer, Row, Shape};
+use super::features::{Layer, Row, Shape};
 use crate::base::error::{Error, Result};
 use crate::crs::Returner;
 

@@ -1,6 +1,6 @@
 //! The layers of a map that was repaired: its contours and its spot heights.
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::contour::ContourMap;
 
 const LINE_COLUMNS: &[Column] = &[

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::skeleton::{BreakKind, JunctionEdge, Skeleton};
 use crate::subdivision::Subdivision;
 use crate::tin::TriangleKind;

@@ -1,6 +1,6 @@
 //! The layer of steep places.
 
-use super::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::dem::derive::Steeps;
 
 /// Longest note, bytes: what the attribute table of a shapefile holds.

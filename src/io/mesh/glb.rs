@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::crs_name;
+use super::crs_name::crs_name;
 use crate::mesh::Mesh;
 
 /// Component types and targets as glTF numbers them.

@@ -10,6 +10,7 @@
 //! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; the indices stay as they are,
 //! so no crack opens and a solid stays closed. [`flattened`] counts them.
 
+mod crs_name;
 mod glb;
 mod obj;
 mod ply;
@@ -60,10 +61,4 @@ fn create(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Resul
     let file = File::create(path).map_err(|e| Error::io("create", path, e))?;
     let mut out = BufWriter::with_capacity(1 << 20, file);
     fill(&mut out).and_then(|()| out.flush()).map_err(|e| Error::io("write", path, e))
-}
-
-/// The name of the mesh's coordinate reference system on one line.
-fn crs_name(mesh: &Mesh) -> Option<String> {
-    let name = mesh.crs.as_ref()?.name()?;
-    Some(name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
 }

@@ -2,7 +2,7 @@
 
 use std::io::{Result, Write};
 
-use super::crs_name;
+use super::crs_name::crs_name;
 use crate::mesh::Mesh;
 
 /// Writes the comments, the vertices, the normals and the faces, which count from one.

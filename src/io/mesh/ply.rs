@@ -2,7 +2,7 @@
 
 use std::io::{Result, Write};
 
-use super::crs_name;
+use super::crs_name::crs_name;
 use crate::mesh::Mesh;
 
 /// Writes the header, the vertices and the triangles.

@@ -9,8 +9,10 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use super::read::{Coding, Heights, room};
-use super::{Quantity, create, sidecar, write_text};
+use super::heights::{Coding, Heights, room};
+use super::output::{create, write_text};
+use super::quantity::Quantity;
+use super::sidecar;
 use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
 use crate::crs::Crs;

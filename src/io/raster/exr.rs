@@ -15,9 +15,11 @@ use exr::prelude::{
     LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 
+use super::heights::{Coding, Heights, check_size};
+use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
-use super::read::{Coding, Heights, check_size};
-use super::{Filled, Quantity, STANDARD_ERROR, create, geo_transform, sidecar};
+use super::quantity::{Quantity, STANDARD_ERROR};
+use super::sidecar;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;

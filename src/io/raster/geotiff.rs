@@ -16,7 +16,8 @@ use tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Predictor, SampleFormat, Tag};
 
 use super::geokeys::GeoKeys;
-use super::{Filled, Quantity, STANDARD_ERROR, create};
+use super::output::{Filled, create};
+use super::quantity::{Quantity, STANDARD_ERROR};
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::dem::Dem;

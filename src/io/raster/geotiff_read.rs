@@ -9,9 +9,9 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::STANDARD_ERROR;
+use super::heights::{Coding, Heights, check_size, metres_in, room, unit_finding};
 use super::like::{self, Tiff};
-use super::read::{Coding, Heights, check_size, metres_in, room, unit_finding};
+use super::quantity::STANDARD_ERROR;
 use super::sidecar::{Aux, elements};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::dem::Dem;

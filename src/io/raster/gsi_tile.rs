@@ -10,9 +10,11 @@ use std::path::Path;
 use glam::DVec2;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
+use super::output::create;
+use super::pam;
 use super::png as grey;
+use super::quantity::Quantity;
 use super::sidecar::Placement;
-use super::{Quantity, create, pam};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;

@@ -18,71 +18,30 @@ mod geokeys;
 mod geotiff;
 mod geotiff_read;
 mod gsi_tile;
+mod heights;
 mod like;
+mod output;
 mod pam;
 mod picture;
 mod png;
 mod png_read;
+mod quantity;
 mod read;
 mod sidecar;
 mod xyz;
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;
+use output::check;
 
 pub use picture::{write_picture, write_shade};
+pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
 
 /// The extensions [`write_dem`] knows, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
-
-/// What the values of a raster are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Quantity {
-    /// Height in metres.
-    #[default]
-    Height,
-    /// Height above another surface, metres.
-    Difference,
-    /// Steepness in degrees.
-    Slope,
-    /// The direction that a slope faces, degrees clockwise from north.
-    Aspect,
-    /// Brightness from 1 to 255.
-    Shade,
-}
-
-impl Quantity {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Height => "height",
-            Self::Difference => "difference in height",
-            Self::Slope => "slope",
-            Self::Aspect => "aspect",
-            Self::Shade => "brightness",
-        }
-    }
-
-    /// Its unit as programs name it, and in words.
-    fn unit(self) -> Option<(&'static str, &'static str)> {
-        match self {
-            Self::Height | Self::Difference => Some(("m", "metres")),
-            Self::Slope | Self::Aspect => Some(("degree", "degrees")),
-            Self::Shade => None,
-        }
-    }
-
-    /// What the values are, such as `height in metres`.
-    fn words(self) -> String {
-        self.unit().map_or(self.name().to_owned(), |(_, unit)| format!("{} in {unit}", self.name()))
-    }
-}
 
 /// How a PNG keeps heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -143,9 +102,6 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
 /// The extensions of the formats that hold a second value a cell, for messages.
 pub const TWO_BAND_EXTENSIONS: [&str; 3] = ["tif", "tiff", "exr"];
 
-/// What the second value of each cell is called in files.
-pub const STANDARD_ERROR: &str = "standard error";
-
 /// Writes a height map with the standard error of every cell, metres: the second band of a GeoTIFF, a second channel of an
 /// OpenEXR file. Where an error is NaN there is no data.
 ///
@@ -171,82 +127,12 @@ pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
     }
 }
 
-/// Refuses a height map that no format could hold.
-fn check(path: &Path, dem: &Dem) -> Result<()> {
-    let Grid { corner, cell, cols, rows } = dem.grid;
-    if cols.checked_mul(rows) != Some(dem.values.len()) || dem.values.is_empty() {
-        return Err(Error::Parameter(format!(
-            "{}: a height map of {cols} x {rows} cells cannot have {} values",
-            path.display(),
-            dem.values.len()
-        )));
-    }
-    if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
-        return Err(Error::Parameter(format!(
-            "{}: cells of {} x {} at {}, {} have no place on a map",
-            path.display(),
-            cell.x,
-            cell.y,
-            corner.x,
-            corner.y
-        )));
-    }
-    // The binary formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
-    if cols.max(rows) > i32::MAX as usize / 2 {
-        return Err(Error::file(path, format!("{cols} x {rows} cells are more than the format can count")));
-    }
-    Ok(())
-}
-
-/// Creates `path`, lets `fill` write to it through a buffer, and makes sure that the last byte has left the buffer.
-///
-/// `fill` gives the operating system's errors as [`Filled::Io`], so that a full disk is named as such.
-fn create(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::result::Result<(), Filled>) -> Result<()> {
-    let file = File::create(path).map_err(|e| Error::io("create", path, e))?;
-    let mut out = BufWriter::with_capacity(1 << 20, file);
-    let filled = fill(&mut out).and_then(|()| out.flush().map_err(Filled::Io));
-    filled.map_err(|error| match error {
-        Filled::Io(source) => Error::io("write", path, source),
-        Filled::Format(cause) => Error::file_cause(path, "cannot be written", cause),
-    })
-}
-
-/// Why a file could not be filled.
-enum Filled {
-    /// The operating system refused.
-    Io(std::io::Error),
-    /// The format's library refused.
-    Format(crate::base::error::Cause),
-}
-
-impl From<std::io::Error> for Filled {
-    fn from(error: std::io::Error) -> Self {
-        Self::Io(error)
-    }
-}
-
-/// The affine placement in GDAL's order: x of the corner, cell width, 0, y of the corner, 0, minus the cell height.
-fn geo_transform(grid: &Grid) -> [f64; 6] {
-    [grid.corner.x, grid.cell.x, 0.0, grid.corner.y, 0.0, -grid.cell.y]
-}
-
-/// `path` with `suffix` appended to its whole name, as in `dem.png` + `.aux.xml`.
-fn beside(path: &Path, suffix: &str) -> std::path::PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(suffix);
-    name.into()
-}
-
-/// Writes a small text file.
-fn write_text(path: &Path, text: &str) -> Result<()> {
-    create(path, |out| Ok(out.write_all(text.as_bytes())?))
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::base::Grid;
     use crate::crs::Crs;
 
     /// A small tilted surface with a hole.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use quick_xml::escape::escape;
 
-use super::{beside, geo_transform, write_text};
+use super::output::{beside, geo_transform, write_text};
 use crate::base::error::Result;
 use crate::dem::Dem;
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError, RgbImage};
 
-use super::{Filled, check, create, pam};
+use super::output::{Filled, check, create};
+use super::pam;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;
 

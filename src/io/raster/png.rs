@@ -14,8 +14,9 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
+use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
-use super::{Filled, Quantity, create, geo_transform};
+use super::quantity::Quantity;
 use crate::base::error::Result;
 use crate::dem::Dem;
 

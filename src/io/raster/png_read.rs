@@ -10,7 +10,7 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
-use super::read::{Coding, Heights, check_size, metres_in, unit_finding};
+use super::heights::{Coding, Heights, check_size, metres_in, unit_finding};
 use super::sidecar::{self, Aux, Placement};
 use super::{exr, gsi_tile};
 use crate::base::error::{Error, Report, Result};

@@ -7,7 +7,7 @@ use quick_xml::Reader;
 use quick_xml::escape::unescape;
 use quick_xml::events::Event;
 
-use super::beside;
+use super::output::beside;
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;

@@ -4,7 +4,8 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::{Quantity, create};
+use super::output::create;
+use super::quantity::Quantity;
 use crate::base::error::Result;
 use crate::dem::Dem;
 

@@ -2,7 +2,7 @@
 
 use encoding_rs::{Encoding, SHIFT_JIS, UTF_8, WINDOWS_1252};
 
-use crate::io::elevation::is_elevation_name;
+use crate::io::attributes::is_elevation_name;
 
 /// The encoding that a `.cpg` file names: `UTF-8`, `1252`, `ANSI 932`, `ISO 88591` and the like.
 pub(in crate::io) fn of_label(label: &str) -> Option<&'static Encoding> {

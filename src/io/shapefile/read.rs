@@ -7,7 +7,8 @@ use std::path::Path;
 use glam::DVec2;
 use shapefile::{PolygonRing, Shape, ShapeReader};
 
-use super::{companion, dbf, polygon};
+use super::companion::companion;
+use super::{dbf, polygon};
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};

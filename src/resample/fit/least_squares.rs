@@ -4,7 +4,7 @@
 
 use glam::DVec2;
 
-use super::spline::{Curve, basis};
+use super::curve::{Curve, basis};
 
 /// Weight of staying at the start, against that of a data point: what the points do not determine stays on the line.
 const STAY: f64 = 1e-6;

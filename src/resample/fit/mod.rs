@@ -5,6 +5,7 @@
 //! put on the curve where it bends, or evenly for sampling. Lines that would meet others, or pass over a line or a spot
 //! height without meeting it, are fitted again with half the tolerance, in the end left as they are.
 
+mod curve;
 mod least_squares;
 mod over;
 mod spline;

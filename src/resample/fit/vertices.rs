@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::spline::Curve;
+use super::curve::Curve;
 
 /// Points a span at which the curve is looked at.
 const FINE: usize = 8;

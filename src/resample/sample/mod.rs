@@ -10,13 +10,15 @@
 //! change by more than the way gone. Where contours come close to touching, a lower limit keeps the pieces from becoming ever
 //! shorter.
 
+mod params;
 mod plan;
 #[cfg(test)]
 mod tests;
 
-use glam::DVec2;
 use rayon::prelude::*;
 
+pub use self::params::SampleParams;
+use self::plan::on_segment;
 pub(super) use self::plan::{Cut, Plan, plan};
 
 use crate::base::error::{Error, Report, Result};
@@ -25,39 +27,6 @@ use crate::contour::{Contour, ContourMap};
 
 /// Rounds in which single segments are taken back that meet others when they have more points; then whole lines are.
 const ROUNDS: usize = 4;
-
-/// How dense the vertices are to be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SampleParams {
-    /// Largest distance from a vertex to its neighbours on the line over that to the nearest other contour: more than 0,
-    /// less than 1. The paper's s.
-    pub ratio: f64,
-    /// No segment is split into pieces shorter than this, map units. None: a sixteenth of `ratio` times the median
-    /// distance from the map's vertices to other contours.
-    pub least: Option<f64>,
-    /// More added points than this are refused.
-    pub most: usize,
-}
-
-impl Default for SampleParams {
-    fn default() -> Self {
-        Self { ratio: 0.5, least: None, most: 100_000_000 }
-    }
-}
-
-impl SampleParams {
-    pub(super) fn check(&self) -> Result<()> {
-        if !(self.ratio > 0.0 && self.ratio < 1.0) {
-            return Err(Error::out_of_range("sampling ratio", self.ratio, "more than 0 and less than 1"));
-        }
-        match self.least {
-            Some(least) if !(least.is_finite() && least > 0.0) => {
-                Err(Error::out_of_range("shortest sampled piece", least, "more than 0"))
-            }
-            _ => Ok(()),
-        }
-    }
-}
 
 /// A sampled map, with figures.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,9 +127,4 @@ fn with_points(contour: &Contour, cuts: &[Cut]) -> Contour {
     }
     points.extend(contour.points.last());
     Contour { points, ..*contour }
-}
-
-/// The same place to the last bit for either direction of the segment where the share is a multiple of a power of two.
-fn on_segment(a: DVec2, b: DVec2, share: f64) -> DVec2 {
-    if share <= 0.5 { a + (b - a) * share } else { b + (a - b) * (1.0 - share) }
 }

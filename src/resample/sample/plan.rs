@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::SampleParams;
+use super::params::SampleParams;
 use crate::base::error::{Error, Result};
 use crate::clean::{Runs, Segments};
 use crate::contour::Contour;
@@ -181,7 +181,7 @@ impl Walk<'_> {
             return;
         }
         let share = from.share.midpoint(to.share);
-        let middle = Place { share, distance: self.distance(super::on_segment(whole.a, whole.b, share)) };
+        let middle = Place { share, distance: self.distance(on_segment(whole.a, whole.b, share)) };
         self.piece(whole, from, middle);
         self.cuts.push(Cut { segment: whole.number, share });
         self.piece(whole, middle, to);
@@ -193,4 +193,9 @@ impl Walk<'_> {
         let count = count.min(self.ground.most + 1);
         self.ground.added.fetch_add(count, Ordering::Relaxed) + count <= self.ground.most
     }
+}
+
+/// The same place to the last bit for either direction of the segment where the share is a multiple of a power of two.
+pub(super) fn on_segment(a: DVec2, b: DVec2, share: f64) -> DVec2 {
+    if share <= 0.5 { a + (b - a) * share } else { b + (a - b) * (1.0 - share) }
 }

@@ -1,3 +1,5 @@
+use glam::DVec2;
+
 use crate::resample::sample::*;
 
 fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {

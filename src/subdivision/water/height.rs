@@ -6,7 +6,7 @@ use geo::Polygon;
 use glam::DVec2;
 
 use super::net::Net;
-use super::settle::Shores;
+use super::shores::Shores;
 use crate::geometry::point_distance;
 
 /// A shore runs along a contour if it does so for this share of its length.

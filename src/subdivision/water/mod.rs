@@ -10,9 +10,11 @@ mod net;
 mod nodes;
 mod ponds;
 mod settle;
+mod shores;
 
 pub(crate) use ponds::{Ponds, lake_finding};
-pub(crate) use settle::{Shores, leave_out_vanished, settle};
+pub(crate) use settle::{leave_out_vanished, settle};
+pub(crate) use shores::Shores;
 
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, Lake, distinct_levels};

@@ -10,12 +10,13 @@ use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
 use super::ponds::{Pond, Ponds, rounded};
+use super::shores::Shores;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::clean::is_height;
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip};
 use crate::geometry::rings;
-use crate::subdomains::{FrameRing, Link, Regions};
+use crate::subdomains::FrameRing;
 use crate::tin::Tin;
 
 /// A shore this near to a contour runs along it, as a share of the mean distance between contours.
@@ -30,15 +31,6 @@ const SAME_LEVEL: f64 = 0.01;
 
 /// Why a lake is left out of which nothing remains between its shores.
 const NARROW: &str = "is narrower than contours can show, beside one of its level";
-
-/// The ground without lakes.
-pub(crate) struct Shores<'a> {
-    pub map: &'a ContourMap,
-    pub links: &'a [Link],
-    pub frame: &'a FrameRing,
-    pub tin: &'a Tin,
-    pub regions: &'a Regions,
-}
 
 /// Gives every lake a height and a shore that meets no contour but in common vertices; and the frame with a vertex
 /// wherever a shore meets it.

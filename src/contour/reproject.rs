@@ -1,0 +1,68 @@
+//! A map brought to the plane that it is worked on in.
+
+use glam::DVec2;
+
+use super::map::ContourMap;
+use crate::base::error::{CrsNeed, Error, Report, Result};
+use crate::crs::{Crs, Places};
+
+/// Brings a map to the plane of a projected system, with the [`Places`] for the way back.
+///
+/// Coordinates are transformed, if the map's system is another one, and brought to whole micrometres. Vertices of contours
+/// come back bit for bit. Those that would fall together by rounding keep all their digits; those that fall together all
+/// the same become one, with a finding.
+///
+/// # Errors
+/// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on the
+/// plane.
+pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Places)>> {
+    let Some(input) = map.crs.take() else {
+        return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });
+    };
+    let mut lines: Vec<&mut [DVec2]> = map.contours.iter_mut().map(|line| line.points.as_mut_slice()).collect();
+    let mut others: Vec<DVec2> = map.spots.iter().map(|s| s.truncate()).chain(map.mended.iter().copied()).collect();
+    let Report { value: places, findings } = Places::project(&mut lines, &mut others, &input, working)?;
+    let (spots, mended) = others.split_at(map.spots.len());
+    for (spot, place) in map.spots.iter_mut().zip(spots) {
+        *spot = place.extend(spot.z);
+    }
+    map.mended.copy_from_slice(mended);
+    map.crs = Some(working.clone());
+    Ok(Report { value: (map, places), findings })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::contour::Contour;
+
+    fn map(crs: Option<u32>) -> ContourMap {
+        let points = vec![DVec2::new(138.7, 35.3), DVec2::new(138.8, 35.4)];
+        ContourMap {
+            contours: vec![Contour { elevation: 10.0, points, feature: 1 }],
+            spots: vec![DVec3::new(138.7, 35.3, 5.0)],
+            mended: vec![DVec2::new(138.8, 35.4)],
+            crs: crs.map(Crs::from_epsg),
+            ..ContourMap::default()
+        }
+    }
+
+    #[test]
+    fn all_points_of_a_map_move_and_heights_stay() {
+        let plane = Crs::from_epsg(6676);
+        let (flat, places) = reproject(map(Some(6668)), &plane).unwrap().value;
+        assert_eq!(flat.crs, Some(plane));
+        let points = &flat.contours[0].points;
+        assert_eq!(flat.spots, [points[0].extend(5.0)]);
+        assert_eq!(flat.mended, [points[1]]);
+        let back: Vec<DVec2> = points.iter().map(|&p| places.in_input(p).unwrap()).collect();
+        assert_eq!(back, map(None).contours[0].points);
+    }
+
+    #[test]
+    fn a_map_of_an_unknown_system_is_refused() {
+        assert!(reproject(map(None), &Crs::from_epsg(6676)).is_err());
+    }
+}

@@ -1,0 +1,381 @@
+//! A coordinate reference system: its names, its text and what its coordinates are.
+
+use std::borrow::Cow;
+
+use super::esri;
+use super::wkt::{self, Node};
+
+/// A coordinate reference system, by its EPSG code, its WKT, or both.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Crs {
+    /// EPSG code, if known.
+    pub epsg: Option<u32>,
+    /// Well-known text (OGC WKT 1 or what the input had), if known.
+    pub wkt: Option<String>,
+}
+
+/// What the coordinates of a system are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CrsKind {
+    /// Plane coordinates.
+    Projected,
+    /// Degrees of longitude and latitude.
+    Geographic,
+}
+
+/// A unit of length of map coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LengthUnit {
+    /// The unit's name as the WKT has it, such as `metre` or `US survey foot`.
+    pub name: String,
+    /// Metres in one unit.
+    pub metres: f64,
+}
+
+impl Crs {
+    /// WGS 84 in degrees (EPSG:4326).
+    pub fn wgs84() -> Self {
+        Self::from_epsg(4326)
+    }
+
+    /// The system of an EPSG code, with its WKT where the built-in table has it.
+    pub fn from_epsg(code: u32) -> Self {
+        Self { epsg: Some(code), wkt: definition(code).map(|d| d.wkt.to_owned()) }
+    }
+
+    /// The system that a WKT describes.
+    ///
+    /// The EPSG code is the one the root of the WKT carries. A WKT without one, such as the `.prj` file of a
+    /// shapefile, is matched by name and parameters with the built-in table; where no entry is the same beyond doubt,
+    /// the code stays unknown. Text that is no WKT is kept as it is, so that it reaches the output unchanged.
+    pub fn from_wkt(text: &str) -> Self {
+        let text = text.trim();
+        let epsg = wkt::parse(text).and_then(|root| match root.unbound().authority() {
+            Some((authority, code)) if authority.eq_ignore_ascii_case("EPSG") => Some(code),
+            Some(_) => None,
+            None => esri::epsg_of(root.unbound()),
+        });
+        Self { epsg, wkt: Some(text.to_owned()) }
+    }
+
+    /// The system that a name stands for: `EPSG:25832`, `urn:ogc:def:crs:EPSG::25832`,
+    /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `http://www.opengis.net/def/crs/EPSG/0/25832`, or a WKT.
+    ///
+    /// CRS84 is WGS 84 with the longitude first, which is how coordinates are kept here in any case, so it gives
+    /// EPSG:4326. `None` if the name is none of these.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let name = name.trim();
+        if name.contains(['[', '(']) {
+            return wkt::parse(name).map(|_| Self::from_wkt(name));
+        }
+        let parts: Vec<&str> = name.split([':', '/', '#']).filter(|p| !p.is_empty()).collect();
+        let last = *parts.last()?;
+        match last.to_ascii_uppercase().as_str() {
+            "CRS84" | "WGS84" => return Some(Self::wgs84()),
+            "CRS83" => return Some(Self::from_epsg(4269)),
+            "CRS27" => return Some(Self::from_epsg(4267)),
+            _ => {}
+        }
+        let of_epsg = parts.iter().any(|p| p.to_ascii_uppercase().starts_with("EPSG"));
+        let code = last.trim_end_matches(".xml").parse().ok().filter(|&code| code > 0)?;
+        of_epsg.then(|| Self::from_epsg(code))
+    }
+
+    /// The well-known text: the system's own, or the built-in table's for its EPSG code.
+    pub fn wkt(&self) -> Option<&str> {
+        self.wkt.as_deref().or_else(|| self.epsg.and_then(definition).map(|d| d.wkt))
+    }
+
+    /// The well-known text in version 1, which older formats ask for: the system's own if it is version 1, else the
+    /// built-in table's for its EPSG code.
+    pub fn wkt1(&self) -> Option<&str> {
+        let is_wkt1 = |text: &str| {
+            wkt::parse(text).is_some_and(|root| {
+                matches!(root.keyword.as_str(), "PROJCS" | "GEOGCS" | "GEOCCS" | "COMPD_CS" | "LOCAL_CS")
+            })
+        };
+        let own = self.wkt.as_deref().filter(|text| is_wkt1(text));
+        own.or_else(|| self.epsg.and_then(definition).map(|d| d.wkt).filter(|text| is_wkt1(text)))
+    }
+
+    /// The well-known text for a file's header: one that names the EPSG code, where that is known, and has no
+    /// `TOWGS84[...]` beside it. One of several datum shifts in the text makes programs take the system for another one
+    /// than the code names.
+    pub fn header_wkt(&self) -> Option<Cow<'_, str>> {
+        let own = self.wkt()?;
+        let Some(root) = wkt::parse(own) else { return Some(Cow::Borrowed(own)) };
+        if epsg_in(root.horizontal()).is_some() {
+            return Some(without_shifts(own, &root));
+        }
+        // Esri's texts do not name the code that they were found to stand for.
+        let entry = self.epsg.and_then(definition).and_then(|d| Some((d.wkt, wkt::parse(d.wkt)?)));
+        Some(entry.map_or(Cow::Borrowed(own), |(text, root)| without_shifts(text, &root)))
+    }
+
+    /// The system's name, such as `JGD2011 / Japan Plane Rectangular CS IX`, or `EPSG:…` if only the code is known.
+    pub fn name(&self) -> Option<String> {
+        let from_wkt = self.root().and_then(|root| root.unbound().name().map(str::to_owned));
+        from_wkt.or_else(|| self.epsg.map(|code| format!("EPSG:{code}")))
+    }
+
+    /// The horizontal part of a compound system, without a transformation bound to it; the system itself if it is
+    /// neither compound nor bound.
+    pub fn horizontal(&self) -> Self {
+        let Some((text, root)) = self.wkt().and_then(|text| Some((text, wkt::parse(text)?))) else {
+            return self.clone();
+        };
+        let part = root.horizontal();
+        let named = epsg_in(part);
+        if std::ptr::eq(part, &root) {
+            return Self { epsg: named.or(self.epsg), wkt: Some(text.to_owned()) };
+        }
+        Self { epsg: named.or_else(|| esri::epsg_of(part)), wkt: Some(text[part.span.clone()].to_owned()) }
+    }
+
+    /// Whether the coordinates are degrees or those of a plane.
+    ///
+    /// A compound system is judged by its horizontal part. `None` if neither the WKT nor the built-in table tells, and
+    /// for systems that are neither, such as the grid of a building site.
+    pub fn kind(&self) -> Option<CrsKind> {
+        let root = self.root()?;
+        let horizontal = root.horizontal();
+        if horizontal.is_geographic() {
+            Some(CrsKind::Geographic)
+        } else {
+            horizontal.is_projected().then_some(CrsKind::Projected)
+        }
+    }
+
+    /// Whether the coordinates are known to be degrees of longitude and latitude; see [`Crs::kind`].
+    pub fn is_geographic(&self) -> bool {
+        self.kind() == Some(CrsKind::Geographic)
+    }
+
+    /// The unit of length of the coordinates; `None` for degrees or if the WKT does not say.
+    pub fn length_unit(&self) -> Option<LengthUnit> {
+        let root = self.root()?;
+        let (name, metres) = root.horizontal().length_unit()?;
+        Some(LengthUnit { name: name.to_owned(), metres })
+    }
+
+    /// The geographic system below a projected one, with degrees for coordinates; a geographic system's own. `None` if the
+    /// WKT does not tell.
+    pub fn geographic(&self) -> Option<Self> {
+        let own = self.horizontal();
+        if own.is_geographic() {
+            return Some(own);
+        }
+        // The table's text is preferred, because other programs' texts leave the code out.
+        let text = own.epsg.and_then(definition).map(|d| d.wkt).or_else(|| own.wkt())?;
+        let root = wkt::parse(text)?;
+        let base = root.horizontal().child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
+        if let Some(code) = epsg_in(base) {
+            return Some(Self::from_epsg(code));
+        }
+        let text = &text[base.span.clone()];
+        // The base of a projected system has a keyword of its own in WKT 2 and no axes, but is a system like any other.
+        Some(match text.split_once('[') {
+            Some((keyword, rest)) if keyword.starts_with("BASE") => Self::from_wkt(&format!("GEOGCRS[{rest}")),
+            _ => Self::from_wkt(text),
+        })
+    }
+
+    /// Whether both name the same system: by EPSG code if both have one, else by their WKT.
+    pub fn matches(&self, other: &Self) -> bool {
+        match (self.epsg, other.epsg) {
+            (Some(a), Some(b)) => a == b,
+            _ => self.wkt() == other.wkt(),
+        }
+    }
+
+    pub(super) fn root(&self) -> Option<Node> {
+        self.wkt().and_then(wkt::parse)
+    }
+}
+
+/// The EPSG code that a system names for itself.
+fn epsg_in(node: &Node) -> Option<u32> {
+    node.authority().filter(|(authority, _)| authority.eq_ignore_ascii_case("EPSG")).map(|(_, code)| code)
+}
+
+/// The text without the datum shifts in it.
+fn without_shifts<'a>(text: &'a str, root: &Node) -> Cow<'a, str> {
+    let mut rest = 0;
+    let mut kept = String::new();
+    for shift in root.all().into_iter().filter(|n| n.keyword == "TOWGS84") {
+        kept.push_str(text[rest..shift.span.start].trim_end().trim_end_matches(','));
+        rest = shift.span.end;
+    }
+    if kept.is_empty() {
+        return Cow::Borrowed(text);
+    }
+    kept.push_str(&text[rest..]);
+    Cow::Owned(kept)
+}
+
+/// The built-in table's entry of an EPSG code. A few entries come without a text and are of no use.
+pub(super) fn definition(code: u32) -> Option<crs_definitions::Def> {
+    crs_definitions::from_code(u16::try_from(code).ok()?).filter(|entry| !entry.wkt.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_give_codes() {
+        for name in [
+            "urn:ogc:def:crs:EPSG::25832",
+            "urn:ogc:def:crs:EPSG:6.6:25832",
+            "EPSG:25832",
+            "epsg:25832",
+            "http://www.opengis.net/def/crs/EPSG/0/25832",
+            "http://www.opengis.net/gml/srs/epsg.xml#25832",
+        ] {
+            let crs = Crs::from_name(name).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!(crs.epsg, Some(25832), "{name}");
+            assert_eq!(crs.name().as_deref(), Some("ETRS89 / UTM zone 32N"));
+            assert!(!crs.is_geographic());
+        }
+        for name in ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:OGC::CRS84", "CRS84", "EPSG:4326"] {
+            let crs = Crs::from_name(name).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!(crs.epsg, Some(4326));
+            assert!(crs.is_geographic());
+        }
+        for name in ["", ":", "25832", "EPSG:", "EPSG:0", "EPSG:-3", "my grid", "[", "urn:ogc:def:crs:ESRI::102100"] {
+            assert_eq!(Crs::from_name(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_code_is_the_roots_own() {
+        let wkt = Crs::from_epsg(6677).wkt.expect("the table has zone 9");
+        assert_eq!(Crs::from_wkt(&wkt).epsg, Some(6677));
+        let wkt2 = r#"PROJCRS["x",BASEGEOGCRS["WGS 84",ID["EPSG",4326]],CS[Cartesian,2],AXIS["e",east],
+            LENGTHUNIT["metre",1,ID["EPSG",9001]],ID["EPSG",32633]]"#;
+        assert_eq!(Crs::from_wkt(wkt2).epsg, Some(32633));
+        let without = r#"PROJCS["nowhere",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]],UNIT["metre",1]]"#;
+        assert_eq!(Crs::from_wkt(without).epsg, None);
+        let other = r#"PROJCS["x",GEOGCS["WGS 84"],UNIT["metre",1],AUTHORITY["ESRI","102100"]]"#;
+        assert_eq!(Crs::from_wkt(other).epsg, None);
+    }
+
+    #[test]
+    fn compound_systems_are_judged_by_the_horizontal_part() {
+        assert!(!Crs::from_epsg(5972).is_geographic());
+        assert!(Crs::from_epsg(7423).is_geographic());
+        assert_eq!(Crs::from_epsg(5972).length_unit().map(|u| u.metres), Some(1.0));
+        assert!(!Crs::from_epsg(4978).is_geographic(), "earth-centred coordinates are metres");
+        let bound = r#"BOUNDCRS[SOURCECRS[GEOGCRS["a",CS[ellipsoidal,2]]],TARGETCRS[PROJCRS["b"]]]"#;
+        assert!(Crs::from_wkt(bound).is_geographic());
+        let cartesian = r#"GEODCRS["WGS 84",CS[Cartesian,3],LENGTHUNIT["metre",1]]"#;
+        assert!(!Crs::from_wkt(cartesian).is_geographic());
+    }
+
+    #[test]
+    fn units_of_length() {
+        assert_eq!(Crs::from_epsg(25832).length_unit(), Some(LengthUnit { name: "metre".into(), metres: 1.0 }));
+        let feet = Crs::from_epsg(2229).length_unit().expect("California zone 5 is in feet");
+        assert!((feet.metres - 0.304_800_6).abs() < 1e-6, "{feet:?}");
+        assert_eq!(Crs::wgs84().length_unit(), None);
+        let on_axis = r#"PROJCRS["x",CS[Cartesian,2],AXIS["e",east,LENGTHUNIT["foot",0.3048]]]"#;
+        assert_eq!(Crs::from_wkt(on_axis).length_unit().map(|u| u.metres), Some(0.3048));
+    }
+
+    #[test]
+    fn the_same_system_by_code_or_by_text() {
+        assert!(Crs { epsg: Some(6677), wkt: None }.matches(&Crs::from_epsg(6677)));
+        assert!(!Crs::from_epsg(6678).matches(&Crs::from_epsg(6677)));
+        assert!(Crs::from_wkt("a").matches(&Crs::from_wkt(" a ")));
+        assert!(!Crs::from_wkt("a").matches(&Crs::from_epsg(6677)));
+    }
+
+    #[test]
+    fn version_1_is_taken_from_the_table_where_the_text_is_version_2() {
+        let crs = Crs { epsg: Some(6677), wkt: Some(r#"PROJCRS["x",ID["EPSG",6677]]"#.into()) };
+        assert!(crs.wkt1().is_some_and(|text| text.starts_with("PROJCS[")));
+        assert_eq!(Crs::from_wkt(r#"PROJCRS["x"]"#).wkt1(), None);
+    }
+
+    #[test]
+    fn a_projected_system_is_told_from_the_geographic_one_inside_it() {
+        let utm = Crs::from_epsg(6690);
+        assert_eq!(utm.kind(), Some(CrsKind::Projected));
+        assert_eq!(utm.horizontal(), utm);
+        assert_eq!(utm.name().as_deref(), Some("JGD2011 / UTM zone 53N"));
+        assert_eq!(utm.length_unit(), Some(LengthUnit { name: "metre".into(), metres: 1.0 }));
+        let degrees = Crs::from_wkt(Crs::from_epsg(4326).wkt().expect("the table has WGS 84"));
+        assert_eq!(degrees.kind(), Some(CrsKind::Geographic));
+        assert_eq!(degrees.epsg, Some(4326));
+        assert_eq!(degrees.length_unit(), None);
+        assert_eq!(Crs::from_wkt("LOCAL_CS[\"site\",UNIT[\"metre\",1]]").kind(), None);
+    }
+
+    #[test]
+    fn a_compound_system_gives_its_horizontal_part() {
+        let utm = Crs::from_epsg(6690).wkt.expect("the table has zone 53");
+        let vertical = "VERT_CS[\"height\",UNIT[\"metre\",1]]";
+        let compound = Crs::from_wkt(&format!("COMPD_CS[\"both [1]\",{utm},{vertical},AUTHORITY[\"EPSG\",\"99999\"]]"));
+        assert_eq!(compound.horizontal(), Crs { epsg: Some(6690), wkt: Some(utm.clone()) });
+        assert_eq!(compound.header_wkt().as_deref(), compound.wkt.as_deref());
+        let end = utm.rfind(",AUTHORITY").expect("a code");
+        let uncoded = Crs::from_wkt(&format!("COMPD_CS[\"both\",{}],{vertical}]", &utm[..end]));
+        assert_eq!((uncoded.epsg, uncoded.horizontal().epsg), (None, Some(6690)));
+    }
+
+    #[test]
+    fn wkt_2_is_read_as_well() {
+        let text = "PROJCRS[\"plan\",BASEGEOGCRS[\"base\",ID[\"EPSG\",4326]],CONVERSION[\"c\"],CS[Cartesian,2],\
+                    AXIS[\"e\",east,LENGTHUNIT[\"US survey foot\",0.304800609601219]],ID[\"EPSG\",2225]]";
+        let crs = Crs::from_wkt(text);
+        assert_eq!((crs.epsg, crs.kind()), (Some(2225), Some(CrsKind::Projected)));
+        assert_eq!(crs.name().as_deref(), Some("plan"));
+        let unit = LengthUnit { name: "US survey foot".into(), metres: 0.304800609601219 };
+        assert_eq!(crs.length_unit(), Some(unit));
+    }
+
+    #[test]
+    fn headers_name_the_code_and_then_no_shift() {
+        let text = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\", TOWGS84[1,2,3] ]],AUTHORITY[\"EPSG\",\"31287\"]]";
+        let expected = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\" ]],AUTHORITY[\"EPSG\",\"31287\"]]";
+        assert_eq!(Crs::from_wkt(text).header_wkt().as_deref(), Some(expected));
+        let own = "PROJCS[\"p\",GEOGCS[\"g\",DATUM[\"d\",TOWGS84[1,2,3]]]]";
+        assert_eq!(Crs::from_wkt(own).header_wkt().as_deref(), Some(own));
+        let esri = Crs { epsg: Some(6677), wkt: Some("PROJCS[\"JGD_2011_Japan_Zone_9\"]".into()) };
+        assert!(esri.header_wkt().is_some_and(|text| text.ends_with("AUTHORITY[\"EPSG\",\"6677\"]]")));
+        assert_eq!(Crs { epsg: Some(6677), wkt: Some("no text".into()) }.header_wkt().as_deref(), Some("no text"));
+        assert_eq!(Crs { epsg: None, wkt: None }.header_wkt(), None);
+        for code in 1024..=u16::MAX {
+            let header = Crs::from_epsg(code.into()).header_wkt().map(Cow::into_owned);
+            assert!(header.is_none_or(|text| wkt::parse(&text).is_some() && !text.contains("TOWGS84")), "{code}");
+        }
+    }
+
+    #[test]
+    fn nonsense_names_nothing() {
+        for text in
+            ["", "]", "[[[", "PROJCS", "PROJCS[", "PROJCS[\"", "ENGCRS[\"site\"]", "PROJCS[\"é[\",ID[EPSG", "é[é]"]
+        {
+            let crs = Crs::from_wkt(text);
+            assert_eq!((crs.epsg, crs.kind(), crs.length_unit()), (None, None, None), "{text}");
+            assert_eq!(crs.horizontal(), crs, "{text}");
+        }
+    }
+
+    #[test]
+    fn every_table_entry_finds_itself() {
+        let (mut seen, mut others) = (0, Vec::new());
+        for code in 1024..=u16::MAX {
+            let Some(entry) = definition(u32::from(code)) else { continue };
+            seen += 1;
+            let crs = Crs::from_wkt(entry.wkt);
+            assert!(crs.name().is_some(), "{code}");
+            if crs.epsg != Some(u32::from(code)) {
+                others.push(crs);
+            }
+        }
+        assert!(seen > 5000);
+        // Some withdrawn three-dimensional systems carry the text of their successors.
+        assert!(others.len() < 40 && others.iter().all(Crs::is_geographic), "{others:?}");
+    }
+}

@@ -1,0 +1,42 @@
+//! The vector formats, by the extensions of files.
+
+use std::path::Path;
+
+use crate::base::error::{Error, Result};
+
+/// A vector format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VectorFormat {
+    /// `.geojson`, `.json`
+    GeoJson,
+    /// `.gpkg`
+    GeoPackage,
+    /// `.fgb`
+    FlatGeobuf,
+    /// `.dxf`
+    Dxf,
+    /// `.shp` with its companions
+    Shapefile,
+}
+
+impl VectorFormat {
+    /// The format of a file, by its extension.
+    ///
+    /// # Errors
+    /// If the extension is none of the known ones; the message lists them.
+    pub fn from_path(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match extension.as_str() {
+            "geojson" | "json" => Ok(Self::GeoJson),
+            "gpkg" => Ok(Self::GeoPackage),
+            "fgb" => Ok(Self::FlatGeobuf),
+            "dxf" => Ok(Self::Dxf),
+            "shp" => Ok(Self::Shapefile),
+            _ => Err(Error::file(
+                path,
+                "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
+            )),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! How meshes name their coordinate reference system.
+
+use crate::mesh::Mesh;
+
+/// The name of the mesh's coordinate reference system on one line.
+pub(super) fn crs_name(mesh: &Mesh) -> Option<String> {
+    let name = mesh.crs.as_ref()?.name()?;
+    Some(name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
+}

@@ -1,0 +1,121 @@
+//! From stored values to heights: sizes that a file can hold, scales, units, marks of cells without data.
+
+use std::path::Path;
+
+use crate::base::error::{Error, Finding, FindingKind, Result};
+
+/// Cells that a height map may have; the memory it takes is four bytes each.
+const MOST_CELLS: u64 = 4_000_000_000;
+
+/// Cells that a byte of a file can stand for. Rasters whose empty tiles are left out come nearest to it.
+const CELLS_A_BYTE: u64 = 16_384;
+
+/// Refuses a size that the file cannot hold: a header can claim any, and memory is taken for it.
+pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<u64> {
+    let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MOST_CELLS);
+    let Some(cells) = cells else {
+        return Err(Error::file(
+            path,
+            format!("has {cols} x {rows} cells; a height map has one at least and {MOST_CELLS} at most. Cut it first"),
+        ));
+    };
+    if cells / CELLS_A_BYTE > file_length {
+        return Err(Error::file(
+            path,
+            format!("claims {cols} x {rows} cells, but is only {file_length} bytes long: the file is broken"),
+        ));
+    }
+    Ok(cells)
+}
+
+/// Room for the heights of a raster of which so many bytes are there, all without data.
+pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<Vec<f32>> {
+    let cells = check_size(path, cols, rows, file_length)?;
+    let mut values = Vec::new();
+    match usize::try_from(cells) {
+        Ok(count) if values.try_reserve_exact(count).is_ok() => {
+            values.resize(count, f32::NAN);
+            Ok(values)
+        }
+        _ => Err(Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory"))),
+    }
+}
+
+/// How stored values become heights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Coding {
+    /// The stored value of cells without data, if the file names one.
+    pub nodata: Option<f64>,
+    /// Metres a step.
+    pub scale: f64,
+    /// Height of the value 0, metres.
+    pub offset: f64,
+}
+
+/// Marks of cells without data that files leave unnamed.
+const USUAL_MARKS: [f64; 2] = [-9999.0, -32768.0];
+
+/// Heights below or above, metres, are marks of some kind: no point of the Earth comes near.
+const LOWEST: f64 = -20_000.0;
+const HIGHEST: f64 = 100_000.0;
+
+/// Turns stored values into heights and counts what is none.
+pub(super) struct Heights {
+    coding: Coding,
+    /// Cells that were taken as cells without data, though the file does not say so.
+    odd: u64,
+    example: f64,
+}
+
+impl Heights {
+    pub fn new(coding: Coding) -> Self {
+        Self { coding, odd: 0, example: 0.0 }
+    }
+
+    /// The height of a stored value; NaN is no data.
+    pub fn height(&mut self, stored: f64) -> f32 {
+        let Coding { nodata, scale, offset } = self.coding;
+        if stored.is_nan() || nodata == Some(stored) {
+            return f32::NAN;
+        }
+        let height = stored * scale + offset;
+        if !(LOWEST..=HIGHEST).contains(&height) || nodata.is_none() && USUAL_MARKS.contains(&stored) {
+            (self.odd, self.example) = (self.odd + 1, stored);
+            return f32::NAN;
+        }
+        height as f32
+    }
+
+    /// What was noticed.
+    pub fn findings(self) -> Option<Finding> {
+        let message = format!(
+            "{} cells of the height map hold a value that is no height, such as {}; they are taken as cells without data",
+            self.odd, self.example
+        );
+        (self.odd > 0).then(|| Finding::general(FindingKind::NoHeight, message))
+    }
+}
+
+/// Metres in a unit of height by its name, and whether the name is known.
+pub(super) fn metres_in(unit: &str) -> Option<f64> {
+    match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),
+        "ft" | "foot" | "feet" | "foot (international)" | "international foot" => Some(0.3048),
+        "us-ft" | "ftus" | "us survey foot" | "foot_us" | "us survey feet" | "foot us" => Some(1200.0 / 3937.0),
+        "dm" | "decimetre" | "decimeter" => Some(0.1),
+        "cm" | "centimetre" | "centimeter" => Some(0.01),
+        "mm" | "millimetre" | "millimeter" => Some(0.001),
+        "km" | "kilometre" | "kilometer" => Some(1000.0),
+        _ => None,
+    }
+}
+
+/// The finding that heights were not in metres, or that their unit is unknown.
+pub(super) fn unit_finding(unit: &str) -> Option<Finding> {
+    let message = match metres_in(unit) {
+        Some(1.0) => return None,
+        Some(_) => format!("the heights are in {unit} and were turned into metres"),
+        None => format!("the heights are in {unit:?}, which is not known; they are taken as metres"),
+    };
+    Some(Finding::general(FindingKind::HeightUnit, message))
+}

@@ -1,0 +1,68 @@
+//! Ridge and canyon lines as data.
+
+use glam::DVec3;
+
+/// Which way the ground falls from a break line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BreakKind {
+    /// Ground falls to both sides.
+    Ridge,
+    /// Ground rises to both sides.
+    Canyon,
+}
+
+/// What lies at the end of a ridge or canyon line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum LineEnd {
+    /// A vertex of a contour: the tip of a bend, or the next contour. A line of the neighbouring sub-domain may go on there.
+    Contour,
+    /// Another line of the sub-domain, which runs through there.
+    Junction,
+    /// The highest point of a ridge.
+    Peak,
+    /// The lowest point of a canyon without a way out.
+    Bottom,
+    /// The lowest point of a ridge between two ways up, the highest of a canyon between two ways down.
+    Saddle,
+    /// The frame, or the opening between the ends of two contours.
+    Frame,
+    /// A spot height.
+    Spot,
+}
+
+impl LineEnd {
+    /// The word for it in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Contour => "contour",
+            Self::Junction => "junction",
+            Self::Peak => "peak",
+            Self::Bottom => "bottom",
+            Self::Saddle => "saddle",
+            Self::Frame => "frame",
+            Self::Spot => "spot",
+        }
+    }
+}
+
+/// A ridge or canyon line with its heights, which fall from the first point to the last.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BreakLine {
+    /// Ridge or canyon.
+    pub kind: BreakKind,
+    /// Vertices (x, y in map units, height in metres), downhill.
+    pub points: Vec<DVec3>,
+    /// The sub-domain that the line runs in.
+    pub region: u32,
+    /// What lies at the first point and at the last.
+    pub ends: [LineEnd; 2],
+    /// Number of the network: lines that share end points, directly or through others, have the same.
+    pub network: u32,
+}
+
+impl BreakLine {
+    /// Length on the map, map units.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()
+    }
+}

@@ -1,0 +1,37 @@
+//! The steps from a triangulation to its skeleton.
+
+use super::axis::axis;
+use super::break_line::BreakLine;
+use super::eliminate::{Elimination, eliminate};
+use super::flow::{Flow, flow};
+use super::heights::axis_heights;
+use super::lines::break_lines;
+use super::pieces::Axis;
+use crate::subdomains::Regions;
+use crate::tin::{Tin, TriangleKind, triangle_kinds};
+
+/// The axis of a map's spurs, gullies and tops, with heights and as lines.
+#[derive(Debug, Clone)]
+pub struct Skeleton {
+    /// Axis points and the pieces between them.
+    pub axis: Axis,
+    /// Heights of the axis points, and which way the pieces fall.
+    pub flow: Flow,
+    /// Ridge and canyon lines.
+    pub lines: Vec<BreakLine>,
+    /// Kind of each triangle.
+    pub kinds: Vec<TriangleKind>,
+    /// Junctions that were turned into sleeves, and the branches that this dropped.
+    pub elimination: Elimination,
+}
+
+/// Finds ridge and canyon lines. `resolution` is the paper's w: more of it, fewer lines.
+pub fn skeleton(tin: &Tin, regions: &Regions, resolution: f64) -> Skeleton {
+    let kinds = triangle_kinds(tin);
+    let elimination = eliminate(tin, &kinds, regions, resolution);
+    let axis = axis(tin, &kinds, regions, &elimination);
+    let heights = axis_heights(tin, regions, &axis.points);
+    let flow = flow(tin, regions, &axis, heights);
+    let lines = break_lines(tin, regions, &axis, &flow);
+    Skeleton { axis, flow, lines, kinds, elimination }
+}

@@ -1,0 +1,57 @@
+//! An axis in the making.
+
+use std::collections::HashSet;
+
+use glam::DVec2;
+
+use super::pieces::{Axis, AxisPoint, End};
+use crate::subdomains::{Regions, Side};
+use crate::tin::Tin;
+
+/// An axis in the making, with what tells where its pieces run.
+pub(super) struct Draft {
+    pub axis: Axis,
+    /// The axis point on each edge of each triangle, [`NONE`] where the edge is no chord.
+    pub of_edge: Vec<[u32; 3]>,
+    /// The piece through each triangle that has just one, else [`NONE`].
+    pub piece_of: Vec<u32>,
+    /// Lines that reach the next contour.
+    pub arrivals: Vec<Arrival>,
+    /// Triangles that a side line runs through; none has two, for they could cross.
+    pub crossed: HashSet<u32>,
+}
+
+/// Where a line reaches the next contour.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrival {
+    /// The contour's vertex.
+    pub vertex: u32,
+    /// The sub-domain that the line comes from.
+    pub region: u32,
+    /// Its last triangle.
+    pub triangle: u32,
+}
+
+impl Draft {
+    /// Adds the point of a level in a triangle, and gives its number.
+    pub fn add_point(&mut self, regions: &Regions, t: u32, position: DVec2, level: f64) -> u32 {
+        let region = regions.of_triangle[t as usize];
+        self.axis.points.push(AxisPoint { position, level: Some(level), triangle: t, region });
+        (self.axis.points.len() - 1) as u32
+    }
+
+    /// Adds the one piece of a triangle.
+    pub fn add_piece(&mut self, t: u32, from: u32, to: End) {
+        self.piece_of[t as usize] = self.axis.pieces.len() as u32;
+        self.axis.pieces.push([End::Axis(from), to]);
+    }
+}
+
+/// The side of the contour at an arrival that the ground beyond lies on: it goes on falling, or rising.
+pub(super) fn beyond(tin: &Tin, regions: &Regions, arrival: &Arrival) -> Option<Side> {
+    let level = tin.heights[arrival.vertex as usize];
+    regions.regions[arrival.region as usize].side(level).map(|side| match side {
+        Side::Above => Side::Below,
+        Side::Below => Side::Above,
+    })
+}

@@ -1,0 +1,34 @@
+//! The axis as data: its points and the pieces between them.
+
+use glam::DVec2;
+
+/// A point between two places of one contour level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisPoint {
+    /// Position relative to the triangulation's origin.
+    pub position: DVec2,
+    /// The level on both sides; none for a point anywhere in its sub-domain.
+    pub level: Option<f64>,
+    /// A triangle that the point lies in or on.
+    pub triangle: u32,
+    /// The sub-domain.
+    pub region: u32,
+}
+
+/// Where a piece of a line leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum End {
+    /// To an axis point.
+    Axis(u32),
+    /// To a vertex of the triangulation: the tip of a contour's bend, or a vertex of the next contour.
+    Vertex(u32),
+}
+
+/// Axis points and the pieces of line between them.
+#[derive(Debug, Clone, Default)]
+pub struct Axis {
+    /// The points, those in dropped branches included: they carry height, not lines.
+    pub points: Vec<AxisPoint>,
+    /// Pieces of ridge and canyon lines. The first end is an axis point.
+    pub pieces: Vec<[End; 2]>,
+}

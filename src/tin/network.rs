@@ -1,0 +1,304 @@
+//! The triangulation as flat arrays: corners, neighbours and flags of triangles, positions and heights of vertices.
+
+use std::collections::HashSet;
+
+use glam::{DVec2, DVec3};
+use robust::{Coord, orient2d};
+
+/// Marks "no triangle" or "no region" in arrays of indices.
+pub const NONE: u32 = u32::MAX;
+
+/// Flags of a triangle's first edge; those of the others are one and two bits further on.
+pub(crate) const CONSTRAINT: u16 = 1;
+pub(crate) const GATE: u16 = 1 << 3;
+pub(crate) const CONTOUR: u16 = 1 << 6;
+
+/// What a vertex stands for, and so where its height comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum VertexKind {
+    /// On a contour (or on the link of an open contour's end to the frame): its height is the level.
+    Contour,
+    /// A spot height.
+    Spot,
+    /// A corner of the frame: its height is found from the contours around it.
+    Frame,
+    /// On a ridge or canyon line or otherwise computed.
+    Axis,
+    /// On the shore of a lake: its height is that of the water.
+    Shore,
+}
+
+/// A triangulated irregular network.
+///
+/// Positions are relative to [`Tin::origin`], so that products of coordinates keep their digits.
+#[derive(Debug, Clone, Default)]
+pub struct Tin {
+    /// Added to a position it gives map coordinates.
+    pub origin: DVec2,
+    /// Vertex positions relative to the origin, map units.
+    pub positions: Vec<DVec2>,
+    /// Vertex heights, metres. NaN only for vertices of kind [`VertexKind::Frame`] that have no height yet.
+    pub heights: Vec<f64>,
+    /// Vertex kinds.
+    pub kinds: Vec<VertexKind>,
+    /// The first point of the input at the vertex, by its index there.
+    pub source: Vec<u32>,
+    /// Corners of the triangles, counter-clockwise.
+    pub triangles: Vec<[u32; 3]>,
+    /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
+    pub neighbours: Vec<[u32; 3]>,
+    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate; bit i+6: a piece of a contour.
+    pub(crate) edges: Vec<u16>,
+    /// Whether the triangle lies inside the frame.
+    pub(crate) inside: Vec<bool>,
+    /// Number of the lake that the triangle lies in, [`NONE`] on land; empty without lakes.
+    pub(super) lakes: Vec<u32>,
+}
+
+impl Tin {
+    /// Number of triangles, those outside the frame included.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Whether triangle `t` lies inside the frame.
+    pub fn is_inside(&self, t: u32) -> bool {
+        self.inside[t as usize]
+    }
+
+    /// The two ends of edge `i` of triangle `t`, counter-clockwise.
+    pub fn edge(&self, t: u32, i: usize) -> [u32; 2] {
+        let c = self.triangles[t as usize];
+        [c[i], c[(i + 1) % 3]]
+    }
+
+    /// Length of edge `i` of triangle `t`.
+    pub fn edge_length(&self, t: u32, i: usize) -> f64 {
+        let [u, v] = self.edge(t, i);
+        self.positions[u as usize].distance(self.positions[v as usize])
+    }
+
+    /// The least altitude of triangle `t`, map units.
+    pub fn width(&self, t: u32) -> f64 {
+        let [a, b, c] = self.corners(t);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        (b - a).perp_dot(c - a).abs() / longest.sqrt()
+    }
+
+    /// Whether edge `i` of triangle `t` is a constraint (contour, link, bridge, gate, frame or break line).
+    pub fn is_constraint(&self, t: u32, i: usize) -> bool {
+        self.edges[t as usize] & (CONSTRAINT << i) != 0
+    }
+
+    /// Whether edge `i` of triangle `t` closes the opening between two ends of contours.
+    pub fn is_gate(&self, t: u32, i: usize) -> bool {
+        self.edges[t as usize] & (GATE << i) != 0
+    }
+
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge.
+    pub fn contour_level(&self, t: u32, i: usize) -> Option<f64> {
+        let is_contour = self.edges[t as usize] & (CONTOUR << i) != 0;
+        is_contour.then(|| self.heights[self.triangles[t as usize][i] as usize])
+    }
+
+    /// The lake that triangle `t` lies in, by its number.
+    pub fn lake(&self, t: u32) -> Option<u32> {
+        self.lakes.get(t as usize).copied().filter(|&lake| lake != NONE)
+    }
+
+    /// Whether edge `i` of triangle `t` is a piece of shore: water on one side, land or other water on the other.
+    pub fn is_shore(&self, t: u32, i: usize) -> bool {
+        !self.lakes.is_empty() && self.inner_neighbour(t, i).is_some_and(|n| self.lake(n) != self.lake(t))
+    }
+
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge, or of a shore.
+    pub fn border_level(&self, t: u32, i: usize) -> Option<f64> {
+        let shore = || self.is_shore(t, i).then(|| self.heights[self.edge(t, i)[0] as usize]);
+        self.contour_level(t, i).or_else(shore)
+    }
+
+    /// The triangle inside the frame across edge `i` of triangle `t`, whatever the edge is.
+    pub fn inner_neighbour(&self, t: u32, i: usize) -> Option<u32> {
+        let n = self.neighbours[t as usize][i];
+        (n != NONE && self.inside[n as usize]).then_some(n)
+    }
+
+    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate, a shore or
+    /// the frame.
+    pub fn across(&self, t: u32, i: usize) -> Option<u32> {
+        let is_border = self.is_gate(t, i) || self.contour_level(t, i).is_some() || self.is_shore(t, i);
+        if is_border { None } else { self.inner_neighbour(t, i) }
+    }
+
+    /// Which edge of `t` leads to its neighbour `n`.
+    pub fn edge_towards(&self, t: u32, n: u32) -> Option<usize> {
+        self.neighbours[t as usize].iter().position(|&m| m == n)
+    }
+
+    /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
+    pub fn with_gaps(mut self, bridges: &[[u32; 2]], gates: &[[u32; 2]]) -> Self {
+        let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
+        let bridges: HashSet<[u32; 2]> = bridges.iter().copied().map(sorted).collect();
+        let gates: HashSet<[u32; 2]> = gates.iter().copied().map(sorted).collect();
+        let ends: HashSet<u32> = bridges.iter().chain(&gates).flatten().copied().collect();
+        for t in 0..self.len() as u32 {
+            for i in 0..3 {
+                let edge = sorted(self.edge(t, i));
+                if ends.is_empty() || !ends.contains(&edge[0]) {
+                    continue;
+                }
+                if bridges.contains(&edge) {
+                    self.edges[t as usize] |= CONSTRAINT << i;
+                } else if gates.contains(&edge) {
+                    self.edges[t as usize] |= (CONSTRAINT | GATE) << i;
+                }
+                self.edges[t as usize] = self.with_contours(t);
+            }
+        }
+        self
+    }
+
+    /// The flags of triangle `t` with its pieces of contour marked: constraints, but no gates, between vertices of contours of
+    /// one level.
+    pub(super) fn with_contours(&self, t: u32) -> u16 {
+        let flags = self.edges[t as usize];
+        let is_contour = |i: usize| {
+            let [u, v] = self.edge(t, i).map(|v| v as usize);
+            let on_contour = |v: usize| self.kinds[v] == VertexKind::Contour;
+            on_contour(u) && on_contour(v) && self.heights[u] == self.heights[v]
+        };
+        (0..3).fold(flags & !(7 * CONTOUR), |flags, i| {
+            let may = flags & ((CONSTRAINT | GATE) << i) == CONSTRAINT << i;
+            if may && is_contour(i) { flags | (CONTOUR << i) } else { flags }
+        })
+    }
+
+    /// The same triangulation with other heights, one a vertex. Those of contours stay.
+    pub fn with_heights(self, heights: Vec<f64>) -> Self {
+        assert_eq!(heights.len(), self.positions.len(), "one height a vertex");
+        Self { heights, ..self }
+    }
+
+    /// Takes all triangles but those marked in `keep`, one flag a triangle, out of the frame.
+    pub fn only(mut self, keep: &[bool]) -> Self {
+        self.inside.iter_mut().zip(keep).for_each(|(inside, keep)| *inside &= keep);
+        self
+    }
+
+    /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints; each is asked once, in the
+    /// middle of its largest triangle, in map coordinates.
+    pub fn restricted(mut self, keep: impl Fn(DVec2) -> bool) -> Self {
+        let mut outside = Vec::new();
+        self.for_each_part(|part, place| {
+            if !keep(place) {
+                outside.extend_from_slice(part);
+            }
+        });
+        outside.into_iter().for_each(|t| self.inside[t as usize] = false);
+        self
+    }
+
+    /// The same triangulation with the lakes that its parts lie in, by their numbers. Parts are those of
+    /// [`restricted`](Self::restricted), so that shores must be constraints.
+    pub fn with_lakes(mut self, mut lake_at: impl FnMut(DVec2) -> Option<u32>) -> Self {
+        let mut lakes = vec![NONE; self.len()];
+        self.for_each_part(|part, place| {
+            if let Some(lake) = lake_at(place) {
+                part.iter().for_each(|&t| lakes[t as usize] = lake);
+            }
+        });
+        self.lakes = lakes;
+        self
+    }
+
+    /// The same triangulation with the lakes of one that has the same shores.
+    pub fn with_lakes_of(self, other: &Self) -> Self {
+        let mut near = 0;
+        self.with_lakes(|p| {
+            near = other.locate(near, p - other.origin)?;
+            other.lake(near)
+        })
+    }
+
+    /// Calls `visit` with the triangles of every part that constraints and the frame bound, and the middle of the largest of them.
+    fn for_each_part(&self, mut visit: impl FnMut(&[u32], DVec2)) {
+        let mut seen = vec![false; self.len()];
+        for first in 0..self.len() {
+            if seen[first] {
+                continue;
+            }
+            seen[first] = true;
+            let mut part = vec![first as u32];
+            let mut next = 0;
+            while next < part.len() {
+                let t = part[next];
+                next += 1;
+                for i in 0..3 {
+                    let n = self.neighbours[t as usize][i];
+                    if n == NONE || self.is_constraint(t, i) || self.is_inside(n) != self.is_inside(t) {
+                        continue;
+                    }
+                    if !std::mem::replace(&mut seen[n as usize], true) {
+                        part.push(n);
+                    }
+                }
+            }
+            let area = |t: u32| {
+                let [a, b, c] = self.corners(t);
+                (b - a).perp_dot(c - a)
+            };
+            let largest = part.iter().copied().fold(first as u32, |m, t| if area(t) > area(m) { t } else { m });
+            let [a, b, c] = self.corners(largest);
+            visit(&part, (a + b + c) / 3.0 + self.origin);
+        }
+    }
+
+    /// Map coordinates and height of a vertex.
+    pub fn point(&self, v: u32) -> DVec3 {
+        (self.positions[v as usize] + self.origin).extend(self.heights[v as usize])
+    }
+
+    /// Positions of the corners of triangle `t`.
+    pub fn corners(&self, t: u32) -> [DVec2; 3] {
+        self.triangles[t as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Heights of the corners of triangle `t`.
+    pub fn corner_heights(&self, t: u32) -> [f64; 3] {
+        self.triangles[t as usize].map(|v| self.heights[v as usize])
+    }
+
+    /// Checks that corners, neighbours and flags agree with each other; used by tests.
+    ///
+    /// # Errors
+    /// The first disagreement, in words.
+    pub fn validate(&self) -> Result<(), String> {
+        for t in 0..self.len() as u32 {
+            // Exactly, as they were made: the difference of two products says nothing of slivers.
+            let [a, b, c] = self.corners(t).map(|p| Coord { x: p.x, y: p.y });
+            if orient2d(a, b, c) < 0.0 {
+                return Err(format!("triangle {t} is clockwise"));
+            }
+            for i in 0..3 {
+                let n = self.neighbours[t as usize][i];
+                if n == NONE {
+                    continue;
+                }
+                let [u, v] = self.edge(t, i);
+                let back = (0..3).find(|&j| self.edge(n, j) == [v, u]);
+                match back {
+                    Some(j)
+                        if self.neighbours[n as usize][j] == t
+                            && self.is_constraint(n, j) == self.is_constraint(t, i) => {}
+                    _ => return Err(format!("triangles {t} and {n} disagree about their common edge")),
+                }
+            }
+        }
+        Ok(())
+    }
+}
