@@ -5,7 +5,7 @@
 //! 3. a line's elevation is exactly its level;
 //! 4. every height lies in the band of its sub-domain;
 //! 5. new lines end at the frame, or on an input line of their level that does not divide the ground.
-#![allow(dead_code, reason = "every test uses its own part of this module")]
+#![allow(dead_code, unused_imports, reason = "every test uses its own part of this module")]
 
 mod refusal;
 
