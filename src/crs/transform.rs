@@ -283,12 +283,15 @@ mod tests {
     #[test]
     fn no_place_and_no_system_panics() {
         let places = [0.0, -1.0, 90.0, 91.0, 180.0, 1e6, -1e300, f64::NAN, f64::INFINITY];
+        let (mut known, mut ways, mut found) = (0, 0, 0);
         for code in (1024..=u16::MAX).map(u32::from).filter(|code| code % 7 == 0 || *code == 3857) {
             let crs = Crs::from_epsg(code);
             if crs.wkt.is_none() {
                 continue;
             }
+            known += 1;
             let Ok(way) = Transform::between(&crs, &Crs::from_epsg(4258)) else { continue };
+            ways += 1;
             if way.is_identity() {
                 continue;
             }
@@ -297,9 +300,13 @@ mod tests {
                     let p = DVec2::new(x, y);
                     for q in [way.forward(p), way.inverse(p)].into_iter().flatten() {
                         assert!(q.is_finite(), "{code} {p}");
+                        found += 1;
                     }
                 }
             }
         }
+        // Measured: 760 of 875 systems, 42183 places.
+        assert!(known >= 800 && ways * 10 >= known * 8, "{ways} transformations of {known} systems");
+        assert!(found >= 30_000, "{found} places have coordinates");
     }
 }

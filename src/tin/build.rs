@@ -101,7 +101,7 @@ impl Triangulation {
         let cdt = &self.cdt;
         let faces: Vec<_> = cdt.fixed_inner_faces().collect();
         if faces.is_empty() {
-            return Err(Error::Data("all points lie on one line: there is no area between the contours".into()));
+            return Err(Error::NoArea);
         }
         let face = |&face: &FixedFaceHandle<InnerTag>| {
             let edges = cdt.face(face).adjacent_edges();

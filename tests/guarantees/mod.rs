@@ -5,11 +5,14 @@
 //! 3. a line's elevation is exactly its level;
 //! 4. every height lies in the band of its sub-domain;
 //! 5. new lines end at the frame, or on an input line of their level that does not divide the ground.
-#![allow(dead_code, reason = "every test uses its own part of this module")]
+#![allow(dead_code, unused_imports, reason = "every test uses its own part of this module")]
+
+mod refusal;
 
 use std::collections::HashSet;
 
 use glam::DVec2;
+pub use refusal::{Refusal, Tally};
 use tokosen::base::Grid;
 use tokosen::base::error::Result;
 use tokosen::clean::validate;
@@ -55,8 +58,8 @@ pub fn bits(p: DVec2) -> [u64; 2] {
     [p.x.to_bits(), p.y.to_bits()]
 }
 
-/// All that must hold for a surface and the lines cut from it.
-pub fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
+/// All that must hold for a surface and the lines cut from it. Gives the number of new lines that were checked.
+pub fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) -> usize {
     surface.tin.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
     let layer = layer_of(surface, step);
 
@@ -119,6 +122,7 @@ pub fn check(map: &ContourMap, surface: &Surface, step: f64, what: &str) {
             assert!(at_frame || at_input(), "{what}: a line of level {} ends in the open at {end}", line.elevation);
         }
     }
+    lines.len() - kept.len()
 }
 
 fn distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
@@ -227,9 +231,17 @@ pub fn hold(map: ContourMap, lines: &Lines, params: &SurfaceParams, what: &str) 
     }
     let forms = landforms(&surface.tin, &surface.regions);
     assert_eq!(forms.len(), surface.regions.regions.len(), "{what}: a landform a sub-domain");
-    for base in [None, Some(low - 1e3)] {
-        if let Ok(mesh) = mesh(&surface, &MeshParams { base }) {
+    // A frame so narrow that no triangle fits in has no mesh.
+    if (0..surface.tin.len() as u32).any(|t| surface.tin.is_inside(t)) {
+        let sound = |base| {
+            let mesh = mesh(&surface, &MeshParams { base }).unwrap_or_else(|e| panic!("{what}: {e}"));
             mesh.validate().unwrap_or_else(|e| panic!("{what}: {e}"));
+            mesh.extent().0.z
+        };
+        let lowest = sound(None);
+        // Ground so low that a kilometre less is the same number has no base below it.
+        if low - 1e3 < lowest {
+            sound(Some(low - 1e3));
         }
     }
     Ok(())

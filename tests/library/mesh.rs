@@ -15,6 +15,7 @@ use tokosen::mesh::{Mesh, MeshParams, mesh};
 use tokosen::surface::{Surface, SurfaceParams, build};
 
 use crate::common;
+use crate::guarantees::{Refusal, Tally};
 
 fn surface_of(map: ContourMap) -> Surface {
     let map = clean(map, &CleanParams::default()).unwrap().value;
@@ -263,10 +264,10 @@ fn the_command_line_writes_models_and_refuses_other_names() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing but what was asked for is left");
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, ..common::draws() })]
-    #[test]
-    fn meshes_of_all_terrain_are_sound(seed in 0u64..10_000) {
+#[test]
+fn meshes_of_all_terrain_are_sound() {
+    let tally = Tally::default();
+    proptest!(ProptestConfig { cases: 6, ..common::draws() }, |(seed in 0u64..10_000)| {
         for terrain in common::all_kinds(seed) {
             let contours = terrain.contours().into_iter().map(|(elevation, points): (f64, Vec<DVec2>)| {
                 Contour { elevation, points, feature: 0 }
@@ -274,7 +275,9 @@ proptest! {
             let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
             let map = clean(map, &CleanParams::default()).unwrap().value;
             // Terrain may lie within one level; then there is no surface.
-            let Ok(report) = build(map, &SurfaceParams::default(), &()) else { continue };
+            let allowed = [Refusal::NoContour, Refusal::OneContour, Refusal::OneLevel];
+            let what = format!("{} {seed}", terrain.kind);
+            let Some(report) = tally.take(build(map, &SurfaceParams::default(), &()), &allowed, &what) else { continue };
             let surface = report.value;
             let shell = mesh(&surface, &MeshParams::default()).unwrap();
             prop_assert_eq!(shell.validate(), Ok(()));
@@ -284,5 +287,7 @@ proptest! {
             let volume = prisms(&surface, base).1;
             prop_assert!((solid.volume() - volume).abs() <= 1e-6 * volume);
         }
-    }
+    });
+    // Measured: 0.944, with other seeds 0.981.
+    tally.assert_share(0.85, 0.0);
 }

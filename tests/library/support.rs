@@ -4,8 +4,10 @@
 use crate::common::{
     Random, Terrain, all_kinds, cliffs, contours_of, crossings, plane, plateaus, saddles, same_level_crossings, volcano,
 };
+use crate::guarantees::{Refusal, Tally, map_of};
 use geo::Intersects;
 use glam::DVec2;
+use tokosen::surface::{SurfaceParams, build};
 
 fn line(level: f64, points: &[(f64, f64)]) -> (f64, Vec<DVec2>) {
     (level, points.iter().map(|&(x, y)| DVec2::new(749_340.0 + x, 4_020_658.0 + y)).collect())
@@ -247,4 +249,51 @@ fn cliffs_bring_lines_as_close_as_asked() {
     let steps = vertices.windows(2).filter(|w| w[0].x == w[1].x && w[0].y != w[1].y).map(|w| w[1].y - w[0].y);
     let nearest = steps.fold(f64::INFINITY, f64::min) / terrain.cell;
     assert!(nearest > 1e-4 && nearest < 2e-3, "{nearest}");
+}
+
+#[test]
+fn only_maps_without_ground_are_refused() {
+    let flat = |level: f64, y: f64| (level, vec![DVec2::new(0.0, y), DVec2::new(9.0, y)]);
+    let refusal = |lines: &[(f64, Vec<DVec2>)]| {
+        let made = build(map_of(lines), &SurfaceParams::default(), &());
+        Refusal::of(&made.expect_err("no surface can be made of that"))
+    };
+    assert_eq!(refusal(&[]), Some(Refusal::NoContour));
+    assert_eq!(refusal(&[flat(10.0, 0.0)]), Some(Refusal::OneContour));
+    assert_eq!(refusal(&[flat(10.0, 0.0), flat(10.0, 5.0)]), Some(Refusal::OneLevel));
+    assert_eq!(
+        refusal(&[flat(10.0, 0.0), (20.0, vec![DVec2::new(10.0, 0.0), DVec2::new(12.0, 0.0)])]),
+        Some(Refusal::NoArea)
+    );
+    // Contours that cross although they should be clean are a fault.
+    let across = (20.0, vec![DVec2::new(5.0, -5.0), DVec2::new(5.0, 5.0)]);
+    assert_eq!(refusal(&[flat(10.0, 0.0), across]), None);
+}
+
+#[test]
+#[should_panic(expected = "0.500 of the cases were made")]
+fn a_tally_with_too_few_cases_fails() {
+    let tally = Tally::default();
+    let params = SurfaceParams::default();
+    let flat = |level: f64, y: f64| (level, vec![DVec2::new(0.0, y), DVec2::new(9.0, y + 1.0)]);
+    for lines in [vec![flat(10.0, 0.0)], vec![flat(10.0, 0.0), flat(20.0, 5.0)]] {
+        tally.take(build(map_of(&lines), &params, &()), &[Refusal::OneContour], "some lines");
+    }
+    tally.assert_share(0.6, 0.0);
+}
+
+#[test]
+#[should_panic(expected = "there is one contour line only")]
+fn a_tally_accepts_no_other_refusal() {
+    let line = (10.0, vec![DVec2::ZERO, DVec2::ONE]);
+    let made = build(map_of(&[line]), &SurfaceParams::default(), &());
+    Tally::default().take(made, &[Refusal::OneLevel], "one line");
+}
+
+#[test]
+#[should_panic(expected = "new lines were checked")]
+fn a_tally_without_new_lines_fails() {
+    let tally = Tally::default();
+    tally.take(Ok(()), &[], "nothing");
+    tally.assert_share(1.0, 1.0);
 }

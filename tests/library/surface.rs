@@ -9,9 +9,12 @@ use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap, Source};
 use tokosen::dem::rasterise;
 use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::spline::Wanted;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{Surface, SurfaceParams, build, heights};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
 use tokosen::validate::{Chosen, Reason};
+
+use crate::common::{self, Terrain};
 
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
     let corner =
@@ -262,10 +265,59 @@ fn the_frame_follows_the_surface_between_distant_ends_of_contours() {
     }
 }
 
+/// Root mean square error on a kind of ground with so few levels that none can be hidden, in intervals, over six terrains.
+fn rmse_of_few_levels(ground: fn(u64, usize, usize) -> Terrain, kind: SurfaceKind, tension: Option<f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for seed in 1..7 {
+        let terrain = ground(seed, 100, 100);
+        let (low, high) =
+            terrain.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(*z), m.1.max(*z)));
+        let terrain = Terrain { interval: (high - low) / 4.0, ..terrain };
+        let to_contour = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0 };
+        let contours = terrain.contours().into_iter().map(to_contour).collect();
+        let map = clean(ContourMap { contours, ..ContourMap::default() }, &CleanParams::default()).unwrap().value;
+        let corner = terrain.origin + DVec2::new(-0.5, 0.5) * terrain.cell;
+        let grid = Grid { corner, cell: DVec2::splat(terrain.cell), cols: terrain.cols, rows: terrain.rows };
+        let mut params = SurfaceParams { kind, ..SurfaceParams::default() };
+        params.spline.wanted = Some(Wanted::Grid(grid));
+        params.spline.tension = tension;
+        let surface = build(map, &params, &()).unwrap().value;
+        let reason = if tension.is_some() { Reason::Given } else { Reason::FellBack };
+        assert!(kind == SurfaceKind::Linear || surface.chosen.unwrap().reason == reason, "{:?}", surface.chosen);
+        let found = heights(&surface, &grid, &()).values;
+        for (height, truth) in found.iter().zip(&terrain.heights).filter(|(height, _)| !height.is_nan()) {
+            sum += ((f64::from(*height) - truth) / terrain.interval).powi(2);
+            count += 1;
+        }
+    }
+    assert!(count > 30_000, "{count}");
+    (sum / f64::from(count)).sqrt()
+}
+
 #[test]
 fn few_levels_do_not_choose() {
-    let (surface, _) = surface_of(bowl(4), vec![], Frame::Hull);
-    let chosen = surface.chosen.unwrap();
-    assert_eq!((chosen.reason, chosen.hidden, chosen.implied), (Reason::FellBack, None, None));
-    assert_eq!(chosen.knobs.tension, 3.5);
+    let taken = |contours: Vec<Contour>| {
+        let chosen = surface_of(contours, vec![], Frame::Hull).0.chosen.unwrap();
+        assert_eq!((chosen.reason, chosen.hidden, chosen.implied), (Reason::FellBack, None, None));
+        (chosen.knobs.tension, chosen.knobs.noise, chosen.knobs.crease_knee)
+    };
+    // The same for a bowl and for ground that slopes evenly: nothing of the map decides.
+    let slope = (0..4).map(f64::from).map(|k| line(10.0 * k, &[(0.0, 70.0 * k), (400.0, 70.0 * k)])).collect();
+    assert_eq!(taken(bowl(4)), taken(slope));
+}
+
+#[test]
+fn what_is_taken_for_few_levels_suits_rough_and_smooth_ground() {
+    // Measured: 0.862 times the error of the plain triangles on rough ground, 0.573 times on hills.
+    for (ground, most) in [(common::fractal as fn(u64, usize, usize) -> Terrain, 0.88), (common::hills, 0.6)] {
+        let taken = rmse_of_few_levels(ground, SurfaceKind::Spline, None);
+        let straight = rmse_of_few_levels(ground, SurfaceKind::Linear, None);
+        assert!(taken < most * straight, "{taken}, and {straight} with plain triangles");
+    }
+    // On hills no other tension is better by more than 2 per cent. Measured: 0.3 per cent worse with 10.
+    let taken = rmse_of_few_levels(common::hills, SurfaceKind::Spline, None);
+    for tension in [0.1, 1.0, 10.0, 100.0] {
+        let other = rmse_of_few_levels(common::hills, SurfaceKind::Spline, Some(tension));
+        assert!(taken < 1.02 * other, "{taken}, and {other} with a tension of {tension}");
+    }
 }

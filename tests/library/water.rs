@@ -90,12 +90,15 @@ fn check(surface: &Surface, step: f64, what: &str) {
     let bad = common::crossings(&lines);
     assert!(bad.is_empty(), "{what}: {} crossings, the first: {}", bad.len(), bad[0]);
     // No line runs through water: the middle of each of its pieces is on land or on the shore.
+    let (mut pieces, mut located) = (0, 0);
     for line in layer.lines.iter().filter(|l| l.source == Source::Interpolated) {
         let mut t = 0;
         for w in line.points.windows(2) {
             let middle = w[0].midpoint(w[1]) - tin.origin;
+            pieces += 1;
             if let Some(found) = tin.locate(t, middle) {
                 t = found;
+                located += 1;
                 let edge = |i: usize| tin.edge(t, i).map(|v| tin.positions[v as usize]);
                 let on_edge = (0..3).any(|i| {
                     let [a, b] = edge(i);
@@ -106,6 +109,7 @@ fn check(surface: &Surface, step: f64, what: &str) {
             }
         }
     }
+    assert_eq!(located, pieces, "{what}: pieces of lines in no triangle");
     // New lines end at the frame or on an input line.
     let frame: Vec<[DVec2; 2]> = surface.frame.edges().collect();
     let given: HashSet<([u64; 2], u64)> =
@@ -389,7 +393,7 @@ fn any_water_on_any_terrain_keeps_the_rules() {
             }
             for kind in KINDS {
                 let map = ContourMap { contours: contours.clone(), ..ContourMap::default() };
-                let Ok(map) = clean(map, &CleanParams::default()) else { continue };
+                let map = clean(map, &CleanParams::default()).expect("the terrain's contours are no heap of crossings");
                 let params = SurfaceParams {
                     kind,
                     frame: [Frame::Hull, Frame::Box][seed as usize % 2].clone(),

@@ -71,6 +71,17 @@ pub enum Error {
         /// Whether the frame is a polygon, and only the lines inside it count.
         in_polygon: bool,
     },
+    /// All points lie on one line.
+    #[error("all points lie on one line: there is no area between the contours")]
+    NoArea,
+    /// Sampling the contours would add too many points.
+    #[error("sampling at {ratio} would add more than {most} points; take a larger ratio or a smaller part of the map")]
+    TooManyPoints {
+        /// The ratio that was asked for.
+        ratio: f64,
+        /// Most points that may be added.
+        most: usize,
+    },
     /// Two lines cross where none may: contours that were not cleaned, or a contour and the frame.
     #[error(
         "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the frame, \
@@ -332,6 +343,7 @@ impl Error {
             | Self::OutOfRange { .. }
             | Self::NotProjectedInMetres { .. }
             | Self::TooManyCells { .. }
+            | Self::TooManyPoints { .. }
             | Self::NeedsRepair { .. }
             | Self::Strict { .. }
             | Self::Arrays(_)
@@ -356,6 +368,7 @@ impl Error {
                 | Self::OutOfRange { .. }
                 | Self::NotProjectedInMetres { .. }
                 | Self::TooManyCells { .. }
+                | Self::TooManyPoints { .. }
                 | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees }
         )
     }

@@ -57,10 +57,7 @@ pub(crate) fn plan(lines: &[Contour], params: &SampleParams) -> Result<Plan> {
         })
         .unzip();
     if ground.added.into_inner() > most {
-        return Err(Error::Parameter(format!(
-            "sampling at {} would add more than {most} points; take a larger ratio or a smaller part of the map",
-            params.ratio
-        )));
+        return Err(Error::TooManyPoints { ratio: params.ratio, most });
     }
     Ok(Plan { cuts, least, held: held.into_iter().sum() })
 }

@@ -2,4 +2,6 @@
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| tokosen_fuzz::pipeline::run(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = tokosen_fuzz::pipeline::run(data);
+});

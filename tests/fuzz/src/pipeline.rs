@@ -6,6 +6,7 @@
 
 use geo::{LineString, MultiPolygon, Polygon, Validation};
 use glam::{DVec2, DVec3};
+use tokosen::base::error::Result;
 use tokosen::contour::{Contour, ContourMap, Lake};
 use tokosen::resample::{FitParams, SampleParams};
 use tokosen::subdivision::Water;
@@ -27,11 +28,11 @@ const LARGEST: f64 = 1e50;
 /// working grid is large, as it must be, and nothing would be found in an hour.
 const SMOOTH: f64 = 64.0;
 
-/// Makes a map of bytes and asks all guarantees of it. Errors are fine, panics are not.
-pub fn run(data: &[u8]) {
-    let mut bytes = Bytes { rest: data };
-    let Some(case) = bytes.case() else { return };
-    let _ = hold(case.map, &case.lines, &case.params, "bytes");
+/// Makes a map of bytes and asks all guarantees of it. Gives what the steps say about the map; None if the bytes make none.
+/// Errors are fine, panics are not.
+pub fn run(data: &[u8]) -> Option<Result<()>> {
+    let case = Bytes { rest: data }.case()?;
+    Some(hold(case.map, &case.lines, &case.params, "bytes"))
 }
 
 /// The most points of a map: what can go wrong does so on small ones, and those are quick.
