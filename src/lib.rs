@@ -116,14 +116,15 @@ pub mod clean;
 pub mod contour;
 pub mod crs;
 pub mod dem;
+#[cfg(feature = "draw")]
 pub mod draw;
 #[cfg(test)]
 #[path = "../tests/common/draws.rs"]
 mod draws;
 mod geometry;
 pub mod guide;
+#[cfg(feature = "io")]
 pub mod io;
-mod memory;
 pub mod mesh;
 pub mod resample;
 pub mod skeleton;

@@ -3,6 +3,7 @@
 pub(crate) mod bits;
 pub mod error;
 mod grid;
+pub(crate) mod memory;
 pub mod progress;
 pub(crate) mod rows;
 pub(crate) mod union_find;

@@ -28,7 +28,9 @@ use std::collections::HashSet;
 use glam::DVec2;
 use rayon::prelude::*;
 
-pub(crate) use self::points::{is_height, is_place};
+pub(crate) use self::points::is_height;
+#[cfg(feature = "io")]
+pub(crate) use self::points::is_place;
 pub(crate) use self::segments::{Runs, Segments};
 
 use self::contacts::Contacts;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::Options;
+use tokosen::draw::preview::picture;
 use tokosen::surface::Triangles;
-use tokosen::terrain::picture;
 
 use super::console::Console;
 use super::input::InputArgs;

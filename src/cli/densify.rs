@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
+use tokosen::draw::preview::picture;
 use tokosen::io::layer::{Layer, of_contours};
 use tokosen::io::{Content, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::Target;
 use tokosen::surface::Triangles;
-use tokosen::terrain::{MeasureOptions, Pair, Side, measure, picture};
+use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
 use tokosen::{Interval, Options, Terrain};
 
 use super::compare::{draw, open_page, tell};
@@ -124,7 +125,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     job.draw(|| picture(&terrain.surface, finest(&layers)))?;
 
-    let mut findings = std::mem::take(&mut terrain.findings);
+    let findings = std::mem::take(&mut terrain.findings);
     job.tell(&findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     staged.commit()?;
@@ -136,7 +137,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     }
     job.commit_picture()?;
     if let Some(reference) = reference {
-        reference.compare(args, terrain, &mut findings, console)?;
+        reference.compare(args, terrain, console)?;
     }
     summary::close(findings.len(), console);
     Ok(())
@@ -162,18 +163,12 @@ impl Reference {
     }
 
     /// Compares the surface with it, and tells the figures.
-    fn compare(
-        self,
-        args: &DensifyArgs,
-        terrain: Terrain,
-        findings: &mut Vec<Finding>,
-        console: &Console,
-    ) -> Result<(), Failure> {
+    fn compare(self, args: &DensifyArgs, terrain: Terrain, console: &Console) -> Result<(), Failure> {
         let Some(nodes) = self.side.nodes() else { return Ok(()) };
         console.say("");
         let side = Side::of_terrain(&args.input.map.contours, args.surface.surface.kind(), terrain);
         let pair = Pair::on(side, self.side, nodes, console)?;
-        let found = measure(&pair, &MeasureOptions::default(), findings, console)?;
+        let found = measure(&pair, &MeasureOptions::default(), console)?;
         if let Some(page) = self.page {
             draw(&page, &pair, &found, console)?;
             console.say(&format!("written    {}", commit(page)?.display()));

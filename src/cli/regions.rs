@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::draw::preview::{landform_patches, subdivision_picture};
 use tokosen::io::layer::of_landforms;
 use tokosen::io::{StagedOutput, write_layers_back};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
-use tokosen::terrain::{landform_patches, subdivision_picture};
 
 use super::console::Console;
 use super::input::InputArgs;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::draw::preview::{subdivision_picture, triangle_patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
-use tokosen::terrain::{subdivision_picture, triangle_patches};
 
 use super::console::Console;
 use super::input::InputArgs;

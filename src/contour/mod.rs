@@ -9,6 +9,7 @@ mod map;
 mod outlying;
 mod reproject;
 mod source_raster;
+mod spots;
 mod unit;
 
 pub use clip::{Clipped, clip};
@@ -20,4 +21,5 @@ pub use map::{Contour, ContourMap};
 pub(crate) use outlying::{outlying_vertices, without_outlying};
 pub use reproject::reproject;
 pub use source_raster::{SourceRaster, source_raster};
+pub use spots::SpotHeights;
 pub use unit::ElevationUnit;

@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
-use crate::contour::{ContourLayer, ContourMap, Lake};
+use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
 use crate::crs::{Crs, Returner};
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
@@ -41,7 +41,6 @@ use layer::{Layer, MovedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
-pub use elevation::SpotHeights;
 pub use format::VectorFormat;
 pub use paths::check_paths;
 pub use staged::{StagedOutput, discard_unfinished};

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::base::error::{Error, Result};
-use crate::memory::check;
+use crate::base::memory::check;
 
 /// Text has no zero byte. So many bytes are looked at before the others are read: enough to tell what is no text at all,
 /// such as a file of which nothing but its length was written.

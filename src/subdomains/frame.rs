@@ -40,6 +40,11 @@ pub struct FrameRing {
 }
 
 impl FrameRing {
+    /// The lower left and the upper right corner of the box around it.
+    pub fn extent(&self) -> (DVec2, DVec2) {
+        self.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
+    }
+
     /// The vertices of each ring, the first one not repeated.
     pub fn rings(&self) -> impl Iterator<Item = Vec<DVec2>> {
         rings(&self.area).map(|ring| {

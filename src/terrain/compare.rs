@@ -5,16 +5,14 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 use serde::Serialize;
 
-use super::Terrain;
+use super::facade::Terrain;
 use crate::base::Grid;
-use crate::base::error::{Error, Report, Result};
+use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
-use crate::contour::Interval;
+use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Transform};
 use crate::dem::compare::{height_at, heights_between};
 use crate::dem::{Dem, looks_like_degrees};
-use crate::io::SpotHeights;
-use crate::io::raster::{DemFile, read_dem};
 use crate::surface::{Surface, SurfaceKind, heights, heights_on};
 
 /// One side.
@@ -152,17 +150,9 @@ pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
 }
 
 impl Side {
-    /// Reads a height map.
-    ///
-    /// # Errors
-    /// As [`read_dem`].
-    pub fn read_height_map(path: &Path, progress: &dyn Progress) -> Result<Report<Self>> {
-        let Report { value, findings } = step(progress, "reading", || read_dem(path))?;
-        Ok(Report { value: Self::of_dem(path, value), findings })
-    }
-
-    fn of_dem(path: &Path, DemFile { dem, product }: DemFile) -> Self {
-        let name = product.map_or("height map", |product| product.name());
+    /// A height map from a file. `product` is its name and its stated accuracy (a standard deviation, metres), if it is a known one.
+    pub fn of_dem(path: &Path, dem: Dem, product: Option<(&str, f64)>) -> Self {
+        let name = product.map_or("height map", |(name, _)| name);
         let Grid { cols, rows, cell, .. } = dem.grid;
         let is_degrees = dem.crs.as_ref().is_some_and(Crs::is_geographic);
         let (factor, unit) = if is_degrees { (3600.0, " seconds of arc") } else { (1.0, "") };
@@ -173,7 +163,7 @@ impl Side {
             crs: dem.crs.as_ref().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
-        Self { source, kind: Kind::Dem(dem), sigma: product.map(|product| product.sigma()) }
+        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma) }
     }
 
     /// The surface of the contours in a file.

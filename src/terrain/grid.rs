@@ -1,17 +1,16 @@
 //! Where the cells of a height map are: [`GridSpec`], and the grid that it gives over a surface.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec2;
 
 use crate::base::Grid;
 use crate::base::error::{CrsNeed, Error, Result};
+use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::crs::{Crs, Places, Transform};
 use crate::dem::Dem;
-use crate::io::raster::read_grid;
-use crate::memory;
 use crate::spline::Wanted;
 use crate::subdomains::{Frame, FrameRing, frame_ring};
 use crate::surface::{Surface, heights, heights_on, standard_errors, standard_errors_on};
@@ -42,15 +41,6 @@ const BYTES_PER_CELL: f64 = 12.0;
 const POINTS_PER_EDGE: u32 = 16;
 
 impl GridSpec {
-    /// The cells of a raster; only its header is read.
-    ///
-    /// # Errors
-    /// As [`read_grid`].
-    pub fn like(path: &Path) -> Result<Self> {
-        let (grid, crs) = read_grid(path)?;
-        Ok(Self::Cells { grid, crs, file: Some(path.to_owned()) })
-    }
-
     /// Checks the size of the cells.
     ///
     /// # Errors
@@ -124,7 +114,7 @@ impl Cells {
             Size::Square(cell) => cell,
         };
         let (lo, hi) = match &self.apart {
-            None => extent(frame),
+            None => frame.extent(),
             Some(apart) => extent_in(frame, &apart.way),
         };
         if self.apart.is_some() && !(lo.is_finite() && hi.is_finite()) {
@@ -187,9 +177,4 @@ fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
         |[a, b]: [DVec2; 2]| (0..POINTS_PER_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_PER_EDGE)));
     let places = frame.edges().flat_map(along).filter_map(|p| way.inverse(p));
     places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
-}
-
-/// The lower left and the upper right corner of the frame.
-pub(super) fn extent(frame: &FrameRing) -> (DVec2, DVec2) {
-    frame.rings().flatten().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }

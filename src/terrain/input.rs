@@ -13,19 +13,17 @@ use glam::DVec3;
 use super::arrays;
 use super::plane::{named, on_plane};
 use crate::base::error::{Finding, Report, Result};
-use crate::base::progress::{Progress, step};
 use crate::contour::{ContourMap, ElevationUnit, Lake};
 use crate::crs::{Crs, Places};
-use crate::io::{ReadOptions, SpotHeights, read_area, read_contours, read_spot_heights, read_water};
 use crate::resample::{Fitted, Sampled};
 use crate::subdomains::Frame;
 
 /// How contours are taken in.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct InputOptions {
-    /// The attribute of a file that holds the elevation, see [`ReadOptions::elevation_field`].
+    /// The attribute of a file that holds the elevation, by its name.
     pub elevation_field: Option<String>,
-    /// The layer of a file with several, see [`ReadOptions::layer`].
+    /// The layer of a file with several, by its name.
     pub layer: Option<String>,
     /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres.
     pub unit: ElevationUnit,
@@ -61,33 +59,13 @@ pub struct Input {
     pub(super) file: Option<PathBuf>,
     pub(super) unit: ElevationUnit,
     /// Memory that reading may take, bytes.
-    memory: Option<u64>,
+    #[cfg_attr(not(feature = "io"), expect(dead_code, reason = "only what reads files asks for it"))]
+    pub(super) memory: Option<u64>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }
 
 impl Input {
-    /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
-    ///
-    /// # Errors
-    /// As [`Input::read_with`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        Self::read_with(path.as_ref(), &InputOptions::default(), &())
-    }
-
-    /// Reads contours and the spot heights that come with them.
-    ///
-    /// # Errors
-    /// As [`read_contours`] and [`Input::from_map`]; the error names the file.
-    pub fn read_with(path: &Path, options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
-        step(progress, "reading", || {
-            let InputOptions { elevation_field, layer, memory, .. } = options.clone();
-            let read = read_contours(path, &ReadOptions { elevation_field, layer, memory })?;
-            let input = Self::from_report(read, options).map_err(|error| error.in_file(path))?;
-            Ok(Self { file: Some(path.to_owned()), ..input })
-        })
-    }
-
     /// Takes a map in memory. It is moved, its lines are not copied.
     ///
     /// # Errors
@@ -116,17 +94,12 @@ impl Input {
         Self::from_map(ContourMap { contours, ..ContourMap::default() }, options)
     }
 
-    fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
+    pub(super) fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
         let mut findings = Vec::new();
         let map = read.collect(&mut findings);
         let map = named(options.unit.map_in_metres(map), options.crs.as_ref(), &mut findings);
         let (map, places) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
         Ok(Self { map, findings, places, unit: options.unit, memory: options.memory, ..Self::default() })
-    }
-
-    /// How further files are read.
-    fn reading(&self) -> ReadOptions {
-        ReadOptions { memory: self.memory, ..ReadOptions::default() }
     }
 
     /// The file of the contours, if they are from one.
@@ -137,24 +110,6 @@ impl Input {
     /// What messages call the input.
     pub fn name(&self) -> Cow<'_, str> {
         self.file.as_ref().map_or("the contours".into(), |file| file.display().to_string().into())
-    }
-
-    /// Reads spot heights from a file and adds them.
-    ///
-    /// # Errors
-    /// As [`read_spot_heights`] and [`Input::add_spots`]; the error names the file.
-    pub fn read_spots(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
-        step(progress, "reading", || {
-            let mut about = Vec::new();
-            let SpotHeights { points, crs } = read_spot_heights(path, &self.reading())?.collect(&mut about);
-            let to_working = self.places.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
-            for finding in &mut about {
-                let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
-                finding.place = place.map(|p| p.truncate());
-            }
-            self.findings.append(&mut about);
-            self.add_spots(points, crs.as_ref()).map_err(|error| error.in_file(path))
-        })
     }
 
     /// Adds spot heights (x, y, height in the unit of the contours), which the surface then passes through. They are in
@@ -171,15 +126,6 @@ impl Input {
         Ok(())
     }
 
-    /// Reads lakes from a file and adds them.
-    ///
-    /// # Errors
-    /// As [`read_water`] and [`Input::add_lakes`]; the error names the file.
-    pub fn read_lakes(&mut self, path: &Path) -> Result<()> {
-        let (lakes, crs) = read_water(path, &self.reading())?.collect(&mut self.findings);
-        self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
-    }
-
     /// Adds lakes: level ground at their height (in the unit of the contours), else at that of their shore. They are in
     /// the contours' coordinate reference system if `crs` is `None`.
     ///
@@ -192,15 +138,6 @@ impl Input {
             self.lakes.push(self.unit.lake_in_metres(Lake { polygon, ..lake }));
         }
         Ok(())
-    }
-
-    /// Reads a boundary polygon from a file: the ground ends there.
-    ///
-    /// # Errors
-    /// As [`read_area`] and [`Input::set_boundary`]; the error names the file.
-    pub fn read_boundary(&mut self, path: &Path) -> Result<()> {
-        let (area, crs) = read_area(path, &self.reading())?;
-        self.set_boundary(&area, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Ends the ground at a polygon. It is in the contours' coordinate reference system if `crs` is `None`.

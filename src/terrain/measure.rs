@@ -7,42 +7,30 @@ use rayon::prelude::*;
 
 use super::compare::{Kind, Pair, along, way};
 use crate::base::Grid;
-use crate::base::error::{Error, Finding, Result};
+use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
-use crate::contour::{ElevationUnit, Interval};
+use crate::contour::{Interval, SpotHeights};
 use crate::crs::Transform;
 use crate::dem::compare::{
     BandShare, CompareParams, Comparison, at_check_points, compare, contour_distances, height_figures, outside_bands,
 };
 use crate::dem::locate;
-use crate::io::{ReadOptions, read_spot_heights};
 use crate::tin::{NONE, Tin};
 
 /// What a comparison may be told besides the two sides.
-#[derive(Debug, Clone, Default)]
-pub struct MeasureOptions<'a> {
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MeasureOptions {
     /// Stated accuracy as a standard deviation, metres; that of the product if `None`.
     pub sigma: Option<f64>,
     /// Contour interval at whose levels terraces are looked for, metres.
     pub interval: Option<f64>,
-    /// A file of check points.
-    pub points: Option<&'a Path>,
-    /// Unit of their heights.
-    pub unit: ElevationUnit,
-    /// Memory that reading them may take, bytes. No limit if `None`.
-    pub memory: Option<u64>,
 }
 
-/// All figures of a comparison. What was noticed about the check points goes to `findings`.
+/// The figures of a comparison.
 ///
 /// # Errors
-/// As [`compare`](fn@compare) and [`read_spot_heights`], and if no check point lies where a side has heights.
-pub fn measure(
-    pair: &Pair,
-    options: &MeasureOptions<'_>,
-    findings: &mut Vec<Finding>,
-    progress: &dyn Progress,
-) -> Result<Comparison> {
+/// As [`compare`](fn@compare).
+pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -> Result<Comparison> {
     let (a, b) = (&pair.a_heights, &pair.b_heights);
     let distances = match pair.surface() {
         Some(surface) => {
@@ -69,18 +57,21 @@ pub fn measure(
         }
     }
     found.bands = bands(pair, progress)?;
-    if let Some(path) = options.points {
-        let reading = ReadOptions { memory: options.memory, ..ReadOptions::default() };
-        let mut checks = read_spot_heights(path, &reading)?.collect(findings);
-        checks.points.iter_mut().for_each(|point| point.z = options.unit.metres(point.z));
-        for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-            figures.points = at_check_points(&side.at(path, &checks)?, &checks.points);
-        }
-        if found.a.points.is_none() && found.b.points.is_none() {
-            return Err(Error::file(path, "no check point lies where A or B have heights"));
-        }
-    }
     Ok(found)
+}
+
+/// Adds the figures at check points, whose heights are in metres. `path` is their file, for errors.
+///
+/// # Errors
+/// If no check point lies where a side has heights, or there is no way from their system to that of a side.
+pub fn add_check_points(found: &mut Comparison, pair: &Pair, checks: &SpotHeights, path: &Path) -> Result<()> {
+    for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
+        figures.points = at_check_points(&side.at(path, checks)?, &checks.points);
+    }
+    if found.a.points.is_none() && found.b.points.is_none() {
+        return Err(Error::file(path, "no check point lies where A or B have heights"));
+    }
+    Ok(())
 }
 
 /// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.

@@ -1,6 +1,8 @@
 //! How a terrain is made: [`Options`].
 
-use super::{GridSpec, Input, Preparation};
+use super::grid::GridSpec;
+use super::input::Input;
+use super::prepare::Preparation;
 use crate::base::error::Result;
 use crate::crs::Places;
 use crate::spline::SplineParams;

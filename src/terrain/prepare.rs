@@ -1,6 +1,6 @@
 //! What is done to the lines before all else: they are examined, repaired, cleaned, fitted and sampled.
 
-use super::Input;
+use super::input::Input;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
 use crate::base::progress::{Progress, step};
 use crate::check::{LineParams, correct, examine, first_causes, merged};

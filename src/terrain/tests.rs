@@ -6,9 +6,13 @@ use geo::{MultiPolygon, Rect};
 use glam::{DVec2, DVec3};
 
 use super::*;
+use crate::base::Grid;
 use crate::base::error::CrsNeed;
+use crate::base::error::Error;
 use crate::contour::{Contour, ContourMap, Interval, Lake};
+use crate::crs::Crs;
 use crate::io::{ReadOptions, read_contours};
+use crate::mesh::MeshParams;
 use crate::subdomains::Frame;
 use crate::surface::{SurfaceKind, Triangles, Uncertainty};
 

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::error::Error;
 use tokosen::dem::compare::{Comparison, difference};
+use tokosen::draw::report::{page, sentences, table};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
 use tokosen::io::{Content, StagedOutput, check_paths, content};
-use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, page, sentences, table};
+use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -75,14 +76,14 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
 
     let mut findings = Vec::new();
     let pair = side::read(args, contents, &mut findings, console)?;
-    let options = MeasureOptions {
-        sigma: args.sigma,
-        interval: args.interval,
-        points: args.input.map.points.as_deref(),
-        unit: args.input.map.unit.unit(),
-        memory: memory::available(),
-    };
-    let measured = measure(&pair, &options, &mut findings, console);
+    let options = MeasureOptions { sigma: args.sigma, interval: args.interval };
+    let measured = measure(&pair, &options, console).and_then(|mut found| {
+        if let Some(path) = &args.input.map.points {
+            let points = (path.as_path(), args.input.map.unit.unit());
+            read_check_points(&mut found, &pair, points, memory::available(), &mut findings)?;
+        }
+        Ok(found)
+    });
     let found = measured.map_err(|error| told(error, &side::placed(&findings), console))?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
     if let Some(staged) = &staged {

@@ -9,19 +9,23 @@
 
 mod canvas;
 mod color;
+mod kinds;
 mod legend;
 mod lines;
 mod oblique;
 mod patches;
 mod render;
 mod scale;
+mod scene;
 mod sheet;
 mod text;
 mod view;
 mod zbuffer;
 
+pub use kinds::{landform_patches, triangle_patches};
 pub use oblique::{Model, render_model};
 pub use patches::{Patch, PatchClass, Patches};
 pub use render::render;
+pub use scene::{picture, subdivision_picture};
 pub use sheet::{MAX_SIDE, map_grid};
 pub use view::Preview;

@@ -9,8 +9,10 @@ mod maps;
 mod page;
 mod profile;
 mod table;
+mod told;
 mod words;
 
 pub use page::{ComparisonPage, comparison_page};
 pub use table::{Group, Row, decimals_for, groups};
+pub use told::{page, sentences, table};
 pub use words::{HeightSource, remarks};

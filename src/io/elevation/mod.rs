@@ -13,20 +13,10 @@ use super::attributes::is_elevation_name;
 use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
-use crate::contour::{Contour, ContourMap};
-use crate::crs::Crs;
+use crate::contour::{Contour, ContourMap, SpotHeights};
 
 /// Attributes are often rounded to centimetres: elevations that differ by no more are the same, in metres.
 const SAME_ELEVATION: f64 = 0.01;
-
-/// Points of known height.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct SpotHeights {
-    /// x, y in map units, height in metres.
-    pub points: Vec<DVec3>,
-    /// The coordinate reference system, if the file names one.
-    pub crs: Option<Crs>,
-}
 
 /// Where elevations come from.
 #[derive(Debug, Clone, Copy, PartialEq)]

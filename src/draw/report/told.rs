@@ -1,12 +1,11 @@
-//! What a comparison found, for people and for programs: a table of text, sentences, JSON, a page.
+//! What a comparison of two sides found, for people: a table of text, sentences, a page.
 
-use glam::DVec2;
-use serde::Serialize;
-
-use super::compare::{Kind, Pair, SideSource};
-use crate::base::error::{Error, Finding, Result};
+use super::page::{ComparisonPage, comparison_page};
+use super::table::{Group, decimals_for, groups};
+use super::words::{HeightSource, remarks};
+use crate::base::error::Result;
 use crate::dem::compare::{Comparison, Statistics};
-use crate::draw::report::{ComparisonPage, Group, HeightSource, comparison_page, decimals_for, groups, remarks};
+use crate::terrain::{Kind, Pair};
 
 const COLUMNS: [&str; 11] =
     ["cells", "bias", "RMSE", "RMSE-b", "MAE", "median", "NMAD", "LE90", "LE95", "lowest", "highest"];
@@ -65,40 +64,6 @@ pub fn page(pair: &Pair, found: &Comparison) -> Result<String> {
         found,
         metres_per_unit: pair.metres_per_unit(),
     })
-}
-
-/// A comparison for programs.
-#[derive(Serialize)]
-struct Json<'a> {
-    /// What A and B are.
-    sources: [&'a SideSource; 2],
-    /// How they came onto one grid.
-    notes: &'a [String],
-    /// Columns and rows.
-    size: [usize; 2],
-    /// Cell width and height, map units.
-    cell: DVec2,
-    #[serde(flatten)]
-    found: &'a Comparison,
-    /// Findings about the inputs.
-    findings: &'a [Finding],
-}
-
-/// All figures as JSON, with what A and B are and the findings about them.
-///
-/// # Errors
-/// [`Error::Data`] if a figure cannot be told as JSON.
-pub fn comparison_json(pair: &Pair, found: &Comparison, findings: &[Finding]) -> Result<String> {
-    let grid = &pair.b_heights.grid;
-    let json = Json {
-        sources: [&pair.a.source, &pair.b.source],
-        notes: &pair.notes,
-        size: [grid.cols, grid.rows],
-        cell: grid.cell,
-        found,
-        findings,
-    };
-    serde_json::to_string_pretty(&json).map_err(|e| Error::Data(format!("cannot be told as JSON: {e}")))
 }
 
 /// What each side's heights come from.

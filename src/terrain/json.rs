@@ -1,14 +1,18 @@
-//! The findings about a map as JSON, for programs.
+//! Findings and comparisons as JSON, for programs.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Input, is_repair};
-use crate::base::error::{Finding, Proposal, Severity};
+use super::compare::{Pair, SideSource};
+use super::input::Input;
+use super::prepare::is_repair;
+use crate::base::error::{Error, Finding, Proposal, Result, Severity};
 use crate::contour::{ContourMap, distinct_levels, find_interval};
 use crate::crs::Crs;
+use crate::dem::compare::Comparison;
 
 /// What an input is, counts of its findings, and each of them; places are in the input's coordinates. `map` is the map
 /// that [`Input::judge`] gave.
@@ -54,4 +58,38 @@ pub fn check_json(input: &Input, map: &ContourMap) -> Value {
         "codes": codes,
         "findings": findings.iter().map(finding).collect::<Vec<_>>(),
     })
+}
+
+/// A comparison for programs.
+#[derive(Serialize)]
+struct Json<'a> {
+    /// What A and B are.
+    sources: [&'a SideSource; 2],
+    /// How they came onto one grid.
+    notes: &'a [String],
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Cell width and height, map units.
+    cell: DVec2,
+    #[serde(flatten)]
+    found: &'a Comparison,
+    /// Findings about the inputs.
+    findings: &'a [Finding],
+}
+
+/// All figures as JSON, with what A and B are and the findings about them.
+///
+/// # Errors
+/// [`Error::Data`] if a figure cannot be told as JSON.
+pub fn comparison_json(pair: &Pair, found: &Comparison, findings: &[Finding]) -> Result<String> {
+    let grid = &pair.b_heights.grid;
+    let json = Json {
+        sources: [&pair.a.source, &pair.b.source],
+        notes: &pair.notes,
+        size: [grid.cols, grid.rows],
+        cell: grid.cell,
+        found,
+        findings,
+    };
+    serde_json::to_string_pretty(&json).map_err(|e| Error::Data(format!("cannot be told as JSON: {e}")))
 }

@@ -1,6 +1,6 @@
 //! Areas in colour for pictures of sub-domains and of triangles.
 
-use crate::draw::preview::{Patch, PatchClass, Patches};
+use super::patches::{Patch, PatchClass, Patches};
 use crate::skeleton::Skeleton;
 use crate::subdomains::{Landform, LandformClass};
 use crate::tin::{Tin, TriangleKind};

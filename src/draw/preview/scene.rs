@@ -2,12 +2,14 @@
 
 use image::RgbImage;
 
-use super::grid::extent;
+use super::patches::Patches;
+use super::render::render;
+use super::sheet::map_grid;
+use super::view::Preview;
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::contour::{Contour, ContourLine, Interval, Source};
 use crate::dem::{Dem, rasterise};
-use crate::draw::preview::{Patches, Preview, map_grid, render};
 use crate::skeleton::BreakLine;
 use crate::subdivision::Subdivision;
 use crate::subdomains::FrameRing;
@@ -51,7 +53,7 @@ struct Scene<'a> {
 impl Scene<'_> {
     /// Draws it over anything that has heights on a grid.
     fn draw(&self, heights: impl FnOnce(&Grid) -> Dem) -> Result<RgbImage> {
-        let (lo, hi) = extent(self.frame);
+        let (lo, hi) = self.frame.extent();
         let dem = heights(&map_grid(lo, hi)?);
         let Self { contours, break_lines, patches, .. } = *self;
         render(&Preview { dem: &dem, contours, break_lines, patches, title: None })

@@ -1,0 +1,163 @@
+//! The ground between contours, and what it gives: contours, height maps, errors, meshes.
+
+use super::grid::GridSpec;
+use super::input::Input;
+use super::options::Options;
+use crate::base::Grid;
+use crate::base::error::{Error, Finding, Result};
+use crate::base::progress::Progress;
+use crate::contour::ContourLayer;
+use crate::crs::{Crs, Places, Returner};
+use crate::dem::Dem;
+use crate::mesh::{Mesh, MeshParams, mesh};
+use crate::slice::{LayerParams, Target, contour_layers};
+use crate::surface::{Surface, build};
+
+/// The ground between contours, and what was noticed about them.
+///
+/// Coordinates are those of the working plane, also in what its methods return; [`Terrain::to_output`] is the way back.
+#[derive(Debug, Clone)]
+pub struct Terrain {
+    /// The surface: triangles, sub-domains, ridge and canyon lines, the smooth surface.
+    pub surface: Surface,
+    /// What was noticed about the input, each fault once; places are on the working plane.
+    pub findings: Vec<Finding>,
+    /// How the working plane lies to the coordinates of the input.
+    pub places: Places,
+    memory: Option<u64>,
+}
+
+impl Terrain {
+    /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
+    ///
+    /// # Errors
+    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or the
+    /// surface needs more memory than the options allow.
+    pub fn build(mut input: Input, options: &Options) -> Result<Self> {
+        Self::build_with(&mut input, options, &())
+    }
+
+    /// [`Terrain::build`] that shows its progress. The map and the findings are moved out of the input; when it fails, the
+    /// findings stay there. Lines that were prepared already are not prepared again.
+    ///
+    /// # Errors
+    /// As [`Terrain::build`].
+    pub fn build_with(input: &mut Input, options: &Options, progress: &dyn Progress) -> Result<Self> {
+        if !input.is_prepared {
+            input.prepare(&options.preparation, progress)?;
+        }
+        let cells = options.cells(&input.places)?;
+        let params = options.surface(input, cells.as_ref());
+        if let Some(cells) = &cells {
+            cells.check_room(&input.map, &params.frame, params.memory)?;
+        }
+        let built = build(std::mem::take(&mut input.map), &params, progress);
+        let surface = input.found(built)?;
+        input.check_strict()?;
+        let findings = std::mem::take(&mut input.findings);
+        Ok(Self { surface, findings, places: input.places.clone(), memory: options.memory })
+    }
+
+    /// The contours of the input and new ones between them, a layer for each of the targets:
+    /// [`Interval`](crate::contour::Interval)s or [`Target`]s. Every fifth level is an index contour.
+    ///
+    /// # Errors
+    /// As [`contour_layers`].
+    pub fn contours<T: Clone + Into<Target>>(&self, targets: &[T]) -> Result<Vec<ContourLayer>> {
+        let targets = targets.iter().cloned().map(Into::into).collect();
+        self.contours_with(targets, LayerParams::default().index_every, &())
+    }
+
+    /// [`Terrain::contours`] with an index contour every so many levels (0 for none), which shows its progress.
+    ///
+    /// # Errors
+    /// As [`contour_layers`].
+    pub fn contours_with(
+        &self,
+        targets: Vec<Target>,
+        index_every: u32,
+        progress: &dyn Progress,
+    ) -> Result<Vec<ContourLayer>> {
+        contour_layers(&self.surface, &LayerParams { targets, index_every, memory: self.memory }, progress)
+    }
+
+    /// The contours of the input alone, as a layer.
+    ///
+    /// # Errors
+    /// As [`contour_layers`].
+    pub fn input_contours(&self) -> Result<ContourLayer> {
+        let layers = self.contours(&[Target::Levels(Vec::new())])?;
+        Ok(layers.into_iter().next().unwrap_or_default())
+    }
+
+    /// The height map at the centres of cells.
+    ///
+    /// # Errors
+    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that were
+    /// given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system.
+    pub fn dem(&self, grid: &GridSpec) -> Result<Dem> {
+        self.dem_with(grid, &())
+    }
+
+    /// [`Terrain::dem`] that shows its progress.
+    ///
+    /// # Errors
+    /// As [`Terrain::dem`].
+    pub fn dem_with(&self, grid: &GridSpec, progress: &dyn Progress) -> Result<Dem> {
+        let dem = grid.over(&self.places)?.heights(&self.surface, progress)?;
+        match grid {
+            GridSpec::Cells { file, .. } if dem.values.iter().all(|height| height.is_nan()) => match file {
+                Some(file) => Err(Error::NoOverlap.in_file(file)),
+                None => Err(Error::NoOverlap),
+            },
+            _ => Ok(dem),
+        }
+    }
+
+    /// How far the heights of [`Terrain::dem`] are expected to be off: their standard errors, metres, as a raster. `None`
+    /// if the options did not ask for them.
+    ///
+    /// # Errors
+    /// As [`Terrain::dem`].
+    pub fn errors(&self, grid: &GridSpec) -> Result<Option<Dem>> {
+        if self.surface.errors.is_none() {
+            return Ok(None);
+        }
+        let dem = self.dem(grid)?;
+        Ok(self.errors_of(&dem, grid)?.map(|values| Dem { values, ..dem }))
+    }
+
+    /// The standard errors of a height map that [`Terrain::dem`] gave, cell by cell, metres.
+    ///
+    /// # Errors
+    /// As [`Terrain::dem`].
+    pub fn errors_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Option<Vec<f32>>> {
+        Ok(grid.over(&self.places)?.standard_errors(&self.surface, dem))
+    }
+
+    /// The cells that a specification gives over this terrain, and the coordinate reference system that they are in.
+    ///
+    /// # Errors
+    /// As [`Terrain::dem`].
+    pub fn cells(&self, grid: &GridSpec) -> Result<(Grid, Option<Crs>)> {
+        let cells = grid.over(&self.places)?;
+        let crs = cells.crs(self.surface.map.crs.as_ref()).cloned();
+        Ok((cells.grid(&self.surface.frame)?, crs))
+    }
+
+    /// The surface as triangles in space, open or closed to a solid.
+    ///
+    /// # Errors
+    /// As [`mesh`](fn@mesh).
+    pub fn mesh(&self, params: &MeshParams) -> Result<Mesh> {
+        mesh(&self.surface, params)
+    }
+
+    /// The way from the working plane to the coordinates of the input, or to those of another system.
+    ///
+    /// # Errors
+    /// As [`Places::give_back`].
+    pub fn to_output(&self, crs: Option<&Crs>) -> Result<Returner> {
+        self.places.give_back(crs)
+    }
+}
