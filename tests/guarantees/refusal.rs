@@ -66,6 +66,7 @@ impl Tally {
     }
 
     /// Fails unless at least this share of the cases was made, and so many new lines were checked for each of them.
+    #[expect(clippy::print_stderr, reason = "shown with --nocapture: whoever sets a bound needs what was measured")]
     pub fn assert_share(&self, least: f64, lines_each: f64) {
         let (made, refused) = (self.made.get(), self.refused.borrow().values().sum::<usize>());
         let share = made as f64 / ((made + refused) as f64).max(1.0);
