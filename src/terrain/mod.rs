@@ -18,7 +18,7 @@ mod prepare;
 mod tests;
 mod told;
 
-pub use arrays::RaggedLines;
+pub use arrays::{RaggedLines, TriangleArrays};
 pub use check_json::check_json;
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 pub use grid::GridSpec;
