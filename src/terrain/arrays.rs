@@ -1,4 +1,4 @@
-//! Lines as ragged arrays: one array of coordinates, one of offsets, one of elevations.
+//! Lines as ragged arrays: one array of coordinates, one of offsets, one of elevations. Triangles as two arrays.
 //!
 //! This is how numerical libraries hold lines of different length, and what a binding to another language takes and
 //! gives. Line `k` has the coordinates from `offsets[k]` to before `offsets[k + 1]`, so there is one offset more than
@@ -9,6 +9,7 @@ use glam::DVec2;
 use crate::base::error::{ArrayFault, Error, Result};
 use crate::contour::{Contour, ContourLayer, ContourLine};
 use crate::crs::Returner;
+use crate::mesh::Mesh;
 
 /// Lines as ragged arrays.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -79,6 +80,23 @@ impl ContourLayer {
                 Error::Data(format!("contour {elevation} m: {:.3} {:.3} has no place in {name}", p.x, p.y))
             })
         })
+    }
+}
+
+/// Triangles as arrays.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TriangleArrays {
+    /// x (east), y (north) and z (up, metres) of the vertices, map coordinates.
+    pub vertices: Vec<[f64; 3]>,
+    /// Corners of the triangles, as numbers of vertices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The vertices and triangles as arrays. Vertices are copied once, as the origin is added to them; triangles are moved.
+    pub fn into_arrays(self) -> TriangleArrays {
+        let vertices = self.vertices.iter().map(|v| (*v + self.origin).to_array()).collect();
+        TriangleArrays { vertices, triangles: self.triangles }
     }
 }
 

@@ -19,7 +19,7 @@ mod prepare;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 
-pub use arrays::RaggedLines;
+pub use arrays::{RaggedLines, TriangleArrays};
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 pub use facade::Terrain;
 #[cfg(feature = "io")]
