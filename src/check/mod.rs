@@ -14,8 +14,6 @@ mod grid;
 mod ground;
 mod labels;
 mod lines;
-#[cfg(test)]
-mod tests;
 mod widths;
 
 pub use causes::first_causes;

@@ -15,6 +15,7 @@ mod landforms;
 mod layer_files;
 mod mesh;
 mod more_vector_files;
+mod planted;
 mod raster_files;
 mod sample;
 mod skeleton;

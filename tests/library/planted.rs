@@ -1,14 +1,13 @@
-//! Faults planted on small drawn maps, one kind at a time.
+//! Faults planted on small drawn maps, one kind at a time, and what the sub-domains tell of labels, gaps and missing lines.
+#![allow(clippy::unwrap_used, reason = "a test may end at the first thing that is not as it should be")]
 
 use glam::DVec2;
-
-use super::Correction;
-use crate::base::error::{Finding, FindingKind, Proposal};
-use crate::check::correct;
-use crate::clean::{CleanParams, clean};
-use crate::contour::{Contour, ContourMap};
-use crate::subdivision::{Subdivision, subdivide};
-use crate::subdomains::Frame;
+use tokosen::base::error::{Finding, FindingKind, Proposal};
+use tokosen::check::{Correction, correct};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
+use tokosen::subdivision::{Subdivision, subdivide};
+use tokosen::subdomains::Frame;
 
 /// Kinds that the check of labels, ends and missing contours makes.
 const JUDGED: [FindingKind; 7] = [
@@ -271,7 +270,7 @@ mod random {
     }
 
     proptest! {
-        #![proptest_config(crate::draws::draws())]
+        #![proptest_config(crate::common::draws())]
 
         #[test]
         fn one_fault_at_a_time(hills in prop::collection::vec((0u8..9, 0u8..9), 3..7), which in 0usize..1000, by in 3i32..20) {
