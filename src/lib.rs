@@ -73,7 +73,8 @@
 //!
 //!     let dem = StagedOutput::create(&folder.path().join("dem.tif"))?;
 //!     write_dem(&dem.path(), &terrain.dem(&grid)?)?;
-//!     dem.commit()
+//!     dem.commit()?;
+//!     Ok(())
 //! }
 //! ```
 //!

@@ -10,10 +10,10 @@ use tokosen::io::{StagedOutput, VectorFormat, check_paths, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
 use super::console::Console;
-use super::job::told;
+use super::failure::Failure;
 use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
-use super::{Failure, summary};
+use super::summary;
 
 /// What is wrong with contour lines, where, and what would mend it
 ///
@@ -55,12 +55,12 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let staged = args.open()?;
     let mut input = args.map.read(console)?;
     let cleaned = input.clean(&preparation, console);
-    cleaned.map_err(|error| told(error, &input.findings, console))?;
+    cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     let back = args.to_crs.way(&input.places)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
     let judged = input.judge(console);
-    let judged = judged.map_err(|error| told(error, &input.findings, console))?;
+    let judged = judged.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
 

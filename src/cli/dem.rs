@@ -8,11 +8,12 @@ use tokosen::draw::preview::picture;
 use tokosen::surface::Triangles;
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
+use super::summary;
 use super::surface::SurfaceArgs;
-use super::{Failure, summary};
 
 /// A height map (DEM) from contour lines
 ///

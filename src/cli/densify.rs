@@ -15,12 +15,13 @@ use tokosen::{Interval, Options, Terrain};
 
 use super::compare::{draw, open_page, tell};
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
-use super::job::{Job, commit};
+use super::job::Job;
 use super::output::{self, DemOutput, HeightMapArgs};
 use super::plane::ToCrsArgs;
+use super::summary;
 use super::surface::SurfaceArgs;
-use super::{Failure, summary};
 
 /// Contour lines at a finer interval
 ///
@@ -171,7 +172,7 @@ impl Reference {
         let found = measure(&pair, &MeasureOptions::default(), console)?;
         if let Some(page) = self.page {
             draw(&page, &pair, &found, console)?;
-            console.say(&format!("written    {}", commit(page)?.display()));
+            console.say(&format!("written    {}", page.commit()?.display()));
         }
         tell(&pair, &found, console);
         Ok(())

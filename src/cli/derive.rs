@@ -15,11 +15,12 @@ use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
-use super::job::{build, commit, told};
+use super::job::build;
 use super::output::{self, GridArgs, extension};
+use super::summary;
 use super::surface::SurfaceArgs;
-use super::{Failure, summary};
 
 /// Slope, aspect, hillshade and steep places
 ///
@@ -126,7 +127,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     // The strictness of contours is judged where they are read.
     if args.input.map.strict {
         let checked = all_right(&args.input.map.contours.display().to_string(), &findings);
-        checked.map_err(|error| told(error, &findings, console))?;
+        checked.map_err(|error| summary::after_findings(error, &findings, console))?;
     }
 
     let scale = GroundScale::of(&dem);
@@ -146,11 +147,11 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
 
     summary::findings(&findings, console);
     for staged in [outputs.slope, outputs.aspect, outputs.shade].into_iter().flatten() {
-        let path = commit(staged)?;
+        let path = staged.commit()?;
         console.say(&format!("written    {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
     }
     if let (Some(staged), Some(steeps)) = (outputs.steep, &steeps) {
-        describe(&commit(staged)?, steeps, args, console);
+        describe(&staged.commit()?, steeps, args, console);
         console.say(&format!("note       {note}"));
     }
     summary::close(findings.len(), console);

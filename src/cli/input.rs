@@ -5,10 +5,11 @@ use tokosen::Input;
 use tokosen::resample::{Fitted, Sampled};
 use tokosen::terrain::Preparation;
 
-use super::Failure;
 use super::console::Console;
-use super::job::told;
+use super::failure::Failure;
+use super::flags::first_given;
 use super::map::MapArgs;
+use super::summary;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
@@ -40,14 +41,9 @@ impl InputArgs {
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));
         input.sampled.iter().for_each(|sampled| describe_sample(sampled, console));
-        prepared.map_err(|error| told(error, &input.findings, console))?;
+        prepared.map_err(|error| summary::after_findings(error, &input.findings, console))?;
         Ok(input)
     }
-}
-
-/// The name of the first flag that is given.
-pub fn first_given(flags: impl IntoIterator<Item = (bool, &'static str)>) -> Option<&'static str> {
-    flags.into_iter().find(|(is_given, _)| *is_given).map(|(_, flag)| flag)
 }
 
 fn describe_fit(fitted: &Fitted, console: &Console) {

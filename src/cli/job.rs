@@ -1,7 +1,7 @@
 //! What every verb does around its own work: paths are checked and outputs opened before it; findings, summary and the
 //! files' final names come after it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::RgbImage;
 use tokosen::base::error::{Error, Finding};
@@ -12,9 +12,10 @@ use tokosen::subdivision::Subdivision;
 use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
 use super::surface::{SurfaceArgs, WaterArgs};
-use super::{Failure, output, summary};
+use super::{output, summary};
 
 /// A run of a verb that makes something of contours.
 pub struct Job<'a> {
@@ -55,7 +56,7 @@ impl<'a> Job<'a> {
     /// Finds the sub-domains between them.
     pub fn subdivide(&self, input: &mut Input, water: &WaterArgs) -> Result<Subdivision, Failure> {
         let subdivision = input.subdivide(water.sea, self.console);
-        subdivision.map_err(|error| told(error, &input.findings, self.console).into())
+        subdivision.map_err(|error| summary::after_findings(error, &input.findings, self.console).into())
     }
 
     /// Draws the picture, still under its temporary name, if one is asked for.
@@ -76,7 +77,7 @@ impl<'a> Job<'a> {
     /// Puts the picture in its place.
     pub fn commit_picture(self) -> Result<(), Failure> {
         if let Some(picture) = self.picture {
-            self.console.say(&format!("written    {}", commit(picture)?.display()));
+            self.console.say(&format!("written    {}", picture.commit()?.display()));
         }
         Ok(())
     }
@@ -101,21 +102,7 @@ pub fn build(
     let built = Terrain::build_with(input, options, console);
     // As long as the map is there, nothing was made of it.
     built.map_err(|error| match input.map.contours.is_empty() {
-        true => told(error, &input.findings, console).into(),
+        true => summary::after_findings(error, &input.findings, console).into(),
         false => error.into(),
     })
-}
-
-/// The error, after the findings were told.
-pub fn told(error: Error, findings: &[Finding], console: &Console) -> Error {
-    console.clear();
-    summary::findings(findings, console);
-    error
-}
-
-/// Puts an output in its place.
-pub fn commit(staged: StagedOutput) -> Result<PathBuf, Failure> {
-    let path = staged.target().to_owned();
-    staged.commit()?;
-    Ok(path)
 }

@@ -9,7 +9,8 @@ use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
 use super::console::Console;
-use super::{Failure, memory, plane};
+use super::failure::Failure;
+use super::{memory, plane};
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]

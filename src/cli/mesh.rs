@@ -10,10 +10,11 @@ use tokosen::mesh::{Mesh, MeshParams};
 use tokosen::surface::Triangles;
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
-use super::job::{Job, commit};
+use super::job::Job;
 use super::surface::SurfaceArgs;
-use super::{Failure, output, summary};
+use super::{output, summary};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
@@ -69,7 +70,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     job.tell(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    describe(&commit(staged)?, &model, console);
+    describe(&staged.commit()?, &model, console);
     job.close(terrain.findings.len())
 }
 

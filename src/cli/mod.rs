@@ -8,6 +8,8 @@ mod console;
 mod dem;
 mod densify;
 mod derive;
+mod failure;
+mod flags;
 mod hints;
 mod input;
 mod interrupt;
@@ -25,9 +27,9 @@ mod surface;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use tokosen::base::error::Error;
 
 use console::Console;
+use failure::Failure;
 
 /// Denser contour lines, height maps and 3-D models from a map's contour lines
 #[derive(Debug, Parser)]
@@ -78,25 +80,6 @@ struct Common {
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-}
-
-/// Why a verb did not finish.
-#[derive(Debug)]
-enum Failure {
-    /// The arguments contradict each other.
-    Usage(String),
-    /// The library's word.
-    Work(Error),
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        if error.is_about_parameters() {
-            Self::Usage(hints::with_flags(&error, error.to_string()))
-        } else {
-            Self::Work(error)
-        }
-    }
 }
 
 /// Parses the arguments, runs the verb, and turns its outcome into an exit status.

@@ -11,10 +11,9 @@ use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::surface::Uncertainty;
 use tokosen::{GridSpec, Terrain};
 
-use super::Failure;
 use super::console::Console;
-use super::input::first_given;
-use super::job::commit;
+use super::failure::Failure;
+use super::flags::first_given;
 
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
@@ -182,7 +181,7 @@ impl DemOutput {
 
     /// Puts the file in its place, and tells what is in it.
     pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
-        describe(&commit(self.staged)?, dem, console);
+        describe(&self.staged.commit()?, dem, console);
         Ok(())
     }
 }

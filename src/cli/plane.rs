@@ -4,7 +4,7 @@ use clap::Args;
 use tokosen::contour::ContourMap;
 use tokosen::crs::{Crs, Places, Returner};
 
-use super::Failure;
+use super::failure::Failure;
 
 /// The coordinates that vector files are written in.
 #[derive(Debug, Clone, Args)]

@@ -9,11 +9,12 @@ use tokosen::io::{StagedOutput, write_layers_back};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
-use super::job::{Job, commit};
+use super::job::Job;
+use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
-use super::{Failure, output};
 
 /// The areas between contour lines, with their landform and what encloses them
 ///
@@ -65,7 +66,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
 
     job.tell(&input.findings, &subdivision.map);
     describe(&forms, console);
-    let path = commit(staged)?;
+    let path = staged.commit()?;
     console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));
     job.close(input.findings.len())
 }

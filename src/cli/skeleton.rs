@@ -9,11 +9,12 @@ use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 
 use super::console::Console;
+use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
+use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
-use super::{Failure, output};
 
 /// Ridge and canyon lines with heights
 ///

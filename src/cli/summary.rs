@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tokosen::base::error::{Finding, FindingKind, Severity};
+use tokosen::base::error::{Error, Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
 use tokosen::surface::Surface;
 use tokosen::validate::{Chosen, Lesson, Reason};
@@ -17,6 +17,13 @@ pub fn findings(findings: &[Finding], console: &Console) {
     for (kind, list) in by_kind(findings) {
         told(kind.title(), &list, console, Console::warn);
     }
+}
+
+/// The error, after the findings were reported: what was left out may be why.
+pub fn after_findings(error: Error, findings: &[Finding], console: &Console) -> Error {
+    console.clear();
+    self::findings(findings, console);
+    error
 }
 
 /// Tells the findings as what was asked for, the worst first.

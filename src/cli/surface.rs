@@ -7,8 +7,9 @@ use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles};
 use tokosen::{GridSpec, Input, Options};
 
-use super::input::first_given;
-use super::{Failure, memory};
+use super::failure::Failure;
+use super::flags::first_given;
+use super::memory;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]

@@ -143,13 +143,14 @@ impl StagedOutput {
         }
     }
 
-    /// Writes everything through to the disk and moves it over to the target's folder, the main file last.
+    /// Writes everything through to the disk and moves it over to the target's folder, the main file last. Gives the path of
+    /// the target.
     ///
     /// Files that belong to the former content of a target, such as a spatial index or a statistics file, are removed.
     ///
     /// # Errors
     /// If the disk is full or a file of that name cannot be replaced. What was moved before that stays.
-    pub fn commit(self) -> Result<()> {
+    pub fn commit(self) -> Result<PathBuf> {
         // Several files get their names all or none, whatever signal comes.
         let _unfinished = unfinished();
         let names = self.staged_names()?;
@@ -176,7 +177,8 @@ impl StagedOutput {
         if let Ok(folder) = File::open(&self.folder) {
             let _ = folder.sync_all();
         }
-        self.staging.close().map_err(|e| Error::io("remove the temporary folder in", &self.folder, e))
+        self.staging.close().map_err(|e| Error::io("remove the temporary folder in", &self.folder, e))?;
+        Ok(self.target)
     }
 
     /// The names of the staged files in order, the main file last.

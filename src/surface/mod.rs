@@ -14,6 +14,7 @@ mod params;
 mod parted;
 mod sample;
 mod skeleton_lines;
+mod smooth_height;
 mod trial_builder;
 
 pub use build::build;

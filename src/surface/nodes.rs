@@ -10,6 +10,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
+use super::smooth_height::smooth_height;
 use crate::base::error::Result;
 use crate::contour::source_raster;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
@@ -141,14 +142,6 @@ fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingG
         }
     }
     (vertices, heights)
-}
-
-/// The height of an axis point on the smooth surface, from the one that it has in the triangulation. The grid does not know
-/// what lies between its nodes: the nearer a point is to a contour, the more it keeps of that.
-pub(crate) fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
-    let smooth = f64::from(working.at(place));
-    let share = (contour_distance / working.grid.cell.max_element()).min(1.0);
-    if smooth.is_nan() { before } else { before + share * (smooth - before) }
 }
 
 /// Every `stride`th node of a lattice in both directions.

@@ -11,7 +11,7 @@ use std::ops::Range;
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-use super::nodes::smooth_height;
+use super::smooth_height::smooth_height;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
 use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;

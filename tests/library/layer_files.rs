@@ -71,7 +71,8 @@ fn write(path: &Path, layers: &[Layer<'_>]) -> Result<()> {
     let staged = StagedOutput::create(path)?;
     let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
     assert_eq!(write_layers(&staged, layers, Some(&Crs::from_epsg(25832)))?, contour_files(path, &names)?);
-    staged.commit()
+    staged.commit()?;
+    Ok(())
 }
 
 /// Positive for rings that turn left.

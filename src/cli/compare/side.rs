@@ -8,9 +8,9 @@ use tokosen::io::Content;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{Nodes, Pair, Side};
 
-use super::CompareArgs;
-use crate::cli::Failure;
+use super::args::CompareArgs;
 use crate::cli::console::Console;
+use crate::cli::failure::Failure;
 use crate::cli::input::InputArgs;
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;

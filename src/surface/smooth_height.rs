@@ -1,0 +1,13 @@
+//! The height of a point of a ridge or canyon line on the smooth surface.
+
+use glam::DVec2;
+
+use crate::spline::WorkingGrid;
+
+/// The height of an axis point on the smooth surface, from the one that it has in the triangulation. The grid does not know
+/// what lies between its nodes: the nearer a point is to a contour, the more it keeps of that.
+pub fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
+    let smooth = f64::from(working.at(place));
+    let share = (contour_distance / working.grid.cell.max_element()).min(1.0);
+    if smooth.is_nan() { before } else { before + share * (smooth - before) }
+}
