@@ -100,4 +100,5 @@ pub mod subdivision;
 pub mod subdomains;
 pub mod surface;
 pub mod tin;
+pub mod tuning;
 pub mod validate;

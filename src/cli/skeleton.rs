@@ -10,6 +10,7 @@ use tokosen::io::{VectorFormat, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::subdivision::subdivide_with_water;
 use tokosen::tin::{Tin, TriangleKind};
+use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
 use super::input::InputArgs;
@@ -85,8 +86,9 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let subdivision = subdivide_with_water(input.map, &frame, &water, console);
     let subdivision = summary::found(subdivision, &input.path, &mut input.findings, console)?;
     args.input.map.check_strict(&input.findings, console)?;
-    let found =
-        console.step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution));
+    let tuning = SkeletonTuning::default();
+    let found = console
+        .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
     let written = console.step("writing", || -> Result<Vec<PathBuf>, Error> {
         let mut layers = vec![skeleton_lines(&found)];
         if args.triangles {

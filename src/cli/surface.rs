@@ -8,6 +8,7 @@ use tokosen::io::{ReadOptions, read_area};
 use tokosen::spline::SplineParams;
 use tokosen::subdomains::Frame;
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build};
+use tokosen::tuning::Tuning;
 
 use super::Failure;
 use super::console::Console;
@@ -38,6 +39,9 @@ pub struct SurfaceArgs {
     /// not given
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub noise: Option<f64>,
+    /// Another value of a tuned number, for scripts/sweep.py
+    #[arg(long, value_name = "NAME=VALUE", hide = true)]
+    pub tune: Vec<String>,
 }
 
 /// Default of `--resolution`.
@@ -88,6 +92,7 @@ impl SurfaceArgs {
             (self.resolution != RESOLUTION, "--resolution"),
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
+            (!self.tune.is_empty(), "--tune"),
         ];
         first_given(given)
     }
@@ -129,8 +134,19 @@ impl SurfaceArgs {
             spline,
             triangles,
             uncertainty: Uncertainty::default(),
+            tuning: tuning(&self.tune)?,
         })
     }
+}
+
+/// The tuned numbers, with other values for those that are named.
+fn tuning(given: &[String]) -> Result<Tuning, Failure> {
+    let mut tuning = Tuning::default();
+    for given in given {
+        let (name, value) = given.split_once('=').unwrap_or((given, ""));
+        tuning.set(name, value).map_err(|e| Failure::Usage(e.to_string()))?;
+    }
+    Ok(tuning)
 }
 
 impl FrameArgs {

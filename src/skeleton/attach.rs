@@ -10,7 +10,7 @@ use super::eliminate::Elimination;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, TriangleKind};
 
-/// How many triangles are looked at for each arrival.
+/// How many triangles are looked at for each arrival. A limit of time.
 const TRIALS: usize = 256;
 
 /// The side of the contour at an arrival that the ground beyond lies on: it goes on falling, or rising.

@@ -3,6 +3,7 @@
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
 use crate::subdomains::Frame;
+use crate::tuning::Tuning;
 
 /// How heights between contours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -55,6 +56,8 @@ pub struct SurfaceParams {
     pub triangles: Triangles,
     /// Whether the expected error is found.
     pub uncertainty: Uncertainty,
+    /// The tuned numbers; only to try other values.
+    pub tuning: Tuning,
 }
 
 impl Default for SurfaceParams {
@@ -67,6 +70,7 @@ impl Default for SurfaceParams {
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
+            tuning: Tuning::default(),
         }
     }
 }
