@@ -136,6 +136,7 @@ pub mod subdomains;
 pub mod surface;
 pub mod terrain;
 pub mod tin;
+pub mod tuning;
 pub mod validate;
 
 pub use base::error::{Error, Result};

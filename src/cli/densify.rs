@@ -115,7 +115,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.places)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)
+        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)?
     };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let layers = terrain.contours_with(targets, args.index, console)?;

@@ -59,7 +59,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
-    let terrain = job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth))?;
+    let terrain = job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
     job.draw(|| {

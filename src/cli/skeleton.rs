@@ -7,6 +7,7 @@ use tokosen::draw::preview::{subdivision_picture, triangle_patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
+use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
 use super::failure::Failure;
@@ -77,8 +78,9 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
     let subdivision = job.subdivide(&mut input, &args.water)?;
-    let found =
-        console.step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution));
+    let tuning = SkeletonTuning::default();
+    let found = console
+        .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
     let written = console.step("writing", || {
         let mut layers = vec![skeleton_lines(&found)];
         if args.triangles {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles};
+use tokosen::tuning::Tuning;
 use tokosen::{GridSpec, Input, Options};
 
 use super::failure::Failure;
@@ -32,6 +33,9 @@ pub struct SurfaceArgs {
     /// not given
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub noise: Option<f64>,
+    /// Another value of a tuned number, for scripts/sweep.py
+    #[arg(long, value_name = "NAME=VALUE", hide = true)]
+    pub tune: Vec<String>,
 }
 
 /// Default of `--resolution`.
@@ -82,6 +86,7 @@ impl SurfaceArgs {
             (self.resolution != RESOLUTION, "--resolution"),
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
+            (!self.tune.is_empty(), "--tune"),
         ];
         first_given(given)
     }
@@ -114,8 +119,8 @@ impl SurfaceArgs {
     }
 
     /// The library's options, for a height map on a grid if there is one.
-    pub fn options(&self, grid: Option<&GridSpec>, triangles: Triangles) -> Options {
-        Options {
+    pub fn options(&self, grid: Option<&GridSpec>, triangles: Triangles) -> Result<Options, Failure> {
+        Ok(Options {
             kind: self.surface.kind(),
             resolution: self.resolution,
             tension: self.tension,
@@ -124,9 +129,20 @@ impl SurfaceArgs {
             grid: grid.cloned(),
             triangles,
             memory: memory::available(),
+            tuning: tuning(&self.tune)?,
             ..Options::default()
-        }
+        })
     }
+}
+
+/// The tuned numbers, with other values for those that are named.
+fn tuning(given: &[String]) -> Result<Tuning, Failure> {
+    let mut tuning = Tuning::default();
+    for given in given {
+        let (name, value) = given.split_once('=').unwrap_or((given, ""));
+        tuning.set(name, value).map_err(|e| Failure::Usage(e.to_string()))?;
+    }
+    Ok(tuning)
 }
 
 impl FrameArgs {

@@ -11,7 +11,7 @@ use super::pieces::End;
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, TriangleKind};
 
-/// How many triangles are looked at for each arrival.
+/// How many triangles are looked at for each arrival. A limit of time.
 const TRIALS: usize = 256;
 
 /// Adds side lines from arrivals that no line of the ground beyond ends at. `removed`: pieces that no longer count.

@@ -27,7 +27,9 @@ const NARROW_STEPS: f64 = 64.0;
 /// to the next the line goes on to the corner on the next contour; where the line beyond ends at another vertex of the
 /// same bend, that end moves there, so that lines go on from sub-domain to sub-domain. Every piece lies inside one triangle,
 /// so none crosses a contour or another piece.
-pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination) -> Axis {
+///
+/// `join_reach` is [`SkeletonTuning::join_reach`](crate::tuning::SkeletonTuning::join_reach).
+pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination, join_reach: f64) -> Axis {
     let mut draft = Draft {
         axis: Axis::default(),
         of_edge: vec![[NONE; 3]; tin.len()],
@@ -68,7 +70,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
             add_arrival(tin, regions, elimination, &mut draft, t);
         }
     }
-    let removed = join(tin, regions, elimination, &mut draft);
+    let removed = join(tin, regions, elimination, &mut draft, join_reach);
     attach(tin, kinds, regions, elimination, &mut draft, &removed);
     let mut removed = removed.into_iter().chain(std::iter::repeat(false));
     draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
@@ -159,7 +161,7 @@ mod tests {
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
         let kinds = triangle_kinds(&tin);
-        let axis = axis(&tin, &kinds, &regions, &eliminate(&tin, &kinds, &regions, 1.0));
+        let axis = axis(&tin, &kinds, &regions, &eliminate(&tin, &kinds, &regions, 1.0), 2.0);
         axis.points.iter().filter(|p| (0.0..=width).contains(&p.position.y)).count()
     }
 

@@ -9,6 +9,7 @@ use super::lines::break_lines;
 use super::pieces::Axis;
 use crate::subdomains::Regions;
 use crate::tin::{Tin, TriangleKind, triangle_kinds};
+use crate::tuning::SkeletonTuning;
 
 /// The axis of a map's spurs, gullies and tops, with heights and as lines.
 #[derive(Debug, Clone)]
@@ -26,12 +27,12 @@ pub struct Skeleton {
 }
 
 /// Finds ridge and canyon lines. `resolution` is the paper's w: more of it, fewer lines.
-pub fn skeleton(tin: &Tin, regions: &Regions, resolution: f64) -> Skeleton {
+pub fn skeleton(tin: &Tin, regions: &Regions, resolution: f64, tuning: &SkeletonTuning) -> Skeleton {
     let kinds = triangle_kinds(tin);
     let elimination = eliminate(tin, &kinds, regions, resolution);
-    let axis = axis(tin, &kinds, regions, &elimination);
-    let heights = axis_heights(tin, regions, &axis.points);
-    let flow = flow(tin, regions, &axis, heights);
+    let axis = axis(tin, &kinds, regions, &elimination, tuning.join_reach);
+    let heights = axis_heights(tin, regions, &axis.points, tuning.top_reach);
+    let flow = flow(tin, regions, &axis, heights, tuning);
     let lines = break_lines(tin, regions, &axis, &flow);
     Skeleton { axis, flow, lines, kinds, elimination }
 }

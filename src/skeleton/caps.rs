@@ -4,29 +4,30 @@ use glam::DVec2;
 
 use crate::subdomains::{Band, Side};
 
-/// The share of the band that a top without a spot height may use.
-const REACH: f64 = 0.9;
-
 /// A rounded top above (or hollow below) the last contour.
 ///
 /// The slope outside the contour goes on inwards and eases off to level ground at the widest place: at distance d from
 /// the contour the rise is `g d (1 - d / 2D)`, with g the slope outside and D the largest distance. So the top is never
-/// flat. A smooth bound keeps it inside the band: `r (1 - exp(-rise / r))` with r a fixed share of the band. Spot heights
+/// flat. A smooth bound keeps it inside the band: `r (1 - exp(-rise / r))` with r a share of the band. Spot heights
 /// inside scale the profile so that it passes through them.
 pub struct Cap {
     band: Band,
     side: Side,
     widest: f64,
     slope: f64,
+    /// The rise that the profile stays below, metres.
+    reach: f64,
     /// Position of each spot height and the factor that it asks for.
     factors: Vec<(DVec2, f64)>,
 }
 
 impl Cap {
     /// The profile beyond one level of a sub-domain: `band` is the level and the next one on `side`, `widest` the largest
-    /// distance to the contour, `slope` the slope outside. `spots` are position, height and distance to the contour.
-    pub fn new(band: Band, side: Side, widest: f64, slope: f64, spots: Vec<(DVec2, f64, f64)>) -> Self {
-        let mut cap = Self { band, side, widest, slope, factors: Vec::new() };
+    /// distance to the contour, `slope` the slope outside, `share` that of the band which the profile stays below without spot
+    /// heights. `spots` are position, height and distance to the contour.
+    pub fn new(band: Band, side: Side, widest: f64, slope: f64, share: f64, spots: Vec<(DVec2, f64, f64)>) -> Self {
+        let reach = share * (band.hi - band.lo);
+        let mut cap = Self { band, side, widest, slope, reach, factors: Vec::new() };
         cap.factors = spots
             .into_iter()
             .filter_map(|(at, height, distance)| {
@@ -42,8 +43,7 @@ impl Cap {
     fn rise(&self, distance: f64) -> f64 {
         let d = distance.min(self.widest);
         let free = self.slope * d * (1.0 - d / (2.0 * self.widest.max(f64::MIN_POSITIVE)));
-        let reach = REACH * (self.band.hi - self.band.lo);
-        reach * (1.0 - (-free / reach).exp())
+        self.reach * (1.0 - (-free / self.reach).exp())
     }
 
     /// Height at a position whose distance to the contour is known; strictly inside the band.

@@ -28,12 +28,7 @@ use crate::base::rows::Rows;
 use crate::base::union_find::UnionFind;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
-
-/// How far a hollow must lie below the way over to a deeper one, as a share of the band, to be one of its own.
-const DEPTH: f64 = 0.1;
-
-/// The share of the way to the edge of the band that a level stretch without a point above or below may spread over.
-const SPREAD: f64 = 0.01;
+use crate::tuning::SkeletonTuning;
 
 /// How the pieces of an axis fall.
 #[derive(Debug, Clone, Default)]
@@ -53,11 +48,12 @@ pub struct Flow {
 }
 
 /// Directs all pieces and makes heights steady along them. `heights` are those of equation (1), one an axis point.
-pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>) -> Flow {
+pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning: &SkeletonTuning) -> Flow {
     let count = axis.points.len();
     let graph = Graph {
         tin,
         axis,
+        tuning,
         pieces_at: Rows::new(count, || {
             let ends = axis.pieces.iter().enumerate();
             ends.flat_map(|(id, piece)| {
@@ -106,6 +102,7 @@ pub(super) fn is_ridge(regions: &Regions, region: u32, level: f64) -> bool {
 struct Graph<'a> {
     tin: &'a Tin,
     axis: &'a Axis,
+    tuning: &'a SkeletonTuning,
     pieces_at: Rows<u32>,
 }
 
@@ -227,7 +224,7 @@ impl<'a> Network<'a> {
         let mut sorted: Vec<usize> = (0..members.len()).collect();
         sorted.sort_by(|&a, &b| height(a).total_cmp(&height(b)).then(a.cmp(&b)));
         let number: HashMap<u32, usize> = members.iter().enumerate().map(|(k, &p)| (p, k)).collect();
-        let depth = DEPTH * (self.ceiling - self.floor);
+        let depth = self.graph.tuning.hollow_depth * (self.ceiling - self.floor);
         // Water rises over all points together; the root of each pool is its lowest point.
         let mut pools = UnionFind::new(members.len());
         let mut wet = vec![false; members.len()];
@@ -356,9 +353,10 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         if stretch.len() < 2 {
             continue;
         }
+        let spread = network.graph.tuning.plateau_spread;
         let bottom =
-            if below.is_finite() { height.midpoint(below) } else { height - SPREAD * (height - network.floor) };
-        let top = if above.is_finite() { height.midpoint(above) } else { height + SPREAD * (network.ceiling - height) };
+            if below.is_finite() { height.midpoint(below) } else { height - spread * (height - network.floor) };
+        let top = if above.is_finite() { height.midpoint(above) } else { height + spread * (network.ceiling - height) };
         stretch.sort_unstable();
         for &k in &stretch {
             for (link, length) in network.links(k, turn) {

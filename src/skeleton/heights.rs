@@ -15,7 +15,7 @@ use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side};
 use crate::tin::{Tin, VertexKind};
 
-/// How many segments are tried for one that can be seen before the view is searched instead.
+/// How many segments are tried for one that can be seen before the view is searched instead. A limit of time.
 const SIGHT_TRIALS: usize = 16;
 
 /// Heights of points inside sub-domains.
@@ -24,7 +24,9 @@ const SIGHT_TRIALS: usize = 16;
 /// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has no level
 /// on the side that the ground lies on, the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
 /// borders the sub-domain.
-pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f64> {
+///
+/// `top_reach` is [`SkeletonTuning::top_reach`](crate::tuning::SkeletonTuning::top_reach).
+pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reach: f64) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
     // Asked for by few maps only, and dear.
     let map_slope = LazyLock::new(|| {
@@ -35,7 +37,7 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Vec<f
     let mut heights = vec![f64::NAN; points.len()];
     let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
         .into_par_iter()
-        .map(|r| region_heights(tin, regions, points, &groups, &|| *map_slope, r))
+        .map(|r| region_heights(tin, regions, points, &groups, (&|| *map_slope, top_reach), r))
         .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
@@ -119,7 +121,7 @@ fn region_heights(
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
-    map_slope: &(dyn Fn() -> f64 + Sync),
+    (map_slope, top_reach): (&(dyn Fn() -> f64 + Sync), f64),
     region: usize,
 ) -> Vec<(u32, f64)> {
     let own = groups.points.of(region);
@@ -128,7 +130,7 @@ fn region_heights(
     }
     let borders = groups.borders.of(region);
     let trees = level_trees(tin, borders);
-    let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope };
+    let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope, top_reach };
     let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
     let mut tops: Vec<(f64, Cap)> = Vec::new();
     let spots = groups.spots.of(region);
@@ -172,6 +174,8 @@ struct Ground<'a> {
     trees: Vec<LevelTree>,
     /// Mean slope of the whole map at its contours.
     map_slope: &'a (dyn Fn() -> f64 + Sync),
+    /// Share of the band that a top may use.
+    top_reach: f64,
 }
 
 impl Ground<'_> {
@@ -238,7 +242,7 @@ impl Ground<'_> {
             .collect();
         let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
         let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or_else(self.map_slope);
-        Cap::new(self.regions.beyond(level, side), side, widest, slope, spots)
+        Cap::new(self.regions.beyond(level, side), side, widest, slope, self.top_reach, spots)
     }
 }
 

@@ -14,15 +14,19 @@ use super::pieces::End;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
 
-/// How far from the tip along the axis a line may arrive to be joined, in widths of the bend there.
-const REACH: f64 = 2.0;
-
 /// Moves the ends of lines at the tips of bends to where lines from the other side of the contour arrive.
 ///
 /// Returns for each piece whether it is to go.
 ///
 /// The arrival nearest to the tip replaces the end at the tip, if no line arrives there; further ones join as side lines.
-pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft) -> Vec<bool> {
+/// They are joined up to `reach` widths of the bend away from the tip, along the axis.
+pub(super) fn join(
+    tin: &Tin,
+    regions: &Regions,
+    elimination: &Elimination,
+    draft: &mut Draft,
+    reach: f64,
+) -> Vec<bool> {
     let mut arrivals: HashMap<u32, Vec<(u32, Option<Side>)>> = HashMap::new();
     for arrival in &draft.arrivals {
         let side = beyond(tin, regions, arrival);
@@ -58,7 +62,7 @@ pub(super) fn join(tin: &Tin, regions: &Regions, elimination: &Elimination, draf
             let width = tin.edge_length(t, edge);
             let position = draft.axis.points[here as usize].position;
             length += position.distance(draft.axis.points[step.from as usize].position);
-            if length > REACH * width || held.contains(&here) {
+            if length > reach * width || held.contains(&here) {
                 break;
             }
             stub.push(draft.piece_of[t as usize]);

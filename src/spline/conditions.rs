@@ -6,6 +6,7 @@ use super::density::closeness;
 use super::lattice::{Crossing, Lattice};
 use super::{expected, relief};
 use crate::base::Grid;
+use crate::tuning::SplineTuning;
 
 /// What the smooth surface on a grid has to meet. Arrays have a value per node, row by row from the north-west; NaN marks nodes
 /// outside the frame.
@@ -33,12 +34,13 @@ pub struct Conditions<'a> {
 impl Conditions<'_> {
     /// What bulges and hollows of a surface on the grid lack ([`relief::lacking`]) if it may be off by a metre half-way between
     /// contours in the mean.
-    pub fn lacking_relief(&self, heights: &[f32]) -> Vec<f32> {
+    pub fn lacking_relief(&self, heights: &[f32], tuning: &SplineTuning) -> Vec<f32> {
         let Conditions { grid, gap, interval, bounds: [lo, hi], guide, .. } = self;
         let lattice = Lattice::of_grid(grid);
-        let closeness = closeness(guide, grid, *gap, *interval);
-        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &self.spot_crossings());
-        relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, *interval)
+        let closeness = closeness(guide, grid, *gap, *interval, tuning.density_rounds);
+        let spots = self.spot_crossings();
+        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &spots, &tuning.shrinkage);
+        relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, *interval, &tuning.gain)
     }
 
     /// Spot heights as crossings of the edges between nodes.

@@ -5,20 +5,19 @@ use rayon::prelude::*;
 use super::slopes::slopes;
 use crate::base::Grid;
 
-/// Rounds of averaging over neighbours that smooth the density.
-const SMOOTHING: usize = 3;
-/// Limits of the local gap between contours against the mean gap, for the tension.
+/// Limits of the local gap between contours against the mean gap. They keep level ground and cliffs finite.
 const GAP_LIMITS: (f64, f64) = (1e-3, 1e3);
 
-/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope.
-pub fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64) -> Vec<f32> {
+/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope. `rounds` is that of
+/// [`SplineTuning::density_rounds`](crate::tuning::SplineTuning::density_rounds).
+pub fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64, rounds: usize) -> Vec<f32> {
     let slopes = slopes(guide, grid);
     let relative = |s: &f32| {
         let gaps = f64::from(*s) * gap / interval;
         if gaps.is_nan() { 1.0 } else { gaps.clamp(GAP_LIMITS.0, GAP_LIMITS.1) as f32 }
     };
     let mut factor: Vec<f32> = slopes.par_iter().map(relative).collect();
-    for _ in 0..SMOOTHING {
+    for _ in 0..rounds {
         factor = around(&factor, grid, |old, n| {
             (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0
         });

@@ -18,24 +18,12 @@ use rayon::prelude::*;
 use super::blur::blurred;
 use super::lattice::{Crossing, Lattice};
 use super::unevenness::unevenness;
+use crate::tuning::ShrinkageTuning;
 
-/// Variance of heights that are even over a band, as a share of the square of its height.
+/// Variance of heights that are even over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
-/// Most of the variance of the error against that: heights are drawn in by half of their distance from the middle at most.
-const MOST: f32 = 0.5;
-/// Where as few nodes lie between two contours, half of the variance is left: so many edges between nodes are crossed by contours
-/// that little is left open.
-const FEW: f32 = 5.0;
-/// How far distances between contours are averaged, as a share of the mean one, and how often: the surface would show where they
-/// change.
-const REACH: f64 = 0.5;
-const SMOOTHING: usize = 2;
-/// Distance from a node to which ground tells how uneven it is there, as a share of the mean distance between contours.
-const UNEVEN_REACH: f64 = 1.0;
-/// The power of distance times unevenness that the variance grows with.
-const POWER: f32 = 0.7;
-/// How far around a spot height tells the ground, as a share of the distance between contours there.
-const AROUND: f64 = 0.5;
+/// Passes of the mean over distances between contours. Two leave no steps where a node enters the square.
+const PASSES: usize = 2;
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
 /// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.
@@ -46,7 +34,9 @@ pub fn variances(
     gap: f64,
     lattice: &Lattice,
     spots: &[(Crossing, f64)],
+    tuning: &ShrinkageTuning,
 ) -> Vec<f32> {
+    let ShrinkageTuning { half_variance_nodes, power, .. } = *tuning;
     let step = (lattice.step.x * lattice.step.y).sqrt();
     let nodes = gap / step;
     let of_inside = |values: &[f32]| {
@@ -57,20 +47,20 @@ pub fn variances(
     let (sum, count) = of_inside(&gaps);
     // Outside the frame there are no gaps.
     gaps.par_iter_mut().zip(heights).filter(|(_, z)| z.is_nan()).for_each(|(gap, _)| *gap = (sum / count) as f32);
-    for _ in 0..SMOOTHING {
-        gaps = blurred(&gaps, lattice.cols, (REACH * nodes) as usize);
+    for _ in 0..PASSES {
+        gaps = blurred(&gaps, lattice.cols, (tuning.spacing_reach * nodes) as usize);
     }
-    let mut variances = unevenness(heights, lattice, (UNEVEN_REACH * nodes).max(1.0) as usize);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v = (*v * gap).powf(POWER));
+    let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
+    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v = (*v * gap).powf(power));
     let sum = of_inside(&variances).0;
     let whole = if sum > 0.0 { (half_way * half_way * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
-    let known = |gap: f32| 1.0 + (FEW / (nodes as f32 * gap)).powi(3);
+    let known = |gap: f32| 1.0 + (half_variance_nodes / (nodes as f32 * gap)).powi(3);
     variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v *= whole / known(*gap));
     // No further than they are from each other, in the mean: else many would be much work.
     let apart = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
         let node = crossing.node as usize;
-        let reach = (gap * AROUND / f64::from(closeness[node])).min(apart);
+        let reach = (gap * tuning.spot_reach / f64::from(closeness[node])).min(apart);
         around(lattice, node, reach, |n, share| variances[n] *= share);
     }
     variances
@@ -91,26 +81,27 @@ fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, 
     }
 }
 
-/// Draws heights between `bounds` towards the middle.
-pub fn draw_in(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32]) {
+/// Draws heights between `bounds` towards the middle, by at most `most` of their distance from it
+/// ([`ShrinkageTuning::max_share`]).
+pub fn draw_in(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most: f32) {
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         let (lo, height) = (bounds[0][n], bounds[1][n] - bounds[0][n]);
         if height > 0.0 {
             let t = ((*z - lo) / height).clamp(0.0, 1.0);
-            let by = share(variances[n] / (height * height)) * 4.0 * t * (1.0 - t) * (0.5 - t);
+            let by = share(variances[n] / (height * height), most) * 4.0 * t * (1.0 - t) * (0.5 - t);
             *z = (*z + height * by).clamp(lo, bounds[1][n]);
         }
     });
 }
 
 /// The share of their distance from the middle that heights are drawn in by, for a variance against the square of the band.
-fn share(variance: f32) -> f32 {
-    (variance / EVEN).min(MOST)
+fn share(variance: f32, most: f32) -> f32 {
+    (variance / EVEN).min(most)
 }
 
 /// What is left of a standard error where heights were drawn in, in a band of a height.
-pub fn left(error: f64, height: f64) -> f64 {
-    let share = if height > 0.0 { share((error / height).powi(2) as f32) } else { 0.0 };
+pub fn left(error: f64, height: f64, most: f32) -> f64 {
+    let share = if height > 0.0 { share((error / height).powi(2) as f32, most) } else { 0.0 };
     error * (1.0 - f64::from(share)).sqrt()
 }
 
@@ -121,6 +112,7 @@ mod tests {
     use super::*;
 
     const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 400, rows: 60 };
+    const MOST: f32 = 0.5;
 
     #[test]
     fn levels_and_the_middle_stay_and_heights_keep_their_order() {
@@ -129,7 +121,7 @@ mod tests {
             let mut z: Vec<f32> = (0..count).map(|k| 200.0 + 20.0 * k as f32 / 100.0).collect();
             let before = z.clone();
             let bounds = [vec![200.0; count], vec![220.0; count]];
-            draw_in(&mut z, [&bounds[0], &bounds[1]], &vec![variance; count]);
+            draw_in(&mut z, [&bounds[0], &bounds[1]], &vec![variance; count], MOST);
             assert_eq!([z[0], z[50], z[100]], [200.0, 210.0, 220.0]);
             assert!(z.windows(2).all(|w| w[0] < w[1]), "{variance}: {z:?}");
             for k in 1..50 {
@@ -138,10 +130,10 @@ mod tests {
         }
         // 12 · 1 / 400 of 5 m, three quarters of it because t is a quarter.
         let mut quarter = [205.0];
-        draw_in(&mut quarter, [&[200.0], &[220.0]], &[1.0]);
+        draw_in(&mut quarter, [&[200.0], &[220.0]], &[1.0], MOST);
         assert!((quarter[0] - 205.0 - 0.75 * 12.0 / 400.0 * 5.0).abs() < 1e-4, "{quarter:?}");
         let mut water = [7.0, f32::NAN];
-        draw_in(&mut water, [&[7.0, f32::NAN], &[7.0, f32::NAN]], &[1.0, 1.0]);
+        draw_in(&mut water, [&[7.0, f32::NAN], &[7.0, f32::NAN]], &[1.0, 1.0], MOST);
         assert!(water[0] == 7.0 && water[1].is_nan());
     }
 
@@ -159,7 +151,7 @@ mod tests {
             let wide = (truth / 10.0 * (1.0 - truth / 10.0) * 4.0).sqrt() * deviation * 3.0f32.sqrt();
             let mut z = [(truth + wide * (2.0 * next(&mut state) - 1.0)).clamp(0.0, 10.0)];
             before += (z[0] - truth).powi(2);
-            draw_in(&mut z, [&[0.0], &[10.0]], &[deviation * deviation]);
+            draw_in(&mut z, [&[0.0], &[10.0]], &[deviation * deviation], MOST);
             after += (z[0] - truth).powi(2);
         }
         assert!(after < 0.95 * before, "{after} {before}");
@@ -167,16 +159,18 @@ mod tests {
 
     #[test]
     fn the_variance_is_that_of_hidden_contours_in_the_mean_and_none_at_a_spot_height() {
+        let tuning = ShrinkageTuning::default();
         let (count, cols, east) = (LATTICE.len(), LATTICE.cols, 30 * 400 + 300);
         let spot = Crossing { node: east as u32, along: 0.0, at_vertex: false };
         // Contours thrice as close in the west as in the east.
         let closeness: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
         // Level ground has no slope to be even.
         let level = vec![0.0; count];
-        let found = |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &level, &closeness, gap, &LATTICE, spots);
+        let found =
+            |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &level, &closeness, gap, &LATTICE, spots, &tuning);
         let free = found(30.0, &[]);
         assert!((free.iter().sum::<f32>() / count as f32 - 4.0).abs() < 0.05);
-        assert!((free[east] / free[0] - 3f32.powf(POWER)).abs() < 0.05);
+        assert!((free[east] / free[0] - 3f32.powf(tuning.power)).abs() < 0.05);
         // From one to the other without a step.
         assert!(free.windows(2).take(cols - 1).all(|w| (w[1] - w[0]).abs() < 0.1 * free[east]));
         // Where hardly a node lies between contours there is hardly an error.
@@ -188,22 +182,23 @@ mod tests {
 
     #[test]
     fn even_slopes_have_hardly_any_of_the_variance() {
+        let tuning = ShrinkageTuning::default();
         let cols = LATTICE.cols;
         // A plane in the west, hills in the east.
         let hills = |i: f32, j: f32| if i < 200.0 { 0.3 * i } else { 60.0 + 9.0 * (i / 5.0).sin() * (j / 5.0).cos() };
         let heights: Vec<f32> = (0..LATTICE.len()).map(|n| hills((n % cols) as f32, (n / cols) as f32)).collect();
-        let found = variances(2.0, &heights, &vec![1.0; heights.len()], 30.0, &LATTICE, &[]);
+        let found = variances(2.0, &heights, &vec![1.0; heights.len()], 30.0, &LATTICE, &[], &tuning);
         assert!((found.iter().sum::<f32>() / found.len() as f32 - 4.0).abs() < 0.05);
         assert!(found[30 * cols + 100] < 0.01 && found[30 * cols + 300] > 5.0);
         let plane: Vec<f32> = (0..LATTICE.len()).map(|n| (n % cols) as f32).collect();
-        let found = variances(2.0, &plane, &vec![1.0; plane.len()], 30.0, &LATTICE, &[]);
+        let found = variances(2.0, &plane, &vec![1.0; plane.len()], 30.0, &LATTICE, &[], &tuning);
         assert!(found.iter().all(|v| v.is_finite()));
     }
 
     #[test]
     fn less_is_left_of_errors_that_are_large_for_the_band() {
-        assert_eq!((left(0.0, 10.0), left(1.0, 0.0)), (0.0, 1.0));
-        assert!((left(1.0, 10.0) - 0.88f64.sqrt()).abs() < 1e-6);
-        assert!((left(9.0, 10.0) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
+        assert_eq!((left(0.0, 10.0, MOST), left(1.0, 0.0, MOST)), (0.0, 1.0));
+        assert!((left(1.0, 10.0, MOST) - 0.88f64.sqrt()).abs() < 1e-6);
+        assert!((left(9.0, 10.0, MOST) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
     }
 }

@@ -6,24 +6,15 @@ use super::params::Wanted;
 use crate::base::Grid;
 use crate::contour::{SourceRaster, source_raster};
 use crate::subdomains::Sheet;
+use crate::tuning::GridTuning;
 
-/// Nodes from one contour to the next where they are as far apart as in the mean.
-pub const NODES_A_GAP: f64 = 6.0;
-/// ... but no more than so many to the mean distance between vertices of contours, for what lies between is unknown,
-const NODES_A_SEGMENT: f64 = 2.0;
-/// ... and never fewer from contour to contour than this.
-const FEWEST_A_GAP: f64 = 3.0;
-/// A grid that heights are wanted on is used itself if it is at most so many times finer than it need be.
-const FINER: f64 = 8.0;
-/// ... and its cells are at most so many mean gaps wide: all contours that cross the edges between its nodes count.
-const COARSER: f64 = 2.0;
-/// Most nodes, whatever the memory: the surface must not depend on the machine.
+/// Most nodes. A limit of memory; the same on all machines, because the surface must not depend on them.
 const MOST_NODES: f64 = 40e6;
-/// Bytes that each takes while the surface is found, with the crossings of contours on a map where these are no more than the
-/// nodes.
-const BYTES_A_NODE: f64 = 120.0;
-/// Bytes that each further crossing of a contour with an edge between nodes takes.
-const BYTES_A_CROSSING: f64 = 100.0;
+/// Bytes of memory per node while the surface is found, as measured. Crossings of contours are included as long as they are
+/// no more than the nodes.
+const BYTES_PER_NODE: f64 = 120.0;
+/// Bytes of memory per further crossing of a contour with an edge between nodes, as measured.
+const BYTES_PER_CROSSING: f64 = 100.0;
 
 /// Mean distance between neighbouring vertices of contours, map units.
 fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
@@ -38,14 +29,15 @@ fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
 /// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
 /// each of its cells, or with every so many of them. Without one, it is the raster that the contours were cut from that takes
 /// its place, for that is where they tell heights; without that, cells on multiples of their size.
-pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
+pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
     let (lo, hi) = sheet
         .frame
         .rings()
         .flatten()
         .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let gap = sheet.gap;
-    let cell = (gap / NODES_A_GAP).max((vertex_spacing(sheet) / NODES_A_SEGMENT).min(gap / FEWEST_A_GAP));
+    let cell = (gap / tuning.nodes_per_spacing)
+        .max((vertex_spacing(sheet) / tuning.nodes_per_segment).min(gap / tuning.min_nodes_per_spacing));
     let size = hi - lo;
     let least = (size.x * size.y / MOST_NODES).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());
@@ -59,9 +51,9 @@ pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>) -> Grid {
     };
     let is = (wanted.cell.x * wanted.cell.y).sqrt();
     let cut = clipped(&wanted, lo, hi);
-    if is > COARSER * gap {
+    if is > tuning.max_spacings_per_cell * gap {
         divided(&cut, odd_above(is / gap, cut.len() as f64))
-    } else if is >= cell / FINER && (cut.len() as f64) <= MOST_NODES {
+    } else if is >= cell / tuning.max_times_finer && (cut.len() as f64) <= MOST_NODES {
         cut
     } else {
         thinned(&cut, (cell / is).ceil() as usize)
@@ -75,7 +67,7 @@ pub fn bytes_on(grid: &Grid, length: f64) -> f64 {
     let nodes = grid.cols as f64 * grid.rows as f64;
     // A line of any direction crosses so many edges: the mean of |cos| and |sin| is 2/π each.
     let crossings = 2.0 * std::f64::consts::FRAC_2_PI * length / (grid.cell.x * grid.cell.y).sqrt();
-    BYTES_A_NODE * nodes + BYTES_A_CROSSING * (crossings - nodes).max(0.0)
+    BYTES_PER_NODE * nodes + BYTES_PER_CROSSING * (crossings - nodes).max(0.0)
 }
 
 /// The cells of a raster that cover the box, and one more on each side.

@@ -38,7 +38,7 @@ mod working_grid;
 
 pub(crate) use blur::blurred;
 pub(crate) use conditions::Conditions;
-pub(crate) use grid::{NODES_A_GAP, bytes_on, working_grid};
+pub(crate) use grid::{bytes_on, working_grid};
 pub(crate) use lattice::Lattice;
 pub use params::{Knobs, SplineParams, Wanted};
 pub(crate) use slopes::slopes;

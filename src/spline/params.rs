@@ -2,6 +2,7 @@
 
 use super::{expected, relief};
 use crate::base::Grid;
+use crate::tuning::SplineTuning;
 
 /// Cells that heights are wanted on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +45,9 @@ pub struct Knobs {
 
 impl Knobs {
     /// What is left of a standard error (metres) in a band of a height (metres), after shrinkage and curvature gain.
-    pub(crate) fn error_left(&self, error: f64, height: f64) -> f64 {
-        let error = if self.half_way > 0.0 { expected::left(error, height) } else { error };
-        relief::left(error, self.relief)
+    pub(crate) fn error_left(&self, error: f64, height: f64, tuning: &SplineTuning) -> f64 {
+        let SplineTuning { shrinkage, gain, .. } = tuning;
+        let error = if self.half_way > 0.0 { expected::left(error, height, shrinkage.max_share) } else { error };
+        relief::left(error, self.relief, gain.error_reduction)
     }
 }

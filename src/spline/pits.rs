@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use super::lattice::Lattice;
 
-/// Nodes that are looked at for one way out; a pit that needs more stays.
+/// Nodes that are looked at for one way out; a pit that needs more stays. A limit of time.
 const MOST_VISITED: usize = 20_000;
-/// What a way's length costs, as a cut of such a share of the deepest one that is allowed: over ground as low as the pit the
-/// short way is taken.
+/// Cost of a way's length, as a cut of this share of the deepest one that is allowed. It only decides between ways that cut the
+/// same, so any small value does.
 const LENGTH: f32 = 1e-3;
 
 /// What ways out of pits must not do.

@@ -9,17 +9,12 @@ use rayon::prelude::*;
 
 use super::blur::blurred;
 use super::lattice::Lattice;
+use crate::tuning::GainTuning;
 
-/// How far the surroundings of a node reach, as a share of the mean distance between contours; they are averaged so often.
-const REACH: f64 = 0.75;
-const SMOOTHING: usize = 2;
-/// Fewest nodes that they reach; where contours are closer, a lattice shows no bulges between them.
+/// Passes of the mean over the surroundings. Two leave no steps where a node enters the square.
+const PASSES: usize = 2;
+/// Fewest nodes that the surroundings of a node reach. Where contours are closer, a lattice shows no bulges between them.
 const FEWEST: usize = 2;
-/// Height above the surroundings at which a bulge grows most, as a share of the contour interval.
-const MOST_AT: f32 = 0.1;
-/// Share that the error falls by where bulges grow by all that they lack. By regression it goes with the square of the amount. Maps
-/// with known heights differ much, from nothing to a quarter; this is about the middle.
-const GAIN: f64 = 0.15;
 
 /// What a bulge or hollow at each node would grow by if the ground's lacked half of the standard error at most: upwards where
 /// the surface lies above its surroundings. None at the levels of contours, nor outside the frame, where `heights` are NaN.
@@ -33,14 +28,15 @@ pub fn lacking(
     gap: f64,
     lattice: &Lattice,
     interval: f64,
+    tuning: &GainTuning,
 ) -> Vec<f32> {
     let step = (lattice.step.x * lattice.step.y).sqrt();
-    let reach = (REACH * gap / step).round() as usize;
+    let reach = (tuning.reach * gap / step).round() as usize;
     if reach < FEWEST {
         return vec![0.0; heights.len()];
     }
     let around = surroundings(heights, lattice.cols, reach);
-    let unit = MOST_AT * interval as f32;
+    let unit = tuning.peak * interval as f32;
     let at = |n: usize| {
         let (z, lo, height) = (heights[n], bounds[0][n], bounds[1][n] - bounds[0][n]);
         let t = ((z - lo) / height).clamp(0.0, 1.0);
@@ -60,16 +56,17 @@ pub fn grow(heights: &mut [f32], bounds: [&[f32]; 2], lacking: &[f32], amount: f
     });
 }
 
-/// What is left of a standard error where bulges and hollows were let grow by `amount`.
-pub fn left(error: f64, amount: f64) -> f64 {
-    error * (1.0 - GAIN * amount * amount)
+/// What is left of a standard error where bulges and hollows were let grow by `amount`. `reduction` is
+/// [`GainTuning::error_reduction`].
+pub fn left(error: f64, amount: f64, reduction: f64) -> f64 {
+    error * (1.0 - reduction * amount * amount)
 }
 
 /// The mean height around each node, of the nodes inside the frame.
 fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let smooth = |value: fn(f32) -> f32| {
         let mut mean: Vec<f32> = heights.par_iter().map(|z| value(*z)).collect();
-        for _ in 0..SMOOTHING {
+        for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
         mean
@@ -93,7 +90,7 @@ mod tests {
         let heights: Vec<f32> = (0..LATTICE.len()).map(|n| height((n % 60) as f32, (n / 60) as f32)).collect();
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
-        (lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0), heights)
+        (lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0, &GainTuning::default()), heights)
     }
 
     #[test]
@@ -110,7 +107,9 @@ mod tests {
         let coarse = Lattice { step: DVec2::splat(6.0), ..LATTICE };
         let (_, heights) = lack(|i, _| 110.0 + (i * 2.0).sin());
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
-        let by = lacking(&heights, [&bounds[0], &bounds[1]], &vec![4.0; heights.len()], 8.0, &coarse, 20.0);
+        let variances = vec![4.0; heights.len()];
+        let tuning = GainTuning::default();
+        let by = lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &coarse, 20.0, &tuning);
         assert!(by.iter().all(|by| *by == 0.0), "contours are as close as nodes");
     }
 
@@ -121,7 +120,7 @@ mod tests {
         let mut grown = heights.clone();
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         grow(&mut grown, [&bounds[0], &bounds[1]], &vec![1.0; heights.len()], 100.0);
-        assert_eq!((left(2.0, 0.0), left(2.0, 1.0)), (2.0, 2.0 * (1.0 - GAIN)));
+        assert_eq!((left(2.0, 0.0, 0.15), left(2.0, 1.0, 0.15)), (2.0, 2.0 * (1.0 - 0.15)));
         for (z, before) in grown.iter().zip(&heights) {
             assert!(if before.is_nan() { z.is_nan() } else { *z == 120.0 }, "{before} became {z}");
         }

@@ -9,20 +9,11 @@ use rayon::prelude::*;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, grown};
-
-/// How far beyond the band a surface may go before it is moved, as a share of the contour interval.
-pub const SLACK: f64 = 0.5;
-/// How far a difference reaches, nodes.
-const REACH: f32 = 20.0;
-/// Weight of a crossing against a first difference.
-const WEIGHT: f64 = 100.0;
-/// Most steps.
-const STEPS: usize = 100;
-/// Heights are found to this share of the contour interval.
-const TOLERANCE: f64 = 1e-3;
+use crate::tuning::SplineTuning;
 
 /// Adds to `heights` what they miss the contours by.
 pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
+    let SplineTuning { residual_reach, residual_weight, residual_steps, convergence, .. } = *problem.tuning;
     let lattice = &problem.lattice;
     let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
     let between = |node: u32, step: usize, along: f64| {
@@ -42,7 +33,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
     let ratio = (lattice.step.y / lattice.step.x) as f32;
     let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
     let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
-    let weight = CrossingWeight::even(WEIGHT);
+    let weight = CrossingWeight::even(residual_weight);
     let nothing = || vec![0.0; count];
     let energy = Energy {
         size: [cols, rows],
@@ -50,11 +41,11 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
         guide: vec![f32::NAN; count].into(),
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
-        pull: 1.0 / (REACH * REACH),
+        pull: 1.0 / (residual_reach * residual_reach),
     };
     let mut missing = vec![0.0; count];
     let no_bound = vec![f32::NAN; count];
-    let effort = Effort { steps: STEPS, tolerance: TOLERANCE * problem.interval };
+    let effort = Effort { steps: residual_steps, tolerance: convergence * problem.interval };
     Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut missing, effort);
     heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
 }

@@ -3,27 +3,20 @@
 use rayon::prelude::*;
 
 use super::energy::Energy;
+use crate::tuning::SplineTuning;
 
-/// Second differences larger than so many times the mean count with their size, not with its square.
-const KNEE: f64 = 2.0;
-/// Factor on the tension where a bound is met, each time that it is.
-const TIGHTEN: f32 = 16.0;
-/// ... which comes to this at most.
-const TIGHTEST: f32 = 1000.0;
-/// How far tightening spreads, nodes.
-const SPREAD: usize = 10;
-/// Nodes that one task works on.
+/// Nodes that one task works on. Sums begin anew with each, so that they are the same for any number of threads.
 const CHUNK: usize = 1 << 14;
-/// Nearer than this to a bound, as a share of the contour interval, is on it.
+/// Nearer than this to a bound, as a share of the contour interval, is on it: a tolerance of rounding.
 const AT_BOUND: f64 = 1e-3;
 
 /// Lowers the bending weights where the surface bends much.
 ///
 /// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
 /// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
-/// (iteratively reweighted least squares). `creases` marks differences across ridge and canyon lines, which have their knee
-/// `share` of the others'.
-pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], share: f64, z: &[f64]) {
+/// (iteratively reweighted least squares). The knee is `threshold` means of |δ|. `creases` marks differences across
+/// ridge and canyon lines, whose knee is `share` of that.
+pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
     for (kind, creases) in creases.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Added up in this order whatever the number of threads.
@@ -40,7 +33,7 @@ pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], share: f64,
         let mut bending = std::mem::take(&mut energy.bending[kind]);
         let bent = bending.par_iter_mut().zip(creases).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
         bent.for_each(|(n, (weight, &crease))| {
-            let knee = mean * if crease { KNEE * share } else { KNEE };
+            let knee = mean * if crease { threshold * share } else { threshold };
             let difference = energy.second_difference(kind, n, z).abs();
             *weight /= (1.0 + (difference / knee).powi(2)).sqrt() as f32;
         });
@@ -76,7 +69,9 @@ pub fn tighten(
     z: &[f64],
     cols: usize,
     interval: f64,
+    tuning: &SplineTuning,
 ) {
+    let SplineTuning { bound_tension_factor, max_bound_tension_factor, bound_tension_reach, .. } = *tuning;
     let rows = z.len() / cols;
     let slack = AT_BOUND * interval;
     let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
@@ -85,7 +80,7 @@ pub fn tighten(
     if share.iter().all(|&s| s == 0.0) {
         return;
     }
-    for _ in 0..SPREAD {
+    for _ in 0..bound_tension_reach {
         let before = share.clone();
         share.par_chunks_mut(cols).enumerate().skip(1).take(rows.saturating_sub(2)).for_each(|(j, row)| {
             for (i, share) in row.iter_mut().enumerate().take(cols - 1).skip(1) {
@@ -96,6 +91,6 @@ pub fn tighten(
         });
     }
     factors.par_iter_mut().zip(&share).filter(|(_, s)| **s > 0.0).for_each(|(factor, &share)| {
-        *factor = (*factor * TIGHTEN.powf(share)).min(TIGHTEST);
+        *factor = (*factor * bound_tension_factor.powf(share)).min(max_bound_tension_factor);
     });
 }

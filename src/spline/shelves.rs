@@ -5,19 +5,16 @@ use rayon::prelude::*;
 use super::blur::blurred;
 use super::slopes::slopes;
 use crate::base::Grid;
-
-/// Share of the reference surface where the smooth one is level and the reference is not.
-const SHELF_SHARE: f32 = 0.3;
-/// Rows and columns on each side over which that share is averaged.
-const SHELF_REACH: usize = 2;
+use crate::tuning::SplineTuning;
 
 /// How much of the guide to take at each node: where the surface is a shelf or a bulge, less steep than the guide.
-pub fn shelves(heights: &[f32], guide: &[f32], grid: &Grid) -> Vec<f32> {
+pub fn shelves(heights: &[f32], guide: &[f32], grid: &Grid, tuning: &SplineTuning) -> Vec<f32> {
+    let SplineTuning { shelf_share, shelf_reach, .. } = *tuning;
     let (own, other) = (slopes(heights, grid), slopes(guide, grid));
     let share = |(own, other): (&f32, &f32)| {
         let less = 1.0 - own / other.max(f32::MIN_POSITIVE);
-        if less.is_nan() { 0.0 } else { SHELF_SHARE * less.clamp(0.0, 1.0) }
+        if less.is_nan() { 0.0 } else { shelf_share * less.clamp(0.0, 1.0) }
     };
     let shares: Vec<f32> = own.par_iter().zip(&other).map(share).collect();
-    blurred(&shares, grid.cols, SHELF_REACH)
+    blurred(&shares, grid.cols, shelf_reach)
 }

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use super::conditions::Conditions;
 use super::density::{closeness, tension};
 use super::energy::CrossingWeight;
-use super::grid::NODES_A_GAP;
 use super::lattice::Lattice;
 use super::params::Knobs;
 use super::pits::{Limits, breach};
@@ -17,23 +16,23 @@ use super::working_grid::WorkingGrid;
 use super::{expected, relief, residual};
 use crate::base::Grid;
 use crate::base::progress::Progress;
-
-/// Weights of crossings against second differences: the contours are met within a thousandth of the interval, and where their
-/// vertices lie on the lattice, which they were cut from then, as exactly as they can be found in so many steps.
-const CONTOUR_WEIGHT: CrossingWeight = CrossingWeight { at_vertex: 1000.0, on_chord: 500.0 };
-/// ... and where the noise is 1, on a grid with as many nodes a gap as it should have.
-const NOISY_WEIGHT: f64 = 0.1;
+use crate::tuning::SplineTuning;
 
 /// Finds the smooth surface that meets the conditions.
-pub fn spline<'a>(conditions: &'a Conditions<'_>, knobs: &Knobs, progress: &dyn Progress) -> WorkingGrid {
+pub fn spline<'a>(
+    conditions: &'a Conditions<'_>,
+    knobs: &Knobs,
+    tuning: &'a SplineTuning,
+    progress: &dyn Progress,
+) -> WorkingGrid {
     let Conditions { grid, gap, interval, bounds: [lo, hi], guide, hollows, .. } = conditions;
     let interval = *interval;
     let lattice = Lattice::of_grid(grid);
-    let slack = if knobs.noise > 0.0 { (residual::SLACK * interval) as f32 } else { 0.0 };
+    let slack = if knobs.noise > 0.0 { (tuning.noise_slack * interval) as f32 } else { 0.0 };
     let moved = |bound: &'a [f32], by: f32| -> Cow<'a, [f32]> {
         if by == 0.0 { Cow::Borrowed(bound) } else { bound.iter().map(|b| b + by).collect() }
     };
-    let closeness = closeness(guide, grid, *gap, interval);
+    let closeness = closeness(guide, grid, *gap, interval, tuning.density_rounds);
     let problem = Problem {
         lattice,
         contours: &conditions.contours,
@@ -43,15 +42,16 @@ pub fn spline<'a>(conditions: &'a Conditions<'_>, knobs: &Knobs, progress: &dyn 
         bounds: [moved(lo, -slack), moved(hi, slack)],
         guide,
         tension: tension(&closeness, grid, *gap, knobs.tension),
-        contour_weight: contour_weight(knobs.noise, grid, *gap),
+        contour_weight: contour_weight(knobs.noise, grid, *gap, tuning),
         interval,
         gap: *gap,
         hollows,
+        tuning,
     };
     let z = solve(&problem, progress);
     progress.start(STEP, 0);
     let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
-    let share = shelves(&heights, guide, grid);
+    let share = shelves(&heights, guide, grid, tuning);
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         if !guide[n].is_nan() {
             *z += share[n] * (guide[n] - *z);
@@ -64,10 +64,11 @@ pub fn spline<'a>(conditions: &'a Conditions<'_>, knobs: &Knobs, progress: &dyn 
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
     });
     if knobs.half_way > 0.0 {
-        let variances = expected::variances(knobs.half_way, &heights, &closeness, *gap, &lattice, &problem.spots);
-        expected::draw_in(&mut heights, [lo, hi], &variances);
+        let (half_way, spots, shrinkage) = (knobs.half_way, &problem.spots, &tuning.shrinkage);
+        let variances = expected::variances(half_way, &heights, &closeness, *gap, &lattice, spots, shrinkage);
+        expected::draw_in(&mut heights, [lo, hi], &variances, shrinkage.max_share);
         if knobs.relief > 0.0 {
-            let lacking = relief::lacking(&heights, [lo, hi], &variances, *gap, &lattice, interval);
+            let lacking = relief::lacking(&heights, [lo, hi], &variances, *gap, &lattice, interval, &tuning.gain);
             relief::grow(&mut heights, [lo, hi], &lacking, knobs.relief);
         }
     }
@@ -77,9 +78,12 @@ pub fn spline<'a>(conditions: &'a Conditions<'_>, knobs: &Knobs, progress: &dyn 
     WorkingGrid { grid: *grid, heights }
 }
 
-/// Weight of a crossing against a second difference: a contour's weight for its length is the same on every grid.
-fn contour_weight(noise: f64, grid: &Grid, gap: f64) -> CrossingWeight {
+/// Weight of a crossing against a second difference. The surface meets the contours within a thousandth of the interval. Vertices
+/// that lie on edges of the lattice, which the contours were cut from then, it meets as exactly as the steps allow. For noisy contours
+/// the weight per length of contour is the same on every grid.
+fn contour_weight(noise: f64, grid: &Grid, gap: f64, tuning: &SplineTuning) -> CrossingWeight {
+    let SplineTuning { contour_weight_at_vertex: at_vertex, contour_weight_on_chord: on_chord, .. } = *tuning;
     let cell = (grid.cell.x * grid.cell.y).sqrt();
-    let noisy = NOISY_WEIGHT / (noise * noise) * (NODES_A_GAP * cell / gap).powi(3);
-    CONTOUR_WEIGHT.map(|weight| noisy.min(weight))
+    let noisy = tuning.noisy_contour_weight / (noise * noise) * (tuning.grid.nodes_per_spacing * cell / gap).powi(3);
+    CrossingWeight { at_vertex, on_chord }.map(|weight| noisy.min(weight))
 }

@@ -11,33 +11,15 @@ use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
 use super::reweight::{let_crease, near_contours, tighten};
 use crate::base::progress::Progress;
+use crate::tuning::SplineTuning;
 
 /// What this step is called where progress is told.
 pub const STEP: &str = "smooth surface";
 
-/// The coarsest lattice has at most so many rows and columns.
+/// The coarsest lattice has at most this many rows and columns: one tile that its steps solve completely.
 const COARSEST: usize = 12;
-/// Rounds of weights that follow the surface, on the finest lattice, on the next and on the others. The finest takes the
-/// creases of the heights that it starts from, which are those of the next one.
-const ROUNDS: [usize; 3] = [0, 2, 1];
-/// Most steps on the finest lattice, on the next and on the others. Coarse ones are cheap, and wide gaps between contours
-/// are bridged there.
-const STEPS: [usize; 3] = [40, 60, 200];
-/// ... and where the finest lattice has more nodes from one contour to the next than [`MANY`]. It takes none before ways out of
-/// pits are cut then: what it starts from is nearly right, and steps on the next one cost a quarter.
-const STEPS_OF_MANY: [usize; 3] = [0, 80, 200];
-/// In the mean over the map.
-const MANY: f64 = 12.0;
-/// ... and once more, in each round or after ways out of pits were cut.
-const FURTHER_STEPS: [usize; 3] = [20, 40, 100];
-/// A stage is done when heights change by less than this share of the contour interval.
-const TOLERANCE: f64 = 1e-3;
-/// Weight of bending across a ridge or canyon line.
-const CREASE: f32 = 0.7;
-/// How far beyond the frame the surface goes, nodes, so that every place inside lies between nodes.
+/// How far beyond the frame the surface goes, nodes. Every place inside then lies between nodes.
 const MARGIN: usize = 2;
-/// On coarse lattices contours weigh at most so much, or as much as on the finest: what lies between nodes is averaged.
-const COARSE_WEIGHT: f64 = 20.0;
 
 /// What the surface has to meet, on the finest lattice. NaN marks nodes outside the frame.
 pub struct Problem<'a> {
@@ -65,6 +47,8 @@ pub struct Problem<'a> {
     pub gap: f64,
     /// Nodes where water may stay.
     pub hollows: &'a [bool],
+    /// The tuned numbers.
+    pub tuning: &'a SplineTuning,
 }
 
 impl Problem<'_> {
@@ -147,7 +131,7 @@ impl Stage<'_> {
         Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
     }
 
-    /// Its place in [`STEPS`], [`FURTHER_STEPS`] and [`ROUNDS`].
+    /// Its place in the arrays of [`SplineTuning`].
     fn kind(&self) -> usize {
         (self.depth as usize).min(2)
     }
@@ -155,38 +139,40 @@ impl Stage<'_> {
     /// Most steps of the first time. What has no coarser lattice to start from takes them all.
     fn steps(&self, problem: &Problem<'_>, has_start: bool) -> usize {
         let step = problem.lattice.step;
-        let are_many = problem.gap / (step.x * step.y).sqrt() > MANY;
-        (if are_many && has_start { STEPS_OF_MANY } else { STEPS })[self.kind()]
+        let SplineTuning { steps, steps_on_fine_grids, fine_grid_nodes_per_spacing, .. } = problem.tuning;
+        let is_fine = problem.gap / (step.x * step.y).sqrt() > *fine_grid_nodes_per_spacing;
+        (if is_fine && has_start { steps_on_fine_grids } else { steps })[self.kind()]
     }
 
     /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
     /// as they are then.
     fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
+        let tuning = problem.tuning;
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
         let (mut energy, creases) = energy;
         let steps = self.steps(problem, before.is_some());
         // The only lattice there is has nothing to start from.
-        let rounds = ROUNDS[if before.is_none() { 1 } else { self.kind() }];
+        let rounds = tuning.reweighting_rounds[if before.is_none() { 1 } else { self.kind() }];
         let (mut z, mut factors) = match before {
             None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
             Some(Solved { lattice, z, factors }) => {
                 (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
             }
         };
-        let effort = Effort { steps, tolerance: TOLERANCE * problem.interval };
-        let later = Effort { steps: FURTHER_STEPS[self.kind()], ..effort };
+        let effort = Effort { steps, tolerance: tuning.convergence * problem.interval };
+        let later = Effort { steps: tuning.further_steps[self.kind()], ..effort };
         // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
         scale(&mut energy, &factors);
         if first.is_none() {
-            let_crease(&mut energy, &creases, problem.crease_knee, &z);
+            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_knee, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            let_crease(&mut energy, &creases, problem.crease_knee, &z);
-            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval);
+            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_knee, &z);
+            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval, tuning);
             energy.tension.clone_from(tension);
             scale(&mut energy, &factors);
             minimiser.minimise(&energy, lo, hi, &mut z, later);
@@ -218,7 +204,9 @@ impl Stage<'_> {
             (east, south)
         };
         let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
-        let weight = problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(COARSE_WEIGHT)));
+        let SplineTuning { coarse_contour_weight, crease_weight, .. } = *problem.tuning;
+        let weight =
+            problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));
         let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
         // Those of a line are let go when they were copied: together they are large.
         let terms = |found: Vec<Vec<_>>, more: &[_]| {
@@ -260,7 +248,7 @@ impl Stage<'_> {
         let creases: [Vec<bool>; 3] =
             std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect());
         let bending = |kind: usize, n: usize| match (creases[kind][n], is_bent(kind, n)) {
-            (true, _) => CREASE * weights[kind],
+            (true, _) => crease_weight * weights[kind],
             (false, true) => weights[kind],
             (false, false) => 0.0,
         };
@@ -370,6 +358,7 @@ mod tests {
         let lines = [1.3, 9.6].map(|x| [DVec2::new(x, 1.0), DVec2::new(x, -12.0)]);
         let hollows = vec![false; lattice.len()];
         let guide = vec![0.0; lattice.len()];
+        let tuning = SplineTuning::default();
         let heights = |gap: f64| {
             let problem = Problem {
                 lattice,
@@ -384,10 +373,11 @@ mod tests {
                 interval: 10.0,
                 gap,
                 hollows: &hollows,
+                tuning: &tuning,
             };
             solve(&problem, &())
         };
-        let found = heights(100.0 * MANY);
+        let found = heights(100.0 * tuning.fine_grid_nodes_per_spacing);
         assert_eq!(found, heights(1.0));
         let middle = found[rows / 2 * cols + cols / 2];
         assert!((middle - (10.0 + 10.0 * (6.0 - 1.3) / 8.3)).abs() < 0.5, "{middle}");

@@ -6,7 +6,7 @@ use super::blur::blurred;
 use super::lattice::Lattice;
 
 /// Sums are taken over a square, so often: the result then has no edges where a node enters it.
-const SMOOTHING: usize = 2;
+const PASSES: usize = 2;
 
 /// At each node 1 - |mean slope|² / mean of |slope|², the slopes (vectors, rise over run) being those at most `reach` nodes
 /// around: 0 on a plane, 1 where as much goes up as down in every direction. 1 outside the frame, where heights are NaN.
@@ -22,7 +22,7 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
     };
     let around = |of: fn([f32; 2]) -> f32| {
         let mut mean: Vec<f32> = (0..heights.len()).into_par_iter().map(|n| slope(n).map_or(0.0, of)).collect();
-        for _ in 0..SMOOTHING {
+        for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
         mean

@@ -7,6 +7,7 @@ use glam::DVec2;
 use crate::skeleton::{AxisPoint, axis_heights};
 use crate::subdomains::{Band, Regions};
 use crate::tin::{Tin, VertexKind};
+use crate::tuning::SkeletonTuning;
 
 /// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
 /// corner has the height of the nearest vertex that it shares a triangle with, or the middle of the band. Where two parts
@@ -35,7 +36,8 @@ pub(super) fn with_frame_heights(tin: Tin, regions: &Regions, smooth: &dyn Fn(DV
         }
     }
     let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
-    let found = axis_heights(&tin, regions, &points);
+    // The default, whatever a surface has: the subdivision is made before it and for others, too.
+    let found = axis_heights(&tin, regions, &points, SkeletonTuning::default().top_reach);
     let mut heights = tin.heights.clone();
     for ((&v, height), region) in corners.iter().zip(found).zip(points.iter().map(|p| p.region)) {
         let band = regions.regions[region as usize].band;

@@ -35,8 +35,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             return Err(Error::out_of_range(name, value, "0 or more"));
         }
     }
-    let builder = TrialBuilder { resolution: (params.kind != SurfaceKind::Linear).then_some(params.resolution) };
-    let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder };
+    let tuning = &params.tuning;
+    tuning.validate().map_err(|e| Error::Parameter(e.to_string()))?;
+    let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
+    let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
+    let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning };
     let choose = |sheet: &Sheet<'_>| choose(sheet, &params.spline, &trials);
     let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
@@ -61,11 +64,11 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
-        let grid = working_grid(&subdivision.sheet(), params.spline.wanted);
+        let grid = working_grid(&subdivision.sheet(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
         let conditions = conditions(&subdivision, &break_lines, &grid, &triangles);
         progress.finish();
-        (Some(spline(&conditions, &chosen.knobs, progress)), triangles)
+        (Some(spline(&conditions, &chosen.knobs, &tuning.spline, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
@@ -78,7 +81,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         && let Some(working) = &working
     {
         progress.start("triangulating the smooth surface", 0);
-        (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles)?;
+        (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles, tuning)?;
         progress.finish();
     }
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
@@ -99,7 +102,7 @@ struct Triangulated {
 fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
     let Report { value: mut subdivision, findings } = prepared.subdivide(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
-        let grid = working_grid(&subdivision.sheet(), params.spline.wanted);
+        let grid = working_grid(&subdivision.sheet(), params.spline.wanted, &params.tuning.spline.grid);
         let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
         let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
@@ -112,7 +115,7 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
         None
     } else {
         progress.start("ridge and canyon lines", 0);
-        Some(finer(&subdivision, triangulation, params.resolution)?)
+        Some(finer(&subdivision, triangulation, params.resolution, &params.tuning.skeleton)?)
     };
     Ok(Triangulated { subdivision, bridges, finer, findings })
 }

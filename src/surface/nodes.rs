@@ -18,17 +18,9 @@ use crate::spline::Lattice;
 use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
+use crate::tuning::Tuning;
 
-/// Nodes nearer than this to an edge that the triangulation must hold are left out, in steps between nodes.
-const CLEARANCE: f64 = 0.6;
-/// ... where the nodes are the very cells that the contours were cut from: then their heights are known as well as where the
-/// contours run.
-const CLEARANCE_OF_SOURCE: f64 = 0.1;
-/// So many nodes from one contour to the next are enough where contours are as far apart as in the mean.
-const NODES_A_GAP: f64 = 12.0;
-/// Nodes are left out where straight lines between their neighbours are off by at most this share of the interval.
-const TOLERANCE: f64 = 0.01;
-/// Sides of the largest square without a node inside, in steps between nodes.
+/// Sides of the largest square without a node inside, in steps between nodes: a power of two, because squares are halved.
 const LARGEST: usize = 16;
 
 /// A triangulation of the smooth surface, and the ridge and canyon lines with its heights.
@@ -40,21 +32,23 @@ pub(crate) fn with_nodes(
     mut axis: Axis,
     working: &WorkingGrid,
     triangles: &[u32],
+    tuning: &Tuning,
 ) -> Result<(Subdivision, Vec<BreakLine>)> {
+    let (tuning, of_lines) = (&tuning.nodes, &tuning.skeleton);
     let lattice = Lattice::of_grid(&working.grid);
     let (vertices, mut heights) = smooth_heights(&subdivision, &mut axis, working);
     let step = lattice.step.max_element();
-    let stride = (subdivision.sheet().gap / (NODES_A_GAP * step)).floor().max(1.0) as usize;
+    let stride = (subdivision.sheet().gap / (tuning.vertices_per_spacing * step)).floor().max(1.0) as usize;
     let spacing = stride as f64 * step;
     let parted = part_long_pieces(&subdivision, &mut axis, (&vertices, &mut heights), working, spacing);
-    let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights);
+    let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights, of_lines);
     let lines = break_lines(&subdivision.tin, &subdivision.regions, &axis, &flow);
 
     let coarse = Strided { lattice, stride };
     let is_source = source_raster(&subdivision.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
-    let clearance = if is_source { CLEARANCE_OF_SOURCE } else { CLEARANCE };
+    let clearance = if is_source { tuning.clearance_of_source } else { tuning.clearance };
     let regions = clear_nodes(&subdivision, working, triangles, &coarse, clearance);
-    let kept = thinned(&regions, working, &coarse, TOLERANCE * subdivision.interval.step);
+    let kept = thinned(&regions, working, &coarse, tuning.tolerance * subdivision.interval.step);
     let point = |k: usize| {
         let (region, node) = (regions[k], coarse.node(k));
         let band = subdivision.regions.regions[region as usize].band;
@@ -304,6 +298,7 @@ mod tests {
     use crate::base::Grid;
 
     const SIDE: usize = 33;
+    const CLEARANCE: f64 = 0.6;
 
     fn kept(height: impl Fn(usize, usize) -> f32, region: impl Fn(usize, usize) -> u32) -> Vec<usize> {
         let grid = Grid { corner: DVec2::new(0.0, SIDE as f64), cell: DVec2::splat(1.0), cols: SIDE, rows: SIDE };

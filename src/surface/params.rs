@@ -3,6 +3,7 @@
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
 use crate::subdomains::Frame;
+use crate::tuning::Tuning;
 
 /// How heights between contours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -68,6 +69,8 @@ pub struct SurfaceParams {
     pub uncertainty: Uncertainty,
     /// Memory that may be taken, bytes: a surface that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
+    /// The tuned numbers; only to try other values.
+    pub tuning: Tuning,
 }
 
 impl Default for SurfaceParams {
@@ -81,6 +84,7 @@ impl Default for SurfaceParams {
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
             memory: None,
+            tuning: Tuning::default(),
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
-/// Rounding takes a place between two others no more than so many steps between large numbers off their line.
+/// Rounding takes a place between two others no more than this many steps between large numbers off their line.
 const MOST_STEPS: usize = 4;
 
 /// An edge of the triangulation and the axis points on it, from its first end to its second.

@@ -10,7 +10,7 @@ use crate::base::progress::Progress;
 use crate::dem::{Dem, height, locate, rasterise};
 use crate::tin::{NONE, Tin};
 
-/// Rows that one task fills.
+/// Rows that one task fills: enough to be worth a task.
 const BAND_ROWS: usize = 16;
 
 /// Heights of the surface at the cell centres of `grid`, NaN outside the frame.

@@ -4,10 +4,16 @@ use crate::base::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
 use crate::subdivision::Subdivision;
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
+use crate::tuning::SkeletonTuning;
 
 /// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `subdivision`.
-pub fn finer(subdivision: &Subdivision, mut triangulation: Triangulation, resolution: f64) -> Result<(Skeleton, Tin)> {
-    let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution);
+pub fn finer(
+    subdivision: &Subdivision,
+    mut triangulation: Triangulation,
+    resolution: f64,
+    tuning: &SkeletonTuning,
+) -> Result<(Skeleton, Tin)> {
+    let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
     let input = triangulation.input();
     subdivision.push_borders(input);
     push_axis(input, &subdivision.tin.source, &skeleton.axis, &skeleton.flow.heights);

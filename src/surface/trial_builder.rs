@@ -6,19 +6,22 @@ use crate::base::Grid;
 use crate::skeleton::BreakLine;
 use crate::spline::Conditions;
 use crate::subdivision::Subdivision;
+use crate::tuning::SkeletonTuning;
 use crate::validate::SurfaceBuilder;
 
 /// Builds surfaces with ridge and canyon lines of this resolution, or without such lines.
-pub struct TrialBuilder {
+pub struct TrialBuilder<'t> {
     /// The paper's resolution parameter w.
     pub resolution: Option<f64>,
+    /// The tuned numbers of the lines.
+    pub tuning: &'t SkeletonTuning,
 }
 
-impl SurfaceBuilder for TrialBuilder {
+impl SurfaceBuilder for TrialBuilder<'_> {
     fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
         let triangulation = std::mem::take(&mut subdivision.triangulation);
-        let finer = finer(&subdivision, triangulation, resolution).ok()?;
+        let finer = finer(&subdivision, triangulation, resolution, self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }

@@ -8,6 +8,7 @@ use crate::crs::Places;
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
 use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+use crate::tuning::Tuning;
 
 use super::grid::Cells;
 
@@ -35,6 +36,8 @@ pub struct Options {
     pub uncertainty: Uncertainty,
     /// Memory that each step may take, bytes: what needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
+    /// The tuned numbers; only to try other values.
+    pub tuning: Tuning,
 }
 
 impl Default for Options {
@@ -50,6 +53,7 @@ impl Default for Options {
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
             memory: None,
+            tuning: Tuning::default(),
         }
     }
 }
@@ -71,6 +75,7 @@ impl Options {
             triangles: self.triangles,
             uncertainty: self.uncertainty,
             memory: self.memory,
+            tuning: self.tuning,
         }
     }
 }

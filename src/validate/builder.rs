@@ -5,6 +5,7 @@ use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Wanted};
 use crate::subdivision::Subdivision;
 use crate::subdomains::Frame;
+use crate::tuning::Tuning;
 
 /// Builds the surfaces of trials, in the same way as that of the whole map.
 pub trait SurfaceBuilder: Sync {
@@ -31,4 +32,6 @@ pub struct TrialParams<'a> {
     pub wanted: Option<Wanted>,
     /// What builds the surfaces.
     pub builder: &'a dyn SurfaceBuilder,
+    /// The tuned numbers, those of the whole map's surface.
+    pub tuning: &'a Tuning,
 }

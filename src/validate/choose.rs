@@ -18,36 +18,18 @@
 //! surface may be off half-way between them, and how much relief it lacks.
 
 use super::builder::TrialParams;
-use super::roughness::{ROUGH, growth};
+use super::roughness::growth;
 use super::trial::{Missed, trials};
 use crate::spline::{Knobs, SplineParams};
 use crate::subdomains::Sheet;
+use crate::tuning::TrialTuning;
 
-/// Tension that suits most terrain; taken where the contours do not tell.
-const USUAL: f64 = 3.5;
-/// Noise of contours that are rough.
-const JITTER: f64 = 1.0;
-/// Knee of creases that suits most terrain; taken where the contours do not tell.
-const CREASE_KNEE: f64 = 0.1;
-/// Its limits.
-const CREASE_KNEES: (f64, f64) = (0.03, 0.3);
-/// The error at hidden contours, against the interval that is left, at which that is the best knee.
-const MISSED: f64 = 0.14;
-/// Tensions that are tried, each so many times the one before.
-const FACTOR: f64 = 5.0;
-const TRIED: [f64; 3] = [1.0, FACTOR, FACTOR * FACTOR];
-/// How far beyond those the best one may be taken to lie, in steps from one to the next.
-const BEYOND: f64 = 0.5;
+/// Tensions that are tried: as many as a parabola has coefficients.
+const TRIED: usize = 3;
 /// Fewest levels: both halves must have bands with a level hidden in them.
 const FEWEST_LEVELS: usize = 5;
-/// Fewest places on hidden contours.
-const FEWEST_PLACES: usize = 200;
-/// What is taken of the relief that surfaces from half of the levels lack. Those from all of them lack less.
-const RELIEF_SHARE: f64 = 0.3;
-/// Limits of the power of the contour interval that error is taken to grow with.
-const GROWTHS: (f64, f64) = (0.5, 2.0);
 /// Root mean square over a band of an error that is a parabola from one level to the next, against its height half-way,
-/// where a hidden level lies: the square root of 8/15.
+/// where a hidden level lies: a closed form, the square root of 8/15.
 const OVER_BAND: f64 = 0.730_296_743;
 
 /// How the smooth surface was drawn.
@@ -100,28 +82,31 @@ pub struct Accuracy {
 /// the surface itself, or less.
 pub fn choose(sheet: &Sheet<'_>, given: &SplineParams, params: &TrialParams<'_>) -> Chosen {
     let SplineParams { tension, noise, .. } = *given;
-    let growth = growth(sheet);
-    let noise = noise.unwrap_or(if growth.is_some_and(|g| g < ROUGH) { JITTER } else { 0.0 });
-    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: CREASE_KNEE, half_way: 0.0, relief: 0.0 };
+    let (roughness, tuning) = (&params.tuning.roughness, &params.tuning.trials);
+    let growth = growth(sheet, roughness);
+    let noise = noise.unwrap_or(if growth.is_some_and(|g| g < roughness.noisy_below) { tuning.noise } else { 0.0 });
+    let crease_threshold = tuning.usual_crease_threshold;
+    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: crease_threshold, half_way: 0.0, relief: 0.0 };
     let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
     let without = |tension, reason| chosen(knobs(tension), reason);
     if let Some(tension) = tension {
         return without(tension, Reason::Given);
     }
-    let fallback = without(USUAL, Reason::FellBack);
+    let fallback = without(tuning.usual_tension, Reason::FellBack);
     if levels(sheet) < FEWEST_LEVELS {
         return fallback;
     }
-    let mut missed = trials(sheet, params, TRIED.map(knobs));
-    if missed[0].len() < FEWEST_PLACES {
+    let mut missed = trials(sheet, params, tried(tuning).map(knobs));
+    if missed[0].len() < tuning.min_places {
         return fallback;
     }
     let errors = missed.each_ref().map(|m| rmse(m));
     if !errors.iter().all(|e| e.is_finite()) {
         return fallback;
     }
-    let best = FACTOR.powf(lowest(errors.map(|e| e.max(f64::MIN_POSITIVE).ln())));
-    let nearest = (0..TRIED.len()).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
+    let logarithms = errors.map(|e| e.max(f64::MIN_POSITIVE).ln());
+    let best = tuning.tension_factor.powf(lowest(logarithms, tuning.max_extrapolation));
+    let nearest = (0..TRIED).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
     let step = sheet.interval.step;
     let hidden = Accuracy {
         rmse: errors[nearest],
@@ -129,34 +114,41 @@ pub fn choose(sheet: &Sheet<'_>, given: &SplineParams, params: &TrialParams<'_>)
         interval: 2.0 * step,
         count: missed[nearest].len(),
     };
-    let half_way = 0.5f64.powf(growth.unwrap_or(ROUGH).clamp(GROWTHS.0, GROWTHS.1));
+    let half_way = 0.5f64.powf(roughness.power(growth));
     let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
     let half_way = half_way * hidden.rmse;
-    let tension = (USUAL * best).sqrt();
-    let relief = relief(&missed, tension);
-    let knobs = Knobs { crease_knee: crease_knee(&hidden), half_way, relief, ..knobs(tension) };
+    let tension = (tuning.usual_tension * best).sqrt();
+    let relief = relief(&missed, tension, tuning);
+    let knobs = Knobs { crease_knee: crease_knee(&hidden, tuning), half_way, relief, ..knobs(tension) };
     Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
 }
 
 /// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
 /// ground has more detail than the contours.
-fn crease_knee(hidden: &Accuracy) -> f64 {
-    let missed = hidden.rmse / hidden.interval / MISSED;
-    (CREASE_KNEE / missed.powi(2)).clamp(CREASE_KNEES.0, CREASE_KNEES.1)
+fn crease_knee(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
+    let [least, most] = tuning.crease_threshold_limits;
+    let missed = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
+    (tuning.usual_crease_threshold / missed.powi(2)).clamp(least, most)
+}
+
+/// The tensions that are tried.
+fn tried(tuning: &TrialTuning) -> [f64; TRIED] {
+    let factor = tuning.tension_factor;
+    [1.0, factor, factor * factor]
 }
 
 /// The relief that a surface with a tension lacks, as a share of the standard error: the regression of what is missed on
 /// [`Missed::lacking`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
-fn relief(missed: &[Vec<Missed>; TRIED.len()], tension: f64) -> f64 {
+fn relief(missed: &[Vec<Missed>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
     let lacks = |missed: &Vec<Missed>| {
         let sum = |value: fn(&Missed) -> f64| missed.iter().map(value).sum::<f64>();
         -sum(|m| m.weight * m.by * m.lacking) / sum(|m| m.weight * m.lacking * m.lacking) / rmse(missed)
     };
-    let place = (tension.ln() / FACTOR.ln()).clamp(0.0, (TRIED.len() - 1) as f64);
-    let below = (place as usize).min(TRIED.len() - 2);
+    let place = (tension.ln() / tuning.tension_factor.ln()).clamp(0.0, (TRIED - 1) as f64);
+    let below = (place as usize).min(TRIED - 2);
     let [near, far] = [below, below + 1].map(|k| lacks(&missed[k]));
-    let share = RELIEF_SHARE * (near + (place - below as f64) * (far - near));
+    let share = tuning.gain_share * (near + (place - below as f64) * (far - near));
     // Where no place tells anything there is no share.
     if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
@@ -171,8 +163,8 @@ fn levels(sheet: &Sheet<'_>) -> usize {
     numbers.len()
 }
 
-/// Where the parabola through three values at 0, 1 and 2 is lowest, not far beyond them.
-fn lowest([a, b, c]: [f64; 3]) -> f64 {
+/// Where the parabola through three values at 0, 1 and 2 is lowest, at most `beyond` outside of them.
+fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     let (slope, bend) = ((c - a) / 2.0, a - 2.0 * b + c);
     let at = if bend > 0.0 {
         1.0 - slope / bend
@@ -181,7 +173,7 @@ fn lowest([a, b, c]: [f64; 3]) -> f64 {
     } else {
         f64::INFINITY
     };
-    at.clamp(-BEYOND, 2.0 + BEYOND)
+    at.clamp(-beyond, 2.0 + beyond)
 }
 
 fn rmse(missed: &[Missed]) -> f64 {
@@ -207,19 +199,21 @@ mod tests {
 
     #[test]
     fn the_lowest_place_is_between_or_a_little_beyond() {
-        assert!((lowest([1.0, 0.0, 1.0]) - 1.0).abs() < 1e-12);
-        assert!((lowest([0.25, 0.25, 2.25]) - 0.5).abs() < 1e-12);
-        assert_eq!(lowest([0.0, 1.0, 2.0]), -BEYOND);
-        assert_eq!(lowest([2.0, 1.5, 0.0]), 2.0 + BEYOND);
-        assert_eq!(lowest([1.0, 1.0, 1.0]), 2.0 + BEYOND);
+        assert!((lowest([1.0, 0.0, 1.0], 0.5) - 1.0).abs() < 1e-12);
+        assert!((lowest([0.25, 0.25, 2.25], 0.5) - 0.5).abs() < 1e-12);
+        assert_eq!(lowest([0.0, 1.0, 2.0], 0.5), -0.5);
+        assert_eq!(lowest([2.0, 1.5, 0.0], 0.5), 2.5);
+        assert_eq!(lowest([1.0, 1.0, 1.0], 0.5), 2.5);
     }
 
     #[test]
     fn ridges_are_sharper_where_contours_show_less() {
+        const MISSED: f64 = 0.14;
         let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
-        assert_eq!(crease_knee(&hidden(MISSED * 20.0)), CREASE_KNEE);
-        assert!((crease_knee(&hidden(0.7 * MISSED * 20.0)) - CREASE_KNEE / 0.49).abs() < 1e-12);
-        assert_eq!((crease_knee(&hidden(0.0)), crease_knee(&hidden(20.0))), (CREASE_KNEES.1, CREASE_KNEES.0));
+        let knee = |rmse: f64| crease_knee(&hidden(rmse), &TrialTuning::default());
+        assert_eq!(knee(MISSED * 20.0), 0.1);
+        assert!((knee(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
+        assert_eq!([knee(0.0), knee(20.0)], [0.3, 0.03]);
     }
 
     #[test]
@@ -233,11 +227,16 @@ mod tests {
             (0..400).map(place).collect()
         };
         let rmse_of = |lack: f64| rmse(&of(lack));
-        let expected = |lack: f64| RELIEF_SHARE * 2.0 * lack / rmse_of(lack);
+        let tuning = TrialTuning::default();
+        let relief = |missed: &[Vec<Missed>; TRIED], tension: f64| relief(missed, tension, &tuning);
+        let expected = |lack: f64| tuning.gain_share * 2.0 * lack / rmse_of(lack);
         let missed = [of(0.2), of(0.4), of(0.8)];
         assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", relief(&missed, 1.0));
-        assert!(relief(&missed, FACTOR) > relief(&missed, 1.0) && relief(&missed, 100.0) > relief(&missed, FACTOR));
-        assert_eq!(relief(&missed, 1e9), relief(&missed, TRIED[2]));
+        assert!(
+            relief(&missed, tuning.tension_factor) > relief(&missed, 1.0)
+                && relief(&missed, 100.0) > relief(&missed, tuning.tension_factor)
+        );
+        assert_eq!(relief(&missed, 1e9), relief(&missed, tried(&tuning)[2]));
         assert_eq!(relief(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
         let none = || vec![Missed { by: 1.0, weight: 1.0, lacking: 0.0 }];
         assert_eq!(relief(&[none(), none(), none()], 3.0), 0.0);

@@ -12,30 +12,26 @@ use rayon::prelude::*;
 
 use crate::contour::without_outlying;
 use crate::subdomains::Sheet;
+use crate::tuning::RoughnessTuning;
 
-/// Exponent below which contours are rough.
-pub const ROUGH: f64 = 1.5;
-/// Lengths of stretches from end to middle against the mean gap.
-const REACHES: [f64; 2] = [0.25, 0.5];
-/// Fewest stretches.
-const FEWEST: usize = 200;
-/// Most stretches of one length, about; of more contours some are looked at.
+/// Most chords of one length, about. Of more contours some are looked at. A limit of time.
 const MOST: f64 = 1e6;
 
 /// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
-pub fn growth(sheet: &Sheet<'_>) -> Option<f64> {
+pub fn growth(sheet: &Sheet<'_>, tuning: &RoughnessTuning) -> Option<f64> {
     let lines: Vec<Vec<DVec2>> = sheet.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
-    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap)
+    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap, tuning)
 }
 
-fn exponent(lines: &[&[DVec2]], gap: f64) -> Option<f64> {
-    let [near, far] = REACHES.map(|share| median_offset(lines, share * gap));
-    let ratio = (far? / near?).log2() / (REACHES[1] / REACHES[0]).log2();
+fn exponent(lines: &[&[DVec2]], gap: f64, tuning: &RoughnessTuning) -> Option<f64> {
+    let RoughnessTuning { chords, min_chords, .. } = *tuning;
+    let [near, far] = chords.map(|share| median_offset(lines, share * gap, min_chords));
+    let ratio = (far? / near?).log2() / (chords[1] / chords[0]).log2();
     ratio.is_finite().then_some(ratio)
 }
 
-/// Median offset of the middle of stretches from their chords.
-fn median_offset(lines: &[&[DVec2]], reach: f64) -> Option<f64> {
+/// Median offset of the middle of stretches from their chords; `None` of fewer than `fewest`.
+fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     let length = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let all: f64 = lines.iter().map(|line| length(line)).sum::<f64>() / reach;
     if !all.is_finite() {
@@ -56,7 +52,7 @@ fn median_offset(lines: &[&[DVec2]], reach: f64) -> Option<f64> {
             last = [last[1], Some(p)];
         });
     }
-    if offsets.len() < FEWEST {
+    if offsets.len() < fewest {
         return None;
     }
     let middle = offsets.len() / 2;
@@ -97,13 +93,15 @@ mod tests {
 
     #[test]
     fn smooth_lines_bend_with_the_square_and_rough_ones_do_not() {
+        let tuning = RoughnessTuning::default();
         let of = |jitter: f64| {
             let rings = rings(jitter);
-            exponent(&rings.iter().map(Vec::as_slice).collect::<Vec<_>>(), 10.0)
+            exponent(&rings.iter().map(Vec::as_slice).collect::<Vec<_>>(), 10.0, &tuning)
         };
         assert!((of(0.0).unwrap_or(0.0) - 2.0).abs() < 0.1, "{:?}", of(0.0));
         assert!(of(1.0).unwrap_or(9.0) < 0.5, "{:?}", of(1.0));
-        assert_eq!(exponent(&[], 1.0), None);
-        assert_eq!(exponent(&[&[DVec2::ZERO, DVec2::new(1e9, 0.0)]], 1.0), None, "no bend at all");
+        assert_eq!(exponent(&[], 1.0, &tuning), None);
+        let straight = [DVec2::ZERO, DVec2::new(1e9, 0.0)];
+        assert_eq!(exponent(&[&straight], 1.0, &tuning), None, "no bend at all");
     }
 }

@@ -4,36 +4,22 @@ use glam::DVec2;
 use rayon::prelude::*;
 use rstar::RTree;
 
-use super::builder::{SurfaceBuilder, TrialParams};
+use super::builder::TrialParams;
 use crate::base::Grid;
 use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::locate;
 use crate::skeleton::BreakLine;
-use crate::spline::{Knobs, NODES_A_GAP, Wanted, WorkingGrid, slopes, spline, working_grid};
+use crate::spline::{Knobs, Wanted, WorkingGrid, slopes, spline, working_grid};
 use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
 use crate::subdomains::Sheet;
 use crate::tin::NONE;
+use crate::tuning::TrialTuning;
 
-/// Most nodes of one grid of the whole map, and most vertices; above that, squares are cut out.
-const WHOLE: f64 = 150e3;
-/// Most nodes of the grid of a trial. Levels that are left may lie in a sliver of the map whose gaps ask for far smaller cells
-/// than the trial's.
+/// Most nodes of the grid of a trial: a limit of time. Levels that are left may lie in a sliver of the map whose gaps ask for far
+/// smaller cells than the trial's.
 const MOST_NODES: usize = 1_500_000;
-/// Nodes of a square at most,
-const SQUARE: f64 = 40e3;
-/// ... and vertices, in the mean of all squares.
-const VERTICES: f64 = 80e3;
-/// Number of squares.
-const SQUARES: usize = 4;
-/// Limits of the distance between levels at a place against the mean.
-const GAP_LIMITS: (f64, f64) = (0.05, 10.0);
-/// Closed contours that are not so many cells long would fit into one; they tell nothing at the size of a trial's cells.
-const DOT: f64 = 4.0;
-/// Vertices of the contours that are left, at most, to the width of a trial's cell. Where there are more, half of the work would
-/// be for detail that its grid does not show.
-const VERTICES_A_CELL: f64 = 4.0;
-/// The interval of the levels that are left may differ from twice the map's by this share.
+/// The interval of the levels that are left may differ from twice the map's by this share: a tolerance of rounding.
 const INTERVAL_SHARE: f64 = 1e-3;
 
 /// A map with a part of its levels hidden.
@@ -85,15 +71,16 @@ pub struct Missed {
 /// The parts are small, so that each is one task.
 pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
     let cell = cell(sheet, params, 2);
-    let mut parts = parts(sheet, params.frame, cell);
+    let mut parts = parts(sheet, params, cell);
+    let shortest = params.tuning.trials.min_ring_cells * cell;
     for (map, _) in &mut parts {
         // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
-        map.contours.retain(|c| !(c.is_closed() && c.length() < DOT * cell));
+        map.contours.retain(|c| !(c.is_closed() && c.length() < shortest));
     }
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
-        Some(trial((map, frame), left, sheet.interval, cell, params.builder)?.missed(knobs, params.builder))
+        Some(trial((map, frame), left, sheet.interval, cell, params)?.missed(knobs, params))
     });
     let each: Vec<[Vec<Missed>; N]> = missed.collect();
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
@@ -103,21 +90,23 @@ pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs
 ///
 /// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
 pub fn cell(sheet: &Sheet<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
-    let cell = working_grid(sheet, params.wanted).cell;
-    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / NODES_A_GAP)
+    let tuning = &params.tuning.spline.grid;
+    let cell = working_grid(sheet, params.wanted, tuning).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / tuning.nodes_per_spacing)
 }
 
 /// The whole map, or squares of a large one.
-pub fn parts(sheet: &Sheet<'_>, frame: &Frame, cell: f64) -> Vec<(ContourMap, Frame)> {
+pub fn parts(sheet: &Sheet<'_>, params: &TrialParams<'_>, cell: f64) -> Vec<(ContourMap, Frame)> {
+    let TrialTuning { whole_map_size, squares: most_squares, square_nodes, square_vertices, .. } = params.tuning.trials;
     let points = || sheet.map.contours.iter().flat_map(|c| c.points.iter().copied());
     let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
     let area = size.x * size.y;
     let vertices = points().count() as f64;
-    if area / (cell * cell) <= WHOLE && vertices <= WHOLE {
-        return vec![(sheet.map.clone(), frame.clone())];
+    if area / (cell * cell) <= whole_map_size && vertices <= whole_map_size {
+        return vec![(sheet.map.clone(), params.frame.clone())];
     }
-    let side = (SQUARE.sqrt() * cell).min((VERTICES * area / vertices).sqrt());
+    let side = (square_nodes.sqrt() * cell).min((square_vertices * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
     let step = size / count;
     // No more of them than vertices, however long and narrow the map.
@@ -129,7 +118,7 @@ pub fn parts(sheet: &Sheet<'_>, frame: &Frame, cell: f64) -> Vec<(ContourMap, Fr
     // From those with few contours to those with many, so that level ground and steep ground both have their say.
     let mut squares: Vec<(usize, [u32; 2])> = in_square.into_iter().map(|(at, count)| (count, at)).collect();
     squares.sort_unstable();
-    let take = squares.len().min(SQUARES);
+    let take = squares.len().min(most_squares);
     let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
     chosen.map(|[col, row]| square(sheet.map, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
 }
@@ -156,7 +145,7 @@ pub fn trial(
     left: Left,
     interval: Interval,
     cell: f64,
-    builder: &dyn SurfaceBuilder,
+    params: &TrialParams<'_>,
 ) -> Option<Trial> {
     let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
     // Auxiliary contours are hidden without being asked for: they are where they help most.
@@ -173,14 +162,14 @@ pub fn trial(
         ..ContourMap::default()
     };
     // With fewer vertices, lines that run close beside each other may come to cross.
-    let spacings = [cell / VERTICES_A_CELL, 0.0];
+    let spacings = [cell / params.tuning.trials.vertices_per_cell, 0.0];
     let subdivision = spacings.into_iter().find_map(|spacing| subdivide(known(spacing), frame, &()).ok())?.value;
     if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
     let places = sound(places, mended, subdivision.sheet().gap);
-    let (subdivision, break_lines) = builder.with_lines(subdivision)?;
-    let grid = working_grid(&subdivision.sheet(), Some(Wanted::Cell(cell)));
+    let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
+    let grid = working_grid(&subdivision.sheet(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
     if grid.len() > MOST_NODES {
         return None;
     }
@@ -223,10 +212,12 @@ fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
 impl Trial {
     /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
     /// places are the same for all.
-    fn missed<const N: usize>(&self, knobs: [Knobs; N], builder: &dyn SurfaceBuilder) -> [Vec<Missed>; N] {
+    fn missed<const N: usize>(&self, knobs: [Knobs; N], params: &TrialParams<'_>) -> [Vec<Missed>; N] {
+        let tuning = &params.tuning.spline;
+        let [nearest, furthest] = params.tuning.trials.spacing_limits;
         let grid = &self.grid;
         let triangles = locate(&self.subdivision.tin, grid, &());
-        let conditions = builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
+        let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
         let slopes = slopes(&conditions.guide, grid);
         let gap = conditions.gap;
         let asked = |place: &Place| {
@@ -239,13 +230,13 @@ impl Trial {
             let region = if triangles[n] == NONE { None } else { self.subdivision.regions.region(triangles[n]) }?;
             let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
             let local = self.subdivision.interval.step / f64::from(slopes[n]) / gap;
-            let local = if local.is_nan() { 1.0 } else { local.clamp(GAP_LIMITS.0, GAP_LIMITS.1) };
+            let local = if local.is_nan() { 1.0 } else { local.clamp(nearest, furthest) };
             inside.then_some(place.length * local * gap)
         };
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
         knobs.map(|knobs| {
-            let surface = spline(&conditions, &knobs, &());
-            let lacking = conditions.lacking_relief(&surface.heights);
+            let surface = spline(&conditions, &knobs, tuning, &());
+            let lacking = conditions.lacking_relief(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
             let missed = |(place, weight): (&Place, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
@@ -284,6 +275,8 @@ pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::spline::Conditions;
+    use crate::tuning::Tuning;
+    use crate::validate::SurfaceBuilder;
 
     struct ContoursAlone;
 
@@ -334,13 +327,14 @@ mod tests {
             ..ContourMap::default()
         };
         let cell = 10.0;
-        let thin = |c: &Contour| with_fewer_vertices(c, cell / VERTICES_A_CELL);
+        let thin = |c: &Contour| with_fewer_vertices(c, cell / 4.0);
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
         assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
         let left = Left { every: 2, phase: 0 };
-        let trial =
-            trial((&map, &Frame::Hull), left, interval, cell, &ContoursAlone).expect("all vertices are kept then");
+        let tuning = Tuning::default();
+        let params = TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning };
+        let trial = trial((&map, &Frame::Hull), left, interval, cell, &params).expect("all vertices are kept then");
         assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
     }

@@ -15,6 +15,7 @@ use tokosen::subdivision::{Subdivision, subdivide};
 use tokosen::subdomains::{Frame, Side};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 use tokosen::tin::VertexKind;
+use tokosen::tuning::SkeletonTuning;
 
 fn tiling_of(map: ContourMap) -> Subdivision {
     let map = clean(map, &CleanParams::default()).unwrap().value;
@@ -36,7 +37,7 @@ fn of_terrain(terrain: &Terrain) -> Subdivision {
 }
 
 fn lines_of(subdivision: &Subdivision, resolution: f64) -> Skeleton {
-    skeleton(&subdivision.tin, &subdivision.regions, resolution)
+    skeleton(&subdivision.tin, &subdivision.regions, resolution, &SkeletonTuning::default())
 }
 
 const SAMPLES: [&str; 8] = [
@@ -292,7 +293,7 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
             }
         }
         let points = lines_of(&subdivision, 1.0).axis.points;
-        let heights = axis_heights(tin, regions, &points);
+        let heights = axis_heights(tin, regions, &points, SkeletonTuning::default().top_reach);
         for (p, height) in points.iter().zip(heights) {
             let border = &borders[&p.region];
             let own = p.level.unwrap();

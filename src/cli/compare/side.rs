@@ -93,7 +93,7 @@ fn side_of_contours(
         Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.to_owned()) },
         None => args.grid.spec()?,
     };
-    let options = args.surface.options(Some(&grid), Triangles::Guide);
+    let options = args.surface.options(Some(&grid), Triangles::Guide)?;
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
     // Each side may have been worked on in a plane of its own.
     for finding in &mut terrain.findings {

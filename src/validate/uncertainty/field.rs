@@ -15,14 +15,6 @@ use crate::validate::builder::TrialParams;
 use crate::validate::choose::Chosen;
 use crate::validate::roughness;
 
-/// Ground between contours that are so many times further apart than in the mean is hardly known.
-const WIDE: f64 = 6.0;
-/// Contours were cut from the heights of the nodes where so much of their crossings with the edges is at vertices.
-const CUT_FROM_NODES: f64 = 0.9;
-
-/// Columns and rows on each side over which those crossings are averaged.
-const FIXING_REACH: usize = 2;
-
 /// The expected error of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorField {
@@ -49,17 +41,19 @@ pub fn error_field(
 ) -> ErrorField {
     let sheet = subdivision.sheet();
     let gap = sheet.gap;
-    let growth = roughness::growth(&sheet);
+    let tuning = &params.tuning.errors;
+    let growth = roughness::growth(&sheet, &params.tuning.roughness);
     let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
-    let model = ErrorModel::learn(&seen, growth, subdivision.interval.step, gap);
+    let model = ErrorModel::learn(&seen, growth, subdivision.interval.step, gap, params.tuning);
     drop(seen);
-    let grid = working.map_or_else(|| working_grid(&sheet, params.wanted), |w| w.grid);
+    let grid = working.map_or_else(|| working_grid(&sheet, params.wanted, &params.tuning.spline.grid), |w| w.grid);
     let triangles = locate(&subdivision.tin, &grid, &());
     let sides = sides(subdivision, &grid, &triangles);
     let guide = heights_at(&subdivision.tin, &grid, &triangles);
     drop(triangles);
     let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
-    let fixing = (sides.share_at_vertices > CUT_FROM_NODES).then(|| blurred(&sides.crossings, grid.cols, FIXING_REACH));
+    let fixing = (sides.share_at_vertices > tuning.min_share_at_vertices)
+        .then(|| blurred(&sides.crossings, grid.cols, tuning.fixing_reach));
     let at = |n: usize| {
         let Some(region) = subdivision.regions.regions.get(sides.regions[n] as usize) else {
             return (f32::NAN, f32::NAN, false);
@@ -70,15 +64,16 @@ pub fn error_field(
             return (f32::NAN, f32::NAN, false);
         }
         let between = distances.into_iter().all(f64::is_finite);
-        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n])));
+        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n]), tuning));
         let apart = working.map(|_| (height - f64::from(guide[n])).abs());
         let place =
             Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
-        let error = chosen.map_or(error, |c| c.knobs.error_left(error, band));
+        let error = chosen.map_or(error, |c| c.knobs.error_left(error, band, &params.tuning.spline));
         let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);
-        let inferred = region.water.is_none() && (place.climb.is_some() || distances[0] + distances[1] > WIDE * gap);
+        let inferred = region.water.is_none()
+            && (place.climb.is_some() || distances[0] + distances[1] > tuning.inferred_spacings * gap);
         (error as f32, reach as f32, inferred)
     };
     let mut all = ErrorField {

@@ -18,52 +18,10 @@
 //! that share is what the surface from half of the levels missed its tops by.
 
 use super::places::Seen;
+use crate::tuning::{ErrorTuning, Tuning};
 
-/// Fewest places that a lesson is taken from.
-const FEWEST: usize = 200;
-/// Fewest places beyond the last contour.
-const FEWEST_TOPS: usize = 50;
-/// Classes of width, of equal area.
-const CLASSES: usize = 8;
-/// Shares of errors that lie within one and two standard errors.
+/// Shares of errors that lie within one and two standard errors: those of a normal distribution, rounded.
 const WITHIN: [f64; 2] = [0.68, 0.95];
-/// How much of the standard error, on a logarithmic scale, the second figure tells where errors have no tails.
-const BY_TWO: f64 = 0.6;
-/// The second figure over the first, where tails are as heavy as one standard error may take.
-const TAIL: f64 = 2.7;
-/// The largest error against the width of the band, in the same sense as the standard error: that of a height about which
-/// nothing but the band is known.
-const UNKNOWN: f64 = 0.35;
-/// Errors at hidden contours, half-way between others, against those all over the ground that the law makes of them: of the smooth
-/// surface, and of triangles alone.
-const SHRINK: f64 = 0.9;
-const SHRINK_OF_TRIANGLES: f64 = 0.95;
-/// Limits of the power that error grows with.
-const GROWTHS: (f64, f64) = (0.5, 2.0);
-/// ... and what it is where contours do not tell.
-const USUAL_GROWTH: f64 = 1.5;
-/// Gaps against the mean one from which on ground is level for the interval, and where it is altogether: the error there is a
-/// share of the band, whatever the power.
-const LEVEL: (f64, f64) = (2.0, 6.0);
-/// Power of the product of both distances against that of the width.
-const PROFILE: f64 = 0.55;
-/// Distances from a single contour count as so much width.
-const ALONE: f64 = 3.0;
-/// Limits of the share of a climb that is error, and what it is where there are no tops to learn from.
-const SHARES: (f64, f64) = (0.2, 0.8);
-const USUAL_SHARE: f64 = 0.5;
-/// Error half-way between contours that are as far apart as in the mean, against the interval, where nothing can be hidden.
-const USUAL_ERROR: f64 = 0.08;
-/// ... and the power of the width that it grows with.
-const USUAL_POWER: f64 = 0.7;
-/// Factor on the error where the smooth surface and the triangles are the same, what it grows by where they are one standard error
-/// apart, and how many count at most.
-const DOUBT: [f64; 3] = [0.65, 0.42, 2.2];
-/// Crossings a node of contours that were cut from the nodes' own heights at which these begin to be fixed, with which power
-/// that goes, and the least that is left of the error then.
-const FIXING: f64 = 0.765;
-const FIXING_POWER: f64 = 5.0;
-const LEAST_LEFT: f64 = 0.15;
 
 /// Where the error came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +47,7 @@ pub struct ErrorModel {
     /// Logarithms of width (map units) and of the standard error half-way (metres), ascending in width.
     curve: Vec<[f64; 2]>,
     interval: f64,
+    tuning: ErrorTuning,
 }
 
 /// What is known about a place.
@@ -107,17 +66,22 @@ pub struct Known {
 impl ErrorModel {
     /// Learns from what was seen. `growth` is that of the contours, `interval` in metres, `gap` the mean distance between
     /// contours.
-    pub fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64) -> Self {
-        let growth = growth.unwrap_or(USUAL_GROWTH).clamp(GROWTHS.0, GROWTHS.1);
+    pub fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64, tuning: &Tuning) -> Self {
+        let (growth, fewest, tuning) = (tuning.roughness.power(growth), tuning.trials.min_places, tuning.errors);
+        let [least_share, most_share] = tuning.climb_share_limits;
         let (mut between, mut beyond): (Vec<Seen>, Vec<Seen>) = seen.iter().partition(|s| s.width().is_finite());
         between.retain(|s| s.width() > 0.0);
-        let usual = Self { lesson: Lesson::Usual, growth, beyond: USUAL_SHARE, curve: usual(interval, gap), interval };
-        if between.len() < FEWEST {
+        let beyond_usual = tuning.usual_climb_share;
+        let curve = usual(interval, gap, &tuning);
+        let usual = Self { lesson: Lesson::Usual, growth, beyond: beyond_usual, curve, interval, tuning };
+        if between.len() < fewest {
             return usual;
         }
         let share = quantile(&mut beyond, |s| s.length, WITHIN[0]) / interval;
-        let beyond = if beyond.len() < FEWEST_TOPS { USUAL_SHARE } else { share.clamp(SHARES.0, SHARES.1) };
-        let curve = classes(&mut between).into_iter().map(|class| point(class, growth, interval, gap)).collect();
+        let is_known = beyond.len() >= tuning.min_top_places;
+        let beyond = if is_known { share.clamp(least_share, most_share) } else { beyond_usual };
+        let classes = classes(&mut between, tuning.width_classes, fewest);
+        let curve = classes.into_iter().map(|class| point(class, growth, interval, gap, &tuning)).collect();
         Self { lesson: Lesson::Hidden { places: between.len() }, beyond, curve, ..usual }
     }
 
@@ -128,7 +92,7 @@ impl ErrorModel {
         let near = below.min(above);
         let most = (place.band[1] - place.band[0]) / 2.0;
         if !near.is_finite() {
-            return UNKNOWN.min(0.5) * 2.0 * most;
+            return self.tuning.unknown.min(0.5) * 2.0 * most;
         }
         if near <= 0.0 {
             return 0.0;
@@ -137,15 +101,15 @@ impl ErrorModel {
             Some((climb, upwards)) => {
                 let (contour, other) = if upwards { (below, above) } else { (above, below) };
                 let open = if other.is_finite() { other / (contour + other) } else { 1.0 };
-                (self.beyond * climb.abs() * open).max(self.halfway(ALONE * near, self.growth))
+                (self.beyond * climb.abs() * open).max(self.halfway(self.tuning.lone_contour_width * near, self.growth))
             }
             None => {
                 let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
                 let profile = profile(place.sides);
-                let tied = self.halfway(width, 0.0) * profile.powf(PROFILE * self.growth);
+                let tied = self.halfway(width, 0.0) * profile.powf(self.tuning.profile_power * self.growth);
                 let error = tied.max(self.halfway(profile * width, self.growth));
                 // The usual error is that of both guesses.
-                let doubt = if self.lesson == Lesson::Usual { 1.0 } else { doubt(place.apart, error) };
+                let doubt = if self.lesson == Lesson::Usual { 1.0 } else { doubt(place.apart, error, &self.tuning) };
                 fixed * error * doubt
             }
         };
@@ -166,7 +130,7 @@ impl ErrorModel {
             let ([xa, ya], [xb, yb]) = (self.curve[next - 1], self.curve[next]);
             ya + (yb - ya) * (at - xa) / (xb - xa).max(f64::MIN_POSITIVE)
         };
-        log.exp().min(UNKNOWN * self.interval)
+        log.exp().min(self.tuning.unknown * self.interval)
     }
 }
 
@@ -177,61 +141,66 @@ fn profile([below, above]: [f64; 2]) -> f64 {
 }
 
 /// Factor on an error for the distance between two guesses; 1 where there is but one.
-fn doubt(apart: Option<f64>, error: f64) -> f64 {
+fn doubt(apart: Option<f64>, error: f64, tuning: &ErrorTuning) -> f64 {
     let Some(apart) = apart else { return 1.0 };
-    let [least, growth, most] = DOUBT;
+    let ErrorTuning { agreement_factor, disagreement_slope, max_disagreement, .. } = *tuning;
     let times = apart / error;
-    least + if times.is_nan() { 0.0 } else { growth * times.min(most) }
+    agreement_factor + if times.is_nan() { 0.0 } else { disagreement_slope * times.min(max_disagreement) }
 }
 
 /// What is left of the error of nodes whose own heights the contours were cut from, with so many crossings a node around:
 /// every crossing of an edge is an equation, and where there are about as many of these as nodes, little is left open.
-pub fn left(crossings: f64) -> f64 {
-    (1.0 / (1.0 + (crossings / FIXING).powf(FIXING_POWER)).sqrt()).max(LEAST_LEFT)
+pub fn left(crossings: f64, tuning: &ErrorTuning) -> f64 {
+    let ErrorTuning { fixing_crossings, fixing_power, min_left, .. } = *tuning;
+    (1.0 / (1.0 + (crossings / fixing_crossings).powf(fixing_power)).sqrt()).max(min_left)
 }
 
 /// The curve where nothing can be hidden.
-fn usual(interval: f64, gap: f64) -> Vec<[f64; 2]> {
-    let at = |wide: f64| [(wide * gap).ln(), (USUAL_ERROR * interval * wide.powf(USUAL_POWER)).ln()];
+fn usual(interval: f64, gap: f64, tuning: &ErrorTuning) -> Vec<[f64; 2]> {
+    let ErrorTuning { usual_error, usual_width_power, .. } = *tuning;
+    let at = |wide: f64| [(wide * gap).ln(), (usual_error * interval * wide.powf(usual_width_power)).ln()];
     vec![at(0.1), at(10.0)]
 }
 
-/// The places in classes of width that stand for equal areas.
-fn classes(between: &mut [Seen]) -> Vec<Vec<Seen>> {
+/// The places in `count` classes of width that stand for equal areas; without those of fewer places than their part of `fewest`.
+fn classes(between: &mut [Seen], count: usize, fewest: usize) -> Vec<Vec<Seen>> {
     between.sort_by(|a, b| a.width().total_cmp(&b.width()));
     let area = |s: &Seen| s.length * s.width();
     let all: f64 = between.iter().map(area).sum();
-    let mut classes: Vec<Vec<Seen>> = vec![Vec::new(); CLASSES];
+    let mut classes: Vec<Vec<Seen>> = vec![Vec::new(); count];
     let mut sum = 0.0;
     for seen in between.iter() {
-        let class = (sum / all * CLASSES as f64) as usize;
-        classes[class.min(CLASSES - 1)].push(*seen);
+        let class = (sum / all * count as f64) as usize;
+        classes[class.min(count - 1)].push(*seen);
         sum += area(seen);
     }
     // A class of very few wide gaps tells too little.
-    classes.retain(|class| class.len() >= FEWEST / CLASSES);
+    classes.retain(|class| class.len() >= fewest / count);
     classes
 }
 
 /// Width and error of a class, carried from twice the interval to the interval; `gap` is the mean distance between contours.
-fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64) -> [f64; 2] {
+fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64, tuning: &ErrorTuning) -> [f64; 2] {
+    let ErrorTuning { two_sigma_weight, max_tail, unknown, .. } = *tuning;
+    let [level_from, level_at] = tuning.level_spacings;
     let width = class[class.len() / 2].width();
     let area = |s: &Seen| s.length * s.width();
     let usual = quantile(&mut class, area, WITHIN[0]);
-    class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual));
+    class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual, tuning));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
     let error = if class.iter().all(|s| s.apart.is_none()) {
-        SHRINK_OF_TRIANGLES * one.max(two / TAIL)
+        tuning.hidden_to_all_triangles * one.max(two / max_tail)
     } else {
         // Between what both figures tell; what the first does, where tails are heavy.
-        SHRINK * (one.powf(1.0 - BY_TWO) * (two / 2.0).powf(BY_TWO)).min(one).max(two / TAIL)
+        let both = one.powf(1.0 - two_sigma_weight) * (two / 2.0).powf(two_sigma_weight);
+        tuning.hidden_to_all * both.min(one).max(two / max_tail)
     };
-    let level = ((width / 2.0 / gap / LEVEL.0).ln() / (LEVEL.1 / LEVEL.0).ln()).clamp(0.0, 1.0);
+    let level = ((width / 2.0 / gap / level_from).ln() / (level_at / level_from).ln()).clamp(0.0, 1.0);
     let growth = growth + level * (growth.min(1.0) - growth);
     // An error that fills the band is the same share of every band; a small one falls with its power.
-    let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * UNKNOWN);
-    let free = share / (1.0 - (share / UNKNOWN).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
-    let share = free / (1.0 + (free / UNKNOWN).powi(2)).sqrt();
+    let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * unknown);
+    let free = share / (1.0 - (share / unknown).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
+    let share = free / (1.0 + (free / unknown).powi(2)).sqrt();
     [(width / 2.0).ln(), (interval * share).ln()]
 }
 
@@ -251,6 +220,10 @@ fn quantile(seen: &mut [Seen], weight: impl Fn(&Seen) -> f64, share: f64) -> f64
 mod tests {
     use super::*;
 
+    fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64) -> ErrorModel {
+        ErrorModel::learn(seen, growth, interval, gap, &Tuning::default())
+    }
+
     /// Errors of all sizes up to `most`, in no order, on contours between others that are `width` apart.
     fn places(most: f64, width: f64) -> Vec<Seen> {
         let at = |k: i32| {
@@ -267,17 +240,17 @@ mod tests {
     #[test]
     fn errors_shrink_by_the_power_that_contours_bend_with() {
         for growth in [1.0, 1.5, 2.0] {
-            let model = ErrorModel::learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
+            let model = learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
             assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
             let halfway = model.error(&between(25.0, 25.0), 1.0);
-            let expected = 0.68 * SHRINK_OF_TRIANGLES * 0.5f64.powf(growth);
+            let expected = 0.68 * ErrorTuning::default().hidden_to_all_triangles * 0.5f64.powf(growth);
             assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
         }
     }
 
     #[test]
     fn errors_are_zero_on_contours_and_never_beyond_the_band() {
-        let model = ErrorModel::learn(&places(19.0, 100.0), None, 10.0, 50.0);
+        let model = learn(&places(19.0, 100.0), None, 10.0, 50.0);
         assert_eq!(model.error(&between(0.0, 50.0), 1.0), 0.0);
         let mut last = 0.0;
         for below in [0.1, 1.0, 5.0, 20.0] {
@@ -295,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_spot_height_ends_the_doubt_about_a_top() {
-        let model = ErrorModel::learn(&[], None, 10.0, 50.0);
+        let model = learn(&[], None, 10.0, 50.0);
         assert_eq!(model.lesson, Lesson::Usual);
         let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
         assert_eq!(model.error(&top(0.0), 1.0), 0.0);
@@ -304,8 +277,9 @@ mod tests {
 
     #[test]
     fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
+        let left = |crossings: f64| left(crossings, &ErrorTuning::default());
         assert!(left(0.3) > 0.99 && left(0.5) > 0.9 && left(1.0) < 0.5);
-        assert_eq!(left(9.0), LEAST_LEFT);
+        assert_eq!(left(9.0), 0.15);
     }
 
     #[test]
@@ -313,16 +287,18 @@ mod tests {
         // Errors in proportion to how far they are.
         let mut seen = places(1.0, 100.0);
         seen.iter_mut().for_each(|s| s.apart = Some(s.by));
-        let model = ErrorModel::learn(&seen, Some(1.0), 10.0, 50.0);
+        let model = learn(&seen, Some(1.0), 10.0, 50.0);
+        let tuning = ErrorTuning::default();
+        let [least, slope, most] = [tuning.agreement_factor, tuning.disagreement_slope, tuning.max_disagreement];
         let at = |apart: f64| model.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
-        assert!((at(0.0) / at(1e9) - DOUBT[0] / (DOUBT[0] + DOUBT[1] * DOUBT[2])).abs() < 1e-12);
+        assert!((at(0.0) / at(1e9) - least / (least + slope * most)).abs() < 1e-12);
         assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
         // Without the other guess there is one error for all.
-        let plain = ErrorModel::learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
+        let plain = learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
         assert!(at(0.0) < plain && plain < at(1e9));
         let contour = Known { apart: Some(1.0), ..between(0.0, 50.0) };
         assert_eq!(model.error(&contour, 1.0), 0.0);
-        let usual = ErrorModel::learn(&[], Some(1.0), 10.0, 50.0);
+        let usual = learn(&[], Some(1.0), 10.0, 50.0);
         let of_usual = |apart: f64| usual.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
         assert_eq!(of_usual(0.0), of_usual(1.0));
     }
@@ -330,7 +306,7 @@ mod tests {
     #[test]
     fn errors_on_level_ground_shrink_with_the_band_only() {
         let share = |gap: f64| {
-            let model = ErrorModel::learn(&places(1.0, 100.0), Some(2.0), 10.0, gap);
+            let model = learn(&places(1.0, 100.0), Some(2.0), 10.0, gap);
             model.error(&between(25.0, 25.0), 1.0)
         };
         assert!((share(50.0 / 7.0) / share(50.0) - 2.0).abs() < 0.05);

@@ -7,7 +7,7 @@ use crate::dem::locate;
 use crate::spline::{Knobs, spline};
 use crate::subdomains::Sheet;
 use crate::tin::NONE;
-use crate::validate::builder::{SurfaceBuilder, TrialParams};
+use crate::validate::builder::TrialParams;
 use crate::validate::trial::{Left, Place, Trial, between, cell, node, parts, trial};
 
 /// A place on a hidden contour.
@@ -35,22 +35,23 @@ impl Seen {
 pub fn seen(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: Option<Knobs>) -> Vec<Seen> {
     // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
     let cell = cell(sheet, params, 1);
-    let parts = parts(sheet, params.frame, cell);
+    let parts = parts(sheet, params, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
         let left = Left { every: 2, phase };
-        Some(of_trial(&trial((map, frame), left, sheet.interval, cell, params.builder)?, knobs, params.builder))
+        Some(of_trial(&trial((map, frame), left, sheet.interval, cell, params)?, knobs, params))
     });
     found.collect::<Vec<_>>().concat()
 }
 
-fn of_trial(trial: &Trial, knobs: Option<Knobs>, builder: &dyn SurfaceBuilder) -> Vec<Seen> {
+fn of_trial(trial: &Trial, knobs: Option<Knobs>, params: &TrialParams<'_>) -> Vec<Seen> {
     let Trial { subdivision, break_lines, places, grid } = trial;
     let triangles = locate(&subdivision.tin, grid, &());
     let sides = sides(subdivision, grid, &triangles);
-    let conditions = builder.conditions(subdivision, break_lines, grid, &triangles);
+    let conditions = params.builder.conditions(subdivision, break_lines, grid, &triangles);
     // Hidden contours all lie half-way, where heights are drawn to.
-    let smooth = knobs.map(|knobs| spline(&conditions, &Knobs { half_way: 0.0, ..knobs }, &()).heights);
+    let tuning = &params.tuning.spline;
+    let smooth = knobs.map(|knobs| spline(&conditions, &Knobs { half_way: 0.0, ..knobs }, tuning, &()).heights);
     let ask = |place: &Place| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use tokosen::skeleton::{BreakKind, skeleton};
 use tokosen::subdomains::LandformClass::{Basin, Bottom, Branching, Peak, RidgePeak, Tableland};
 use tokosen::subdomains::{LandformClass, landforms};
+use tokosen::tuning::SkeletonTuning;
 
 use super::sample::{Counts, Sample, sample};
 
@@ -63,7 +64,7 @@ fn mixture_at(sample: &Sample, x: f64, y: f64) -> [u32; 3] {
 /// so that one canyon may be two lines from a saddle on: lines that share a point count once.
 fn lines_at(sample: &Sample, x: f64, y: f64) -> (usize, usize) {
     let region = sample.region_at(x, y);
-    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0).lines;
+    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0, &SkeletonTuning::default()).lines;
     let own = |kind: BreakKind| {
         let mut groups: Vec<HashSet<[u64; 2]>> = Vec::new();
         for line in lines.iter().filter(|line| line.kind == kind && line.region == region) {

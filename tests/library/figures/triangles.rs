@@ -3,6 +3,7 @@
 use glam::DVec2;
 use tokosen::skeleton::{AxisPoint, axis_heights, skeleton};
 use tokosen::tin::TriangleKind;
+use tokosen::tuning::SkeletonTuning;
 
 use super::sample::{ORIGIN, Sample, sample};
 
@@ -81,7 +82,7 @@ fn figure_3a_a_junction_with_two_corners_on_one_line() {
         let found = sample.elimination(w);
         assert_eq!(found.eliminated[junction as usize], is_eliminated, "w = {w}");
         assert_eq!(found.dropped[spur as usize], is_eliminated, "w = {w}");
-        let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, w).lines;
+        let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, w, &SkeletonTuning::default()).lines;
         let in_spur = |p: &glam::DVec3| p.truncate().distance(ORIGIN) < 1e-6;
         assert_eq!(lines.iter().any(|line| line.points.iter().any(in_spur)), !is_eliminated, "w = {w}");
     }
@@ -142,8 +143,13 @@ fn figure_6_heights_along_a_ridge() {
             AxisPoint { position, level: Some(low), triangle: sample.triangle_at(place), region }
         })
         .collect();
-    let found = axis_heights(&sample.subdivision.tin, &sample.subdivision.regions, &points);
-    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0).lines;
+    let found = axis_heights(
+        &sample.subdivision.tin,
+        &sample.subdivision.regions,
+        &points,
+        SkeletonTuning::default().top_reach,
+    );
+    let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0, &SkeletonTuning::default()).lines;
     for (&(x, to_lower), height) in centres.iter().zip(found) {
         let wanted = (low * from_upper(x) + to_lower * high) / (from_upper(x) + to_lower);
         assert!((height - wanted).abs() < 1e-9, "at {x}: {height}, by hand {wanted}");

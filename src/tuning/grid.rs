@@ -1,0 +1,31 @@
+//! The working grid.
+
+use super::tuned;
+
+tuned! {
+    /// The size of the working grid's cells.
+    GridTuning {
+        /// Nodes per spacing.
+        ///
+        /// Refit: RMSE and time.
+        nodes_per_spacing: f64 = 6.0,
+        /// Nodes per mean segment of the contours, at most. What lies between two vertices is unknown.
+        ///
+        /// Refit: RMSE and time.
+        nodes_per_segment: f64 = 2.0,
+        /// Nodes per spacing, at least, however long the segments are.
+        ///
+        /// Refit: RMSE.
+        min_nodes_per_spacing: f64 = 3.0,
+        /// The grid of the height map is the working grid itself where its cells are at most this many times smaller than
+        /// the contours ask for. Otherwise the working grid has every second, third, ... of its rows and columns.
+        ///
+        /// Refit: RMSE and time.
+        max_times_finer: f64 = 8.0,
+        /// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several contours
+        /// cross the edges between nodes.
+        ///
+        /// Refit: RMSE and time, on coarse height maps.
+        max_spacings_per_cell: f64 = 2.0,
+    }
+}

@@ -1,0 +1,74 @@
+//! The tuned numbers of the surface and of its standard error, in one place.
+//!
+//! A tuned number has its value because results were best with it on maps with known heights, or because it is a fair trade
+//! of accuracy against time. It could be a little different. Numbers with a reason of their own stand where they are used:
+//! closed forms, tolerances of rounding, sizes of blocks, limits of memory.
+//!
+//! Each number is documented with its meaning, its unit, the values that were tried with their effect, and what refits it:
+//!
+//! | refit | what is wanted | how it is measured |
+//! |---|---|---|
+//! | RMSE | the smallest error of height maps of known ground | `scripts/sweep.py` |
+//! | shares | 68 % of the true errors within one standard error, 95 % within two | `scripts/sweep.py`, `scripts/calibration.py` |
+//! | time | the least time for an RMSE that hardly rises | `scripts/sweep.py` and `scripts/benchmark_speed.py` |
+//! | contours | the smallest distance of new contours from true ones | `scripts/score_contours.py` |
+//!
+//! The figures "tried" are those of [the guide's page](crate::guide::tuning). A *spacing* is the mean distance between
+//! neighbouring contours of the map; a *node* is one of the working grid.
+
+mod errors;
+mod grid;
+mod names;
+mod nodes;
+mod roughness;
+mod shrinkage;
+mod skeleton;
+mod spline;
+mod trials;
+
+pub use errors::ErrorTuning;
+pub use grid::GridTuning;
+pub use names::TuneError;
+pub use nodes::NodeTuning;
+pub use roughness::RoughnessTuning;
+pub use shrinkage::{GainTuning, ShrinkageTuning};
+pub use skeleton::SkeletonTuning;
+pub use spline::SplineTuning;
+pub use trials::TrialTuning;
+
+/// Declares a group of numbers: one line each with type and default value, which its documentation then states.
+macro_rules! tuned {
+    ($(#[$about:meta])* $group:ident { $($(#[$meaning:meta])* $name:ident: $kind:ty = $value:expr,)+ }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $group {
+            $($(#[$meaning])* #[doc = concat!("\n\nDefault: `", stringify!($value), "`.")] pub $name: $kind,)+
+        }
+
+        impl Default for $group {
+            fn default() -> Self {
+                Self { $($name: $value,)+ }
+            }
+        }
+    };
+}
+use tuned;
+
+tuned! {
+    /// All tuned numbers.
+    Tuning {
+        /// Ridge and canyon lines.
+        skeleton: SkeletonTuning = SkeletonTuning::default(),
+        /// The smooth surface.
+        spline: SplineTuning = SplineTuning::default(),
+        /// How rough contours are.
+        roughness: RoughnessTuning = RoughnessTuning::default(),
+        /// Trials with hidden levels, and the choice of hyper-parameters.
+        trials: TrialTuning = TrialTuning::default(),
+        /// The standard error.
+        errors: ErrorTuning = ErrorTuning::default(),
+        /// Triangles of the smooth surface.
+        nodes: NodeTuning = NodeTuning::default(),
+    }
+}

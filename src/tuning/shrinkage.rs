@@ -1,0 +1,53 @@
+//! Shrinkage of heights towards the middle of their band, and the curvature gain that follows.
+
+use super::tuned;
+
+tuned! {
+    /// Shrinkage towards the middle of the band.
+    ShrinkageTuning {
+        /// Largest shrinkage, as a share of the distance from the middle.
+        ///
+        /// Refit: RMSE.
+        max_share: f32 = 0.5,
+        /// Nodes from contour to contour where half of the variance of the error is left, because contours cross so many
+        /// edges between nodes.
+        ///
+        /// Refit: RMSE.
+        half_variance_nodes: f32 = 5.0,
+        /// How far distances between contours are averaged, spacings.
+        ///
+        /// Refit: RMSE; steps in the surface where the density of the contours changes.
+        spacing_reach: f64 = 0.5,
+        /// Distance from a node within which ground tells how uneven it is there, spacings.
+        ///
+        /// Refit: RMSE.
+        unevenness_reach: f64 = 1.0,
+        /// Power of distance between contours times unevenness that the variance of the error grows with.
+        ///
+        /// Refit: RMSE.
+        power: f32 = 0.7,
+        /// How far around a spot height the ground is known better, as a share of the distance between contours there.
+        ///
+        /// Refit: RMSE, on maps with spot heights.
+        spot_reach: f64 = 0.5,
+    }
+}
+
+tuned! {
+    /// Curvature gain: ridges get higher and valleys deeper than on a surface of minimum curvature.
+    GainTuning {
+        /// How far the surroundings of a node reach that its height is compared with, spacings.
+        ///
+        /// Refit: RMSE.
+        reach: f64 = 0.75,
+        /// Height above the surroundings where the gain is largest, as a share of the contour interval.
+        ///
+        /// Refit: RMSE.
+        peak: f32 = 0.1,
+        /// Share of the standard error that disappears where all of the gain is applied. It goes with the square of the
+        /// gain. From map to map it is between nothing and a quarter.
+        ///
+        /// Refit: shares.
+        error_reduction: f64 = 0.15,
+    }
+}

@@ -1,0 +1,27 @@
+//! Ridge and canyon lines.
+
+use super::tuned;
+
+tuned! {
+    /// Ridge and canyon lines and their heights.
+    SkeletonTuning {
+        /// Share of the band that a top without a spot height may use. Corners of the frame keep the default.
+        ///
+        /// Refit: RMSE of tops and pits.
+        top_reach: f64 = 0.9,
+        /// Least depth of a separate hollow below the pass to a deeper one, as a share of the band.
+        ///
+        /// Refit: RMSE.
+        hollow_depth: f64 = 0.1,
+        /// Slope of a level stretch of a line without a point above or below, as a share of the way to the edge of the
+        /// band.
+        ///
+        /// Refit: RMSE.
+        plateau_spread: f64 = 0.01,
+        /// Largest distance along the axis, from the tip of a bend, where a line from the other side of the contour is
+        /// joined, in widths of the bend.
+        ///
+        /// Refit: RMSE.
+        join_reach: f64 = 2.0,
+    }
+}
