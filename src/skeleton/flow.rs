@@ -6,7 +6,7 @@
 //!
 //! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *ways out* are the vertices
 //!    of the lower contour that it reaches. Without any they are the hollows: the lowest point, and each other low point
-//!    that lies deeper than a tenth of the band below the way over to a deeper one.
+//!    that lies deeper than a share of the band below the way over to a deeper one.
 //! 2. The network is flooded from its ways out, the lowest reachable point first. Every piece falls from the point that is
 //!    reached later to the one reached earlier. Two floods meet at a *saddle*, the highest point between two ways out.
 //! 3. A point's height becomes the mean of two: the highest of its own and all below it on the way down, and the lowest of

@@ -7,12 +7,10 @@
 
 use rayon::prelude::*;
 
-use super::blur::blurred;
+use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
 use crate::tuning::GainTuning;
 
-/// Passes of the mean over the surroundings. Two leave no steps where a node enters the square.
-const PASSES: usize = 2;
 /// Fewest nodes that the surroundings of a node reach. Where contours are closer, a lattice shows no bulges between them.
 const FEWEST: usize = 2;
 

@@ -15,15 +15,13 @@
 
 use rayon::prelude::*;
 
-use super::blur::blurred;
+use super::blur::{PASSES, blurred};
 use super::lattice::{Crossing, Lattice};
 use super::unevenness::unevenness;
 use crate::tuning::ShrinkageTuning;
 
 /// Variance of heights that are even over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
-/// Passes of the mean over distances between contours. Two leave no steps where a node enters the square.
-const PASSES: usize = 2;
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
 /// mean. `contour_density` is `spacing`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.

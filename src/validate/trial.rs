@@ -18,7 +18,7 @@ use crate::tuning::TrialTuning;
 
 /// Most nodes of the grid of a trial: a limit of time. Levels that are left may lie in a sliver of the map whose gaps ask for far
 /// smaller cells than the trial's.
-const MOST_NODES: usize = 1_500_000;
+const MOST_TRIAL_NODES: usize = 1_500_000;
 /// The interval of the levels that are left may differ from twice the map's by this share: a tolerance of rounding.
 const INTERVAL_SHARE: f64 = 1e-3;
 
@@ -174,7 +174,7 @@ pub fn trial(
     let places = sound(places, mended, subdivision.extent().spacing);
     let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
     let grid = working_grid(&subdivision.extent(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
-    if grid.len() > MOST_NODES {
+    if grid.len() > MOST_TRIAL_NODES {
         return None;
     }
     Some(Trial { subdivision, break_lines, places, grid })
