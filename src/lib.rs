@@ -16,7 +16,7 @@
 //! | [`Input::prepare`] | an input | the same, examined, repaired, cleaned, fitted and sampled |
 //! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
 //! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
-//! | [`crs::working_crs`], [`contour::reproject`] | a map in any coordinates | the same on a plane in metres, and the [`Places`](crs::Places) for the way back |
+//! | [`crs::working_crs`], [`contour::reproject`] | a map in any coordinates | the same on a plane in metres, and the [`Reprojection`](crs::Reprojection) for the way back |
 //! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
 //! | [`clean::clean`](fn@clean::clean) | a map | the same map made sound, and what was wrong with it |
 //! | [`resample::fit`](fn@resample::fit) | a clean map | a [`Fitted`](resample::Fitted) one: smooth lines within a tolerance |
@@ -37,7 +37,7 @@
 //! | [`dem::compare::compare`] | two height maps | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
 //! | [`dem::compare::difference`] | two height maps | a [`Dem`](dem::Dem) of their differences |
 //! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a page for people |
-//! | [`crs::Places::give_back`] | a coordinate reference system | the way of lines and areas out to it |
+//! | [`crs::Reprojection::from_working`] | a coordinate reference system | the way of lines and areas out to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
 //! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
@@ -46,7 +46,7 @@
 //! # Units and axes
 //!
 //! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
-//! Coordinates must not be degrees: [`crs::Places`] brings them to a plane and back. Higher ground lies on the right of every
+//! Coordinates must not be degrees: [`crs::Reprojection`] brings them to a plane and back. Higher ground lies on the right of every
 //! contour that comes out.
 //!
 //! # Examples

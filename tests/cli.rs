@@ -845,3 +845,21 @@ fn uncertainty_is_written_where_there_is_room_for_it() {
     let errors = tokosen::io::raster::read_standard_errors(&folder.path("dem.tif")).unwrap().unwrap();
     assert!(errors.values.iter().any(|error| *error > 0.0));
 }
+
+#[test]
+fn tuned_numbers_are_set_by_name() {
+    let folder = with_hill();
+    let dem = |name: &str, tuned: &str| format!("dem hill.geojson --cell 5 -o {name} {tuned}");
+    folder.succeeds(&dem("usual.tif", ""));
+    folder.succeeds(&dem("same.tif", "--tune spline.crease_weight=0.7"));
+    folder.succeeds(&dem("other.tif", "--tune trials.usual_tension=9 --tune spline.steps.1=61"));
+    let read = |name: &str| fs::read(folder.path(name)).unwrap();
+    assert_eq!(read("usual.tif"), read("same.tif"));
+    assert_ne!(read("usual.tif"), read("other.tif"));
+    folder.fails(
+        &dem("none.tif", "--tune spline.crease=1"),
+        USAGE,
+        &["spline.crease_weight = 0.7", "spline.steps.1 = 60"],
+    );
+    folder.fails(&dem("none.tif", "--tune spline.crease_weight=-1"), USAGE, &["spline.crease_weight", "0 or more"]);
+}

@@ -32,7 +32,7 @@ impl Folder {
             expected: None,
         };
         let lines = map.contours.iter().map(line).collect();
-        let layer = ContourLayer { name: "contours".into(), lines, beads: 0, stubs: 0 };
+        let layer = ContourLayer { name: "contours".into(), lines, artefact_rings: 0, dead_ends: 0 };
         let staged = StagedOutput::create(&self.path(name)).unwrap();
         write_contours(&staged, &[layer], map.crs.as_ref()).unwrap();
         staged.commit().unwrap();

@@ -15,7 +15,7 @@ use super::ground::Ground;
 use super::labels::Wrong;
 use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind, Proposal};
-use crate::subdomains::{Link, OpenEnd, Sight, line_starts};
+use crate::subdomains::{FrameExtension, OpenEnd, Sight, line_starts};
 use crate::tin::NONE;
 
 /// Links to the frame longer than so many times that of nine in ten ends stop short of it.
@@ -51,7 +51,7 @@ type Pair = [usize; 2];
 /// Finds gaps and open ends. Lines in `wrong` are told already; their ends are passed over.
 pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let ends = ground.ends;
-    let usual = usual_link(ends, ground.links);
+    let usual = usual_link(ends, ground.extensions);
     let far = far_from_frame(ground, usual);
     // As near to the frame as others that are linked to it.
     let is_outlying = |i: usize| usual > 0.0 && distance_to_frame(ground, ends[i].position) <= OUTLYING * usual;
@@ -72,7 +72,7 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
     }
 
     let pair_of = |edge: &[u32; 2]| Some([*end_at.get(&edge[0])?, *end_at.get(&edge[1])?]);
-    let mut bridged: Vec<Pair> = ground.gaps.bridges.iter().filter_map(pair_of).collect();
+    let mut bridged: Vec<Pair> = ground.gaps.closures.iter().filter_map(pair_of).collect();
     bridged.sort_unstable();
     for pair in bridged {
         if !pair.iter().all(|&end| is_outlying(end)) {
@@ -90,8 +90,8 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
             && !is_outlying(l.end)
             && !l.around.iter().any(|&r| graph.ragged[r as usize])
     });
-    let gates: Vec<Pair> = ground.gaps.gates.iter().filter_map(pair_of).collect();
-    let chains = chains(&loose, &gates, ends);
+    let barriers: Vec<Pair> = ground.gaps.barriers.iter().filter_map(pair_of).collect();
+    let chains = chains(&loose, &barriers, ends);
     for chain in chains.iter().filter(|c| c.len() >= CLIFF) {
         tell_cliff(ground, chain, judged);
         chain.iter().for_each(|end| {
@@ -100,7 +100,7 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
     }
 
     let sight = Sight::new(ground.map);
-    for pair in pairs(&loose, &gates, ends, ground.frame.diagonal()) {
+    for pair in pairs(&loose, &barriers, ends, ground.frame.diagonal()) {
         let [a, b] = pair.map(|i| &ends[i]);
         // A little short of the other end, so that its own line does not hide it.
         let before = b.position.lerp(a.position, 1e-6);
@@ -113,9 +113,9 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
 }
 
 /// How far nine in ten of the ends at the frame are linked to it at most, map units.
-fn usual_link(ends: &[OpenEnd], links: &[Link]) -> f64 {
-    let linked = links.iter().map(|l| l.end.distance(l.frame));
-    let on_frame = ends.iter().filter(|e| e.at_frame).count().saturating_sub(links.len());
+fn usual_link(ends: &[OpenEnd], extensions: &[FrameExtension]) -> f64 {
+    let linked = extensions.iter().map(|l| l.end.distance(l.frame));
+    let on_frame = ends.iter().filter(|e| e.at_frame).count().saturating_sub(extensions.len());
     let mut lengths: Vec<f64> = std::iter::repeat_n(0.0, on_frame).chain(linked).collect();
     lengths.sort_unstable_by(f64::total_cmp);
     lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(0.0)
@@ -123,8 +123,8 @@ fn usual_link(ends: &[OpenEnd], links: &[Link]) -> f64 {
 
 /// By end: whether it is linked to the frame over a way much longer than usual.
 fn far_from_frame(ground: &Ground, usual: f64) -> Vec<bool> {
-    let Ground { ends, links, frame, .. } = *ground;
-    let by_end: HashMap<[u64; 2], f64> = links.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
+    let Ground { ends, extensions, frame, .. } = *ground;
+    let by_end: HashMap<[u64; 2], f64> = extensions.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
     let least = (SHORT_OF_FRAME * usual).max(1e-3 * frame.diagonal());
     let length = |e: &OpenEnd| if e.at_frame { by_end.get(&bits(e.position)).copied().unwrap_or(0.0) } else { 0.0 };
     ends.iter().map(|e| length(e) > least).collect()
@@ -171,9 +171,9 @@ fn regions_around(ground: &Ground, end_at: &HashMap<u32, usize>) -> HashMap<usiz
 }
 
 /// Ends that gates between different levels chain together.
-fn chains(loose: &BTreeMap<usize, Loose>, gates: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
+fn chains(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
     let mut next: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for &[a, b] in gates {
+    for &[a, b] in barriers {
         if ends[a].elevation != ends[b].elevation && loose.contains_key(&a) && loose.contains_key(&b) {
             next.entry(a).or_default().push(b);
             next.entry(b).or_default().push(a);
@@ -197,17 +197,17 @@ fn chains(loose: &BTreeMap<usize, Loose>, gates: &[Pair], ends: &[OpenEnd]) -> V
 }
 
 /// The pairs of ends that belong together, the nearest and best aligned ones first.
-fn pairs(loose: &BTreeMap<usize, Loose>, gates: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
+fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
     let mut by_level: BTreeMap<u64, Vec<&Loose>> = BTreeMap::new();
     for l in loose.values() {
         by_level.entry(ends[l.end].elevation.to_bits()).or_default().push(l);
     }
-    let gates: HashSet<Pair> = gates.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+    let barriers: HashSet<Pair> = barriers.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     let mut candidates: Vec<(f64, Pair)> = Vec::new();
     for of_level in by_level.values().filter(|of_level| of_level.len() <= MOST_OF_LEVEL) {
         for (i, a) in of_level.iter().enumerate() {
             for b in &of_level[i + 1..] {
-                let gated = || gates.contains(&[a.end.min(b.end), a.end.max(b.end)]);
+                let gated = || barriers.contains(&[a.end.min(b.end), a.end.max(b.end)]);
                 if (a.around.iter().any(|r| b.around.contains(r)) || gated())
                     && let Some(cost) = gap_cost(&ends[a.end], &ends[b.end], diagonal)
                 {

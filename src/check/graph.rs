@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::grid::{Label, LevelGrid};
 use crate::contour::ContourMap;
-use crate::subdomains::{Gaps, Regions, line_starts, piece_of};
+use crate::subdomains::{GapEdges, Regions, line_starts, piece_of};
 use crate::tin::{NONE, Tin};
 
 /// Regions at the frame with so many gates lie beyond a ragged outline: they border on every level and tell nothing.
@@ -63,10 +63,10 @@ pub struct Graph {
 
 impl Graph {
     /// Gathers the borders of all sub-domains.
-    pub fn new(map: &ContourMap, tin: &Tin, regions: &Regions, gaps: &Gaps, grid: &LevelGrid) -> Self {
+    pub fn new(map: &ContourMap, tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> Self {
         let count = regions.regions.len();
         let stretches = stretches(map, tin, regions);
-        let (explained, ragged) = gates(tin, regions, gaps, grid);
+        let (explained, ragged) = barriers(tin, regions, gaps, grid);
         let label = |s: &Stretch| grid.label(map.contours[s.line as usize].elevation);
         let mut one_sided = vec![Vec::new(); count];
         let mut dangling = explained;
@@ -137,12 +137,12 @@ fn stretches(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<Stretch> {
 }
 
 /// By sub-domain: the levels whose lines end at a gate of it, and whether it lies beyond a ragged outline.
-fn gates(tin: &Tin, regions: &Regions, gaps: &Gaps, grid: &LevelGrid) -> (Vec<Vec<(Label, f64)>>, Vec<bool>) {
+fn barriers(tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> (Vec<Vec<(Label, f64)>>, Vec<bool>) {
     let count = regions.regions.len();
     let (mut explained, mut number) = (vec![Vec::new(); count], vec![0u32; count]);
-    if !gaps.gates.is_empty() {
+    if !gaps.barriers.is_empty() {
         for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-            for i in (0..3).filter(|&i| tin.is_gate(t, i)) {
+            for i in (0..3).filter(|&i| tin.is_barrier(t, i)) {
                 let region = regions.of_triangle[t as usize] as usize;
                 let heights = tin.edge(t, i).map(|v| tin.heights[v as usize]);
                 heights.iter().for_each(|&z| add(&mut explained[region], (grid.label(z), 0.0)));

@@ -1,7 +1,7 @@
 //! What checks look at: a map with its triangulation.
 
 use crate::contour::ContourMap;
-use crate::subdomains::{FrameRing, Gaps, Link, OpenEnd, Regions};
+use crate::subdomains::{FrameExtension, FrameRing, GapEdges, OpenEnd, Regions};
 use crate::tin::Tin;
 
 /// A triangulated map, as it is judged.
@@ -18,7 +18,7 @@ pub(crate) struct Ground<'a> {
     /// All ends of open contours.
     pub ends: &'a [OpenEnd],
     /// From ends to the frame.
-    pub links: &'a [Link],
+    pub extensions: &'a [FrameExtension],
     /// What closes the openings between ends.
-    pub gaps: &'a Gaps,
+    pub gaps: &'a GapEdges,
 }

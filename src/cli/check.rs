@@ -56,7 +56,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.map.read(console)?;
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
-    let back = args.to_crs.way(&input.places)?;
+    let back = args.to_crs.way(&input.reprojection)?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
     let judged = input.judge(console);

@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use tokosen::base::error::Finding;
 use tokosen::base::progress::{Progress, step};
-use tokosen::crs::Places;
+use tokosen::crs::Reprojection;
 
 /// The terminal, and how long each step took.
 pub struct Console {
     quiet: bool,
     pub verbose: bool,
     started: Instant,
-    places: OnceLock<Places>,
+    reprojection: OnceLock<Reprojection>,
     state: Mutex<State>,
 }
 
@@ -26,25 +26,27 @@ struct State {
 
 impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, started: Instant::now(), places: OnceLock::new(), state: Mutex::default() }
+        Self { quiet, verbose, started: Instant::now(), reprojection: OnceLock::new(), state: Mutex::default() }
     }
 
     /// From now on places in findings are on a plane, and told in the input's coordinates.
-    pub fn places_are(&self, places: &Places) {
+    pub fn set_reprojection(&self, reprojection: &Reprojection) {
         // The input is read once.
-        let _ = self.places.set(places.clone());
+        let _ = self.reprojection.set(reprojection.clone());
     }
 
     /// How the plane lies to the input's coordinates, once that is known.
-    pub fn places(&self) -> Option<&Places> {
-        self.places.get()
+    pub fn reprojection(&self) -> Option<&Reprojection> {
+        self.reprojection.get()
     }
 
     /// What a finding says, with its place in the input's coordinates.
     pub fn told(&self, finding: &Finding) -> String {
-        let Some(places) = self.places().filter(|places| !places.are_unmoved()) else { return finding.to_string() };
-        let decimals = if places.input_crs().is_some_and(|crs| crs.is_geographic()) { 7 } else { 3 };
-        match finding.place.and_then(|p| places.in_input(p)) {
+        let Some(reprojection) = self.reprojection().filter(|reprojection| !reprojection.are_unmoved()) else {
+            return finding.to_string();
+        };
+        let decimals = if reprojection.input_crs().is_some_and(|crs| crs.is_geographic()) { 7 } else { 3 };
+        match finding.place.and_then(|p| reprojection.in_input(p)) {
             Some(p) => format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y),
             None => finding.message.clone(),
         }

@@ -55,7 +55,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read()?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(Some(&output.grid), Triangles::Guide)?
+        ..args.surface.options(Some(&output.grid), Triangles::Reference)?
     };
     let terrain = job.build(&mut input, &args.surface, options)?;
     let dem = output.write(&terrain, console)?;

@@ -112,7 +112,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
 
     let mut input = job.read()?;
     input.findings.append(&mut findings);
-    let back = args.to_crs.way(&input.places)?;
+    let back = args.to_crs.way(&input.reprojection)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
         ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)?
@@ -221,11 +221,11 @@ fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
 fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
-    let beads = match layer.beads {
+    let artefact_rings = match layer.artefact_rings {
         0 => String::new(),
         n => format!("; {n} rings around single computed points left out"),
     };
-    let stubs = match layer.stubs {
+    let dead_ends = match layer.dead_ends {
         0 => String::new(),
         n => format!(
             "; {n} lines left out that ran into a contour of their own level, where contours are missing around it"
@@ -233,7 +233,7 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(
-        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{beads}{stubs})",
+        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{artefact_rings}{dead_ends})",
         layer.name,
         layer.lines.len() - new
     ));

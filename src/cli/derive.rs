@@ -219,7 +219,7 @@ impl DeriveArgs {
         let mut input = self.input.read(console)?;
         let grid = self.grid.spec()?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
-        let options = self.surface.options(Some(&grid), Triangles::Guide)?;
+        let options = self.surface.options(Some(&grid), Triangles::Reference)?;
         let terrain = build(&mut input, &self.surface, &options, console)?;
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);

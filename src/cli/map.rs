@@ -137,7 +137,7 @@ impl MapArgs {
         if let Some(path) = &self.points {
             input.read_spots(path, console)?;
         }
-        console.places_are(&input.places);
+        console.set_reprojection(&input.reprojection);
         Ok(input)
     }
 
@@ -160,6 +160,6 @@ impl MapArgs {
         if !map.spots.is_empty() {
             console.say(&format!("spots      {}", map.spots.len()));
         }
-        console.say(&format!("crs        {}", plane::describe(map, console.places())));
+        console.say(&format!("crs        {}", plane::describe(map, console.reprojection())));
     }
 }

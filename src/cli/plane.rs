@@ -2,7 +2,7 @@
 
 use clap::Args;
 use tokosen::contour::ContourMap;
-use tokosen::crs::{Crs, Places, Returner};
+use tokosen::crs::{Crs, FromWorking, Reprojection};
 
 use super::failure::Failure;
 
@@ -16,8 +16,8 @@ pub struct ToCrsArgs {
 
 impl ToCrsArgs {
     /// The way from the plane to the output.
-    pub fn way(&self, places: &Places) -> Result<Returner, Failure> {
-        Ok(places.give_back(self.to_crs.as_ref())?)
+    pub fn way(&self, reprojection: &Reprojection) -> Result<FromWorking, Failure> {
+        Ok(reprojection.from_working(self.to_crs.as_ref())?)
     }
 }
 
@@ -35,13 +35,13 @@ pub fn crs(text: &str) -> Result<Crs, String> {
 }
 
 /// The systems, for the summary.
-pub fn describe(map: &ContourMap, places: Option<&Places>) -> String {
+pub fn describe(map: &ContourMap, reprojection: Option<&Reprojection>) -> String {
     let label = |crs: Option<&Crs>| match (crs.and_then(|c| c.name()), crs.and_then(|c| c.epsg)) {
         (Some(name), Some(code)) if !name.starts_with("EPSG:") => format!("{name} (EPSG:{code})"),
         (Some(name), _) => name,
         (None, _) => "unknown".to_owned(),
     };
-    match places.filter(|places| !places.are_unmoved()) {
+    match reprojection.filter(|reprojection| !reprojection.are_unmoved()) {
         Some(places) => format!("{}, worked on in {}", label(places.input_crs()), label(places.working_crs())),
         None => label(map.crs.as_ref()),
     }

@@ -57,7 +57,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read()?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
-    let back = args.to_crs.way(&input.places)?;
+    let back = args.to_crs.way(&input.reprojection)?;
     let subdivision = job.subdivide(&mut input, &args.water)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
     let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);

@@ -74,7 +74,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
-    let back = args.to_crs.way(&input.places)?;
+    let back = args.to_crs.way(&input.reprojection)?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
     let subdivision = job.subdivide(&mut input, &args.water)?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
 use tokosen::surface::Surface;
-use tokosen::validate::{Chosen, Lesson, Reason};
+use tokosen::validate::{Chosen, Provenance, Reason};
 
 use super::console::Console;
 
@@ -90,11 +90,13 @@ pub fn surface(surface: &Surface, console: &Console) {
     }
     if let Some(errors) = &surface.errors {
         let model = &errors.model;
-        let lesson = match model.lesson {
-            Lesson::Hidden { places } => format!("from {places} places on hidden contours"),
-            Lesson::Usual => "that of usual terrain: there are too few levels to hide some and learn from them".into(),
+        let lesson = match model.provenance {
+            Provenance::Hidden { places } => format!("from {places} places on hidden contours"),
+            Provenance::Usual => {
+                "that of usual terrain: there are too few levels to hide some and learn from them".into()
+            }
         };
-        let valid: Vec<f64> = errors.errors.heights.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
+        let valid: Vec<f64> = errors.errors.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
         console.say(&format!("errors     standard error {} (root mean square), {lesson}", metres(mean)));
     }
@@ -108,17 +110,20 @@ fn chosen(chosen: &Chosen, console: &Console) {
         Reason::Hidden => "chosen by hiding every second level",
         Reason::FellBack => "the usual one: there are too few levels to hide some and choose by them",
     };
-    let noise = match chosen.knobs.noise {
+    let noise = match chosen.hyper_parameters.noise {
         noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
         _ => String::new(),
     };
     let others = match chosen.reason {
         Reason::Hidden => {
-            format!(", crease knee {:.2} and relief {:.2}", chosen.knobs.crease_knee, chosen.knobs.relief)
+            format!(
+                ", crease knee {:.2} and relief {:.2}",
+                chosen.hyper_parameters.crease_threshold, chosen.hyper_parameters.curvature_gain
+            )
         }
         _ => String::new(),
     };
-    console.say(&format!("tension    {:.2}{others}, {why}{noise}", chosen.knobs.tension));
+    console.say(&format!("tension    {:.2}{others}, {why}{noise}", chosen.hyper_parameters.tension));
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
         "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, drawn from an interval of {} m",

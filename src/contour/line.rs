@@ -57,8 +57,8 @@ pub struct ContourLayer {
     /// The lines, by elevation and then in a fixed order.
     pub lines: Vec<ContourLine>,
     /// New rings that were left out because they are smaller than what the contours can tell.
-    pub beads: usize,
+    pub artefact_rings: usize,
     /// New lines that were left out because they ran into a closed contour of their own level: contours are missing around
     /// it, so that the ground outside it is higher on one part and lower on another.
-    pub stubs: usize,
+    pub dead_ends: usize,
 }

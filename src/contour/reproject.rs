@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use super::map::ContourMap;
 use crate::base::error::{CrsNeed, Error, Report, Result};
-use crate::crs::{Crs, Places};
+use crate::crs::{Crs, Reprojection};
 
-/// Brings a map to the plane of a projected system, with the [`Places`] for the way back.
+/// Brings a map to the plane of a projected system, with the [`Reprojection`] for the way back.
 ///
 /// Coordinates are transformed, if the map's system is another one, and brought to whole micrometres. Vertices of contours
 /// come back bit for bit. Those that would fall together by rounding keep all their digits; those that fall together all
@@ -15,13 +15,13 @@ use crate::crs::{Crs, Places};
 /// # Errors
 /// [`Error::UnknownCrs`] if the map's system is not known, [`Error::Data`] if there is no way between the systems,
 /// [`Error::NoPlace`] if a vertex has no place on the plane.
-pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Places)>> {
+pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Reprojection)>> {
     let Some(input) = map.crs.take() else {
         return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });
     };
     let mut lines: Vec<&mut [DVec2]> = map.contours.iter_mut().map(|line| line.points.as_mut_slice()).collect();
     let mut others: Vec<DVec2> = map.spots.iter().map(|s| s.truncate()).chain(map.mended.iter().copied()).collect();
-    let Report { value: places, findings } = Places::project(&mut lines, &mut others, &input, working)?;
+    let Report { value: places, findings } = Reprojection::project(&mut lines, &mut others, &input, working)?;
     let (spots, mended) = others.split_at(map.spots.len());
     for (spot, place) in map.spots.iter_mut().zip(spots) {
         *spot = place.extend(spot.z);

@@ -33,4 +33,5 @@ pages! {
     speed = "speed.md",
     limits = "limits.md",
     library = "library.md",
+    tuning = "tuning.md",
 }

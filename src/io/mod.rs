@@ -34,7 +34,7 @@ use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
-use crate::crs::{Crs, Returner};
+use crate::crs::{Crs, FromWorking};
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
 use layer::{Layer, MovedShapes};
@@ -218,7 +218,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
 ///
 /// # Errors
 /// As [`write_layers`], and if a vertex has no place there.
-pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &Returner) -> Result<Vec<PathBuf>> {
+pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
     if back.is_identity() {
         return write_layers(out, layers, back.crs());
     }

@@ -11,7 +11,7 @@ use crate::base::memory::check;
 /// such as a file of which nothing but its length was written.
 const BEGINNING: u64 = 4096;
 /// Memory for a byte of text: the text itself, and about as much for what is read from it.
-const BYTES_A_BYTE: f64 = 2.0;
+const BYTES_PER_BYTE: f64 = 2.0;
 
 /// Reads a file that must be text, in any encoding without zero bytes. `known` tells from the beginning of a file that is
 /// none what it is instead. `memory` is how many bytes may be taken, if there is a limit.
@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path, memory: Option<u64>, known: fn(&[u8]) -> Option<
     }
     without_zeros(path, &bytes, 0)?;
     let remedy = "clip the map first, or save it as a GeoPackage";
-    check(BYTES_A_BYTE * length as f64, memory, format!("reading {} as a whole", path.display()), remedy)?;
+    check(BYTES_PER_BYTE * length as f64, memory, format!("reading {} as a whole", path.display()), remedy)?;
     bytes.reserve_exact(usize::try_from(length).unwrap_or(0).saturating_sub(bytes.len()));
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     Ok(bytes)

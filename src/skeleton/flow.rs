@@ -6,7 +6,7 @@
 //!
 //! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *ways out* are the vertices
 //!    of the lower contour that it reaches. Without any they are the hollows: the lowest point, and each other low point
-//!    that lies deeper than a tenth of the band below the way over to a deeper one.
+//!    that lies deeper than a share of the band below the way over to a deeper one.
 //! 2. The network is flooded from its ways out, the lowest reachable point first. Every piece falls from the point that is
 //!    reached later to the one reached earlier. Two floods meet at a *saddle*, the highest point between two ways out.
 //! 3. A point's height becomes the mean of two: the highest of its own and all below it on the way down, and the lowest of
@@ -144,7 +144,7 @@ impl Graph<'_> {
 
 /// What a piece leads to, seen from one of its ends in the direction of the flow. Points are meant by their turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Link {
+enum FrameExtension {
     /// A point further down.
     Below(usize),
     /// A point further up.
@@ -253,14 +253,14 @@ impl<'a> Network<'a> {
     }
 
     /// The pieces at the point of turn `k`, with their lengths.
-    fn links(&self, k: usize, turn: &'a [u32]) -> impl Iterator<Item = (Link, f64)> + '_ {
+    fn extensions(&self, k: usize, turn: &'a [u32]) -> impl Iterator<Item = (FrameExtension, f64)> + '_ {
         self.graph.around(self.order[k]).map(move |(end, length)| {
-            let link = match end {
-                End::Axis(q) if (turn[q as usize] as usize) < k => Link::Below(turn[q as usize] as usize),
-                End::Axis(q) => Link::Above(turn[q as usize] as usize),
-                End::Vertex(_) => self.way_out(end).map_or(Link::Source, Link::Out),
+            let extension = match end {
+                End::Axis(q) if (turn[q as usize] as usize) < k => FrameExtension::Below(turn[q as usize] as usize),
+                End::Axis(q) => FrameExtension::Above(turn[q as usize] as usize),
+                End::Vertex(_) => self.way_out(end).map_or(FrameExtension::Source, FrameExtension::Out),
             };
-            (link, length)
+            (extension, length)
         })
     }
 }
@@ -279,25 +279,25 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
     let (mut downstream, mut upstream) = (vec![0.0f64; count], vec![0.0f64; count]);
     let (mut highest, mut lowest) = (own.clone(), own);
     for k in 0..count {
-        for (link, length) in network.links(k, turn) {
-            match link {
-                Link::Below(j) => {
+        for (extension, length) in network.extensions(k, turn) {
+            match extension {
+                FrameExtension::Below(j) => {
                     downstream[k] = downstream[k].max(length + downstream[j]);
                     highest[k] = highest[k].max(highest[j]);
                 }
-                Link::Out(_) => downstream[k] = downstream[k].max(length),
+                FrameExtension::Out(_) => downstream[k] = downstream[k].max(length),
                 _ => {}
             }
         }
     }
     for k in (0..count).rev() {
-        for (link, length) in network.links(k, turn) {
-            match link {
-                Link::Above(j) => {
+        for (extension, length) in network.extensions(k, turn) {
+            match extension {
+                FrameExtension::Above(j) => {
                     upstream[k] = upstream[k].max(length + upstream[j]);
                     lowest[k] = lowest[k].min(lowest[j]);
                 }
-                Link::Source => upstream[k] = upstream[k].max(length),
+                FrameExtension::Source => upstream[k] = upstream[k].max(length),
                 _ => {}
             }
         }
@@ -308,8 +308,8 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
         ramps(network, turn, &mut heights);
         for k in 0..count {
             // Rounding may leave two points level that the ramp set apart.
-            for (link, _) in network.links(k, turn) {
-                if let Link::Below(j) = link
+            for (extension, _) in network.extensions(k, turn) {
+                if let FrameExtension::Below(j) = extension
                     && heights[k] <= heights[j]
                 {
                     heights[k] = heights[j].next_up();
@@ -336,17 +336,17 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let (mut above, mut below) = (f64::INFINITY, f64::NEG_INFINITY);
         while let Some(&k) = stretch.get(next) {
             next += 1;
-            for (link, _) in network.links(k, turn) {
-                match link {
-                    Link::Below(j) | Link::Above(j) if level[j] == height => {
+            for (extension, _) in network.extensions(k, turn) {
+                match extension {
+                    FrameExtension::Below(j) | FrameExtension::Above(j) if level[j] == height => {
                         if !std::mem::replace(&mut seen[j], true) {
                             stretch.push(j);
                         }
                     }
-                    Link::Below(j) => below = below.max(level[j]),
-                    Link::Above(j) => above = above.min(level[j]),
-                    Link::Out(out) => below = below.max(out),
-                    Link::Source => above = above.min(network.ceiling),
+                    FrameExtension::Below(j) => below = below.max(level[j]),
+                    FrameExtension::Above(j) => above = above.min(level[j]),
+                    FrameExtension::Out(out) => below = below.max(out),
+                    FrameExtension::Source => above = above.min(network.ceiling),
                 }
             }
         }
@@ -359,19 +359,19 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let top = if above.is_finite() { height.midpoint(above) } else { height + spread * (network.ceiling - height) };
         stretch.sort_unstable();
         for &k in &stretch {
-            for (link, length) in network.links(k, turn) {
-                match link {
-                    Link::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
-                    Link::Below(_) | Link::Out(_) => down[k] = down[k].max(length),
+            for (extension, length) in network.extensions(k, turn) {
+                match extension {
+                    FrameExtension::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
+                    FrameExtension::Below(_) | FrameExtension::Out(_) => down[k] = down[k].max(length),
                     _ => {}
                 }
             }
         }
         for &k in stretch.iter().rev() {
-            for (link, length) in network.links(k, turn) {
-                match link {
-                    Link::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
-                    Link::Above(_) | Link::Source => up[k] = up[k].max(length),
+            for (extension, length) in network.extensions(k, turn) {
+                match extension {
+                    FrameExtension::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
+                    FrameExtension::Above(_) | FrameExtension::Source => up[k] = up[k].max(length),
                     _ => {}
                 }
             }

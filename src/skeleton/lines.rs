@@ -169,7 +169,7 @@ fn what_ends(tin: &Tin, axis: &Axis, trunks: &Trunks, kind: BreakKind, place: Pl
 /// Why a line stops at the edge of a triangle: what lies in or beside that triangle.
 fn open_side(tin: &Tin, t: u32) -> Option<LineEnd> {
     let around = || (0..3).filter_map(|i| tin.across(t, i)).chain([t]);
-    let at_frame = |t: u32| (0..3).any(|i| tin.inner_neighbour(t, i).is_none() || tin.is_gate(t, i));
+    let at_frame = |t: u32| (0..3).any(|i| tin.inner_neighbour(t, i).is_none() || tin.is_barrier(t, i));
     let touches = |t: u32, kind| tin.triangles[t as usize].iter().any(|&v| tin.kinds[v as usize] == kind);
     if around().any(|t| at_frame(t) || touches(t, VertexKind::Frame)) {
         Some(LineEnd::Frame)

@@ -17,7 +17,7 @@ use crate::tin::Tin;
 use crate::validate::line_error;
 
 /// Bytes that a vertex of a new contour takes: while it is traced, in its layer, and while that is written.
-const BYTES_A_VERTEX: f64 = 64.0;
+const BYTES_PER_VERTEX: f64 = 64.0;
 
 /// Parameters of [`contour_layers`].
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +69,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     let crossings = crossings(&surface.tin, &levels);
     let what = format!("new contours at {} levels with about {crossings:.0} vertices", levels.len());
     let remedy = "choose a larger interval, or fewer levels, or a smaller frame";
-    memory::check(BYTES_A_VERTEX * crossings, params.memory, what, remedy)?;
+    memory::check(BYTES_PER_VERTEX * crossings, params.memory, what, remedy)?;
     let traced = slice(&surface.tin, &surface.regions, &levels, progress);
     let mut rings: HashMap<u64, HashSet<[u64; 2]>> = HashMap::new();
     for ring in map.contours.iter().filter(|c| c.is_closed()) {
@@ -89,19 +89,19 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             line(c.elevation, points, Source::Input, index(c.elevation))
         });
         let mut lines: Vec<ContourLine> = input.collect();
-        let (mut beads, mut stubs) = (0, 0);
+        let (mut artefact_rings, mut dead_ends) = (0, 0);
         for level in wanted {
             let Ok(k) = levels.binary_search_by(|l| l.total_cmp(level)) else { continue };
-            let bridges = surface.bridges.iter().filter(|(l, _)| l == level);
-            lines.extend(bridges.map(|(l, ends)| line(*l, ends.to_vec(), Source::Interpolated, index(*l))));
-            beads += traced[k].beads;
+            let closures = surface.closures.iter().filter(|(l, _)| l == level);
+            lines.extend(closures.map(|(l, ends)| line(*l, ends.to_vec(), Source::Interpolated, index(*l))));
+            artefact_rings += traced[k].artefact_rings;
             let ring = rings.get(&level.to_bits());
             let is_on_ring = |p: DVec2| ring.is_some_and(|vertices| vertices.contains(&bits(p)));
             let is_stub = |points: &&Vec<DVec2>| {
                 let (first, last) = (points[0], points[points.len() - 1]);
                 first != last && (is_on_ring(first) || is_on_ring(last))
             };
-            stubs += traced[k].lines.iter().filter(is_stub).count();
+            dead_ends += traced[k].lines.iter().filter(is_stub).count();
             let whole = traced[k].lines.iter().filter(|points| !is_stub(points));
             lines.extend(whole.map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
@@ -114,7 +114,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
                 };
             });
         }
-        ContourLayer { name: target.layer_name(), lines, beads, stubs }
+        ContourLayer { name: target.layer_name(), lines, artefact_rings, dead_ends }
     });
     Ok(layers.collect())
 }

@@ -31,7 +31,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Traces `levels` (ascending) through the triangulation, in map coordinates.
 ///
 /// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry a level,
-/// lines in a fixed order. Rings around a single computed vertex between two contours are not lines but beads of the
+/// lines in a fixed order. Rings around a single computed vertex between two contours are not lines but artefact_rings of the
 /// interpolation along a ridge or a gully; they are counted only.
 pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
@@ -67,12 +67,20 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             let mut visited = marks[own].lock().unwrap_or_else(PoisonError::into_inner);
             visited.resize(tin.len(), NONE);
             let level = levels[k];
-            let mut trace =
-                Trace { tin, heights, regions, ranges: &ranges, k: k as u32, level, visited: &mut visited, beads: 0 };
+            let mut trace = Trace {
+                tin,
+                heights,
+                regions,
+                ranges: &ranges,
+                k: k as u32,
+                level,
+                visited: &mut visited,
+                artefact_rings: 0,
+            };
             let lines = trace.lines(crossed.of(k - from));
-            let beads = trace.beads;
+            let artefact_rings = trace.artefact_rings;
             progress.advance(1);
-            Traced { lines, beads }
+            Traced { lines, artefact_rings }
         }));
         from = to;
     }
@@ -86,7 +94,7 @@ pub struct Traced {
     /// The lines, map coordinates.
     pub lines: Vec<Vec<DVec2>>,
     /// Rings around a single computed vertex, left out.
-    pub beads: usize,
+    pub artefact_rings: usize,
 }
 
 /// The heights of the vertices, those that differ from a level by rounding only being that level.
@@ -142,7 +150,7 @@ struct Trace<'a> {
     /// The last level that each triangle was visited for.
     visited: &'a mut [u32],
     /// Rings left out because they are smaller than what the contours can tell.
-    beads: usize,
+    artefact_rings: usize,
 }
 
 impl Trace<'_> {
@@ -232,7 +240,7 @@ impl Trace<'_> {
             }
         };
         match hub {
-            [Some(v), None] | [None, Some(v)] if closed && self.is_bead(first, v) => self.beads += 1,
+            [Some(v), None] | [None, Some(v)] if closed && self.is_bead(first, v) => self.artefact_rings += 1,
             _ => push_pieces(steps, closed, lines),
         }
     }

@@ -6,6 +6,9 @@ use rayon::prelude::*;
 /// number of threads.
 const STRIP: usize = 128;
 
+/// Passes of a mean that leave no edges where a node enters the rectangle: two make a tent of it.
+pub const PASSES: usize = 2;
+
 /// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let cols = cols.max(1);

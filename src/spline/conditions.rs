@@ -2,9 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::density::closeness;
+use super::density::contour_density;
 use super::lattice::{Crossing, Lattice};
-use super::{expected, relief};
+use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
 use crate::tuning::SplineTuning;
 
@@ -22,35 +22,36 @@ pub struct Conditions<'a> {
     /// Contour interval, metres.
     pub interval: f64,
     /// Mean distance between neighbouring contours, map units.
-    pub gap: f64,
+    pub spacing: f64,
     /// Lowest and highest heights, metres.
     pub bounds: [Vec<f32>; 2],
     /// Heights of the reference surface, whose slopes the tension draws to, metres.
-    pub guide: Vec<f32>,
+    pub reference: Vec<f32>,
     /// Whether water may stay at a node.
     pub hollows: Vec<bool>,
 }
 
 impl Conditions<'_> {
-    /// What bulges and hollows of a surface on the grid lack ([`relief::lacking`]) if it may be off by a metre half-way between
+    /// What bulges and hollows of a surface on the grid lack ([`curvature_gain::unit_gain`]) if it may be off by a metre half-way between
     /// contours in the mean.
-    pub fn lacking_relief(&self, heights: &[f32], tuning: &SplineTuning) -> Vec<f32> {
-        let Conditions { grid, gap, interval, bounds: [lo, hi], guide, .. } = self;
+    pub fn unit_curvature_gain(&self, heights: &[f32], tuning: &SplineTuning) -> Vec<f32> {
+        let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, .. } = self;
         let lattice = Lattice::of_grid(grid);
-        let closeness = closeness(guide, grid, *gap, *interval, tuning.density_rounds);
+        let contour_density = contour_density(reference, grid, *spacing, *interval, tuning.density_rounds);
         let spots = self.spot_crossings();
-        let variances = expected::variances(1.0, heights, &closeness, *gap, &lattice, &spots, &tuning.shrinkage);
-        relief::lacking(heights, [lo, hi], &variances, *gap, &lattice, *interval, &tuning.gain)
+        let variances =
+            shrinkage::variances(1.0, heights, &contour_density, *spacing, &lattice, &spots, &tuning.shrinkage);
+        curvature_gain::unit_gain(heights, [lo, hi], &variances, *spacing, &lattice, *interval, &tuning.gain)
     }
 
     /// Spot heights as crossings of the edges between nodes.
     pub(super) fn spot_crossings(&self) -> Vec<(Crossing, f64)> {
-        spot_crossings(&self.spots, &Lattice::of_grid(&self.grid), &self.guide)
+        spot_crossings(&self.spots, &Lattice::of_grid(&self.grid), &self.reference)
     }
 }
 
 /// Spot heights, carried along the reference surface to the edges north and south of each.
-fn spot_crossings(spots: &[DVec3], lattice: &Lattice, guide: &[f32]) -> Vec<(Crossing, f64)> {
+fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f32]) -> Vec<(Crossing, f64)> {
     let mut found = Vec::new();
     for spot in spots {
         let place = lattice.place(spot.truncate());
@@ -61,7 +62,7 @@ fn spot_crossings(spots: &[DVec3], lattice: &Lattice, guide: &[f32]) -> Vec<(Cro
         let (u, v) = (place.x - col, place.y - row);
         let node = row as usize * lattice.cols + col as usize;
         let below = node + lattice.cols;
-        let g = |n: usize| f64::from(guide[n]);
+        let g = |n: usize| f64::from(reference[n]);
         let north = g(node) * (1.0 - u) + g(node + 1) * u;
         let south = g(below) * (1.0 - u) + g(below + 1) * u;
         let here = north * (1.0 - v) + south * v;

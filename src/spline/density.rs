@@ -10,10 +10,10 @@ const GAP_LIMITS: (f64, f64) = (1e-3, 1e3);
 
 /// Mean gap between contours over the local one at each node, which is the interval over the guide's slope. `rounds` is that of
 /// [`SplineTuning::density_rounds`](crate::tuning::SplineTuning::density_rounds).
-pub fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64, rounds: usize) -> Vec<f32> {
-    let slopes = slopes(guide, grid);
+pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f64, rounds: usize) -> Vec<f32> {
+    let slopes = slopes(reference, grid);
     let relative = |s: &f32| {
-        let gaps = f64::from(*s) * gap / interval;
+        let gaps = f64::from(*s) * spacing / interval;
         if gaps.is_nan() { 1.0 } else { gaps.clamp(GAP_LIMITS.0, GAP_LIMITS.1) as f32 }
     };
     let mut factor: Vec<f32> = slopes.par_iter().map(relative).collect();
@@ -25,10 +25,10 @@ pub fn closeness(guide: &[f32], grid: &Grid, gap: f64, interval: f64, rounds: us
     factor
 }
 
-/// Tension at each node, per square of the eastward step: `k / (mean gap · local gap)`.
-pub fn tension(closeness: &[f32], grid: &Grid, gap: f64, k: f64) -> Vec<f32> {
-    let whole = k * (grid.cell.x / gap).powi(2);
-    closeness.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
+/// Tension at each node, per square of the eastward step: `k / (mean spacing · local spacing)`.
+pub fn tension(contour_density: &[f32], grid: &Grid, spacing: f64, k: f64) -> Vec<f32> {
+    let whole = k * (grid.cell.x / spacing).powi(2);
+    contour_density.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
 }
 
 /// A new value for every node that has all its neighbours.

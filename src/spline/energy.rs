@@ -117,7 +117,7 @@ pub struct Energy<'a> {
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],
     /// Heights whose first differences the surface is drawn to; level ground where NaN.
-    pub guide: Cow<'a, [f32]>,
+    pub reference: Cow<'a, [f32]>,
     /// Crossings on eastward and on southward edges.
     pub contours: [EdgeTerms; 2],
     /// Weight of the squared height itself at every node: draws the surface to 0.
@@ -229,7 +229,8 @@ impl Energy<'_> {
         let cols = self.size[0];
         let pull = |side: usize, n: usize, step: usize| {
             let weight = self.tension[side][n];
-            let fall = if weight > 0.0 { f64::from(self.guide[n]) - f64::from(self.guide[n + step]) } else { 0.0 };
+            let fall =
+                if weight > 0.0 { f64::from(self.reference[n]) - f64::from(self.reference[n + step]) } else { 0.0 };
             if fall.is_nan() { 0.0 } else { f64::from(weight) * fall }
         };
         // A difference that would leave the lattice has no weight, so that neighbours in the row before do no harm.
@@ -302,7 +303,7 @@ pub(super) mod tests {
             weights(&|i, j| i + 1 < cols && j + 1 < rows),
         ];
         let tension = [weights(&|i, _| i + 1 < cols), weights(&|_, j| j + 1 < rows)];
-        let guide = weights(&|_, _| true).into();
+        let reference = weights(&|_, _| true).into();
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
         let crossing =
             |node: usize, along: f64| (Crossing { node: node as u32, along, at_vertex: false }, 100.0 * along);
@@ -314,7 +315,7 @@ pub(super) mod tests {
             ),
             EdgeTerms::new(&[crossing(cols + 1, 0.75), crossing(1, 0.1)], CrossingWeight::even(3.0), &lattice),
         ];
-        Energy { size: [cols, rows], bending, tension, guide, contours, pull: 0.25 }
+        Energy { size: [cols, rows], bending, tension, reference, contours, pull: 0.25 }
     }
 
     /// The energy by its definition.
@@ -330,7 +331,7 @@ pub(super) mod tests {
             }
             for (k, step) in [1, cols].into_iter().enumerate() {
                 if e.tension[k][n] > 0.0 {
-                    let fall = f64::from(e.guide[n]) - f64::from(e.guide[n + step]);
+                    let fall = f64::from(e.reference[n]) - f64::from(e.reference[n + step]);
                     sum += f64::from(e.tension[k][n]) * (z[n] - z[n + step] - fall).powi(2);
                 }
             }

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::params::Wanted;
 use crate::base::Grid;
 use crate::contour::{SourceRaster, source_raster};
-use crate::subdomains::Sheet;
+use crate::subdomains::MapExtent;
 use crate::tuning::GridTuning;
 
 /// Most nodes. A limit of memory; the same on all machines, because the surface must not depend on them.
@@ -17,8 +17,8 @@ const BYTES_PER_NODE: f64 = 120.0;
 const BYTES_PER_CROSSING: f64 = 100.0;
 
 /// Mean distance between neighbouring vertices of contours, map units.
-fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
-    let contours = &sheet.map.contours;
+fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
+    let contours = &extent.map.contours;
     let length: f64 = contours.iter().map(|c| c.length()).sum();
     let segments: usize = contours.iter().map(|c| c.points.len().saturating_sub(1)).sum();
     length / segments.max(1) as f64
@@ -29,30 +29,30 @@ fn vertex_spacing(sheet: &Sheet<'_>) -> f64 {
 /// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
 /// each of its cells, or with every so many of them. Without one, it is the raster that the contours were cut from that takes
 /// its place, for that is where they tell heights; without that, cells on multiples of their size.
-pub fn working_grid(sheet: &Sheet<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
-    let (lo, hi) = sheet
+pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
+    let (lo, hi) = extent
         .frame
         .rings()
         .flatten()
         .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let gap = sheet.gap;
-    let cell = (gap / tuning.nodes_per_spacing)
-        .max((vertex_spacing(sheet) / tuning.nodes_per_segment).min(gap / tuning.min_nodes_per_spacing));
+    let spacing = extent.spacing;
+    let cell = (spacing / tuning.nodes_per_spacing)
+        .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
     let size = hi - lo;
     let least = (size.x * size.y / MOST_NODES).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());
     let wanted = match wanted {
         Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
         Some(Wanted::Cell(cell)) => Grid::on_multiples(lo, hi, cell),
-        _ => match source_raster(&sheet.map.contours) {
+        _ => match source_raster(&extent.map.contours) {
             Some(raster) => cells_of(&raster, lo, hi),
             None => return with_border(&Grid::on_multiples(lo, hi, cell)),
         },
     };
     let is = (wanted.cell.x * wanted.cell.y).sqrt();
     let cut = clipped(&wanted, lo, hi);
-    if is > tuning.max_spacings_per_cell * gap {
-        divided(&cut, odd_above(is / gap, cut.len() as f64))
+    if is > tuning.max_spacings_per_cell * spacing {
+        divided(&cut, odd_above(is / spacing, cut.len() as f64))
     } else if is >= cell / tuning.max_times_finer && (cut.len() as f64) <= MOST_NODES {
         cut
     } else {
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn contours_closer_than_nodes_count_by_their_crossings() {
         let grid = Grid { corner: DVec2::ZERO, cell: DVec2::splat(10.0), cols: 1_000, rows: 1_000 };
-        let lines = |gap: f64| bytes_on(&grid, 1e8 / gap);
+        let lines = |spacing: f64| bytes_on(&grid, 1e8 / spacing);
         assert_eq!(lines(60.0), 1.2e8);
         assert!(lines(0.01) > 1e11, "a thousand lines between two nodes");
     }

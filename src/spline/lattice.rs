@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::base::Grid;
 
-/// Nearer than this to a node, as a share of the edge, a crossing is at the node.
+/// Nearer than this to a node, as a share of the edge, a crossing is at the node: a tolerance of rounding.
 const AT_NODE: f64 = 1e-7;
 
 /// Nearer than this to an edge, in steps between nodes, a vertex is on it.

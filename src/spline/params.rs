@@ -1,6 +1,6 @@
 //! How the smooth surface is drawn: what the caller may set, and what is chosen from the data.
 
-use super::{expected, relief};
+use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
 use crate::tuning::SplineTuning;
 
@@ -28,26 +28,26 @@ pub struct SplineParams {
 
 /// What is chosen from the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Knobs {
+pub struct HyperParameters {
     /// See [`SplineParams::tension`].
     pub tension: f64,
     /// See [`SplineParams::noise`].
     pub noise: f64,
     /// The bending across ridge and canyon lines from which on it counts with its size, not its square, as a share of that
     /// elsewhere: less of it, and they are sharper.
-    pub crease_knee: f64,
+    pub crease_threshold: f64,
     /// Standard error half-way between two contours, metres, as hidden ones tell; 0 where it is not known. Heights are drawn
     /// from the levels towards the middle between them for it.
-    pub half_way: f64,
+    pub half_way_error: f64,
     /// By how much the relief of the surface is less than the ground's, as a share of that error, as hidden contours tell.
-    pub relief: f64,
+    pub curvature_gain: f64,
 }
 
-impl Knobs {
+impl HyperParameters {
     /// What is left of a standard error (metres) in a band of a height (metres), after shrinkage and curvature gain.
     pub(crate) fn error_left(&self, error: f64, height: f64, tuning: &SplineTuning) -> f64 {
         let SplineTuning { shrinkage, gain, .. } = tuning;
-        let error = if self.half_way > 0.0 { expected::left(error, height, shrinkage.max_share) } else { error };
-        relief::left(error, self.relief, gain.error_reduction)
+        let error = if self.half_way_error > 0.0 { shrinkage::left(error, height, shrinkage.max_share) } else { error };
+        curvature_gain::left(error, self.curvature_gain, gain.error_reduction)
     }
 }

@@ -39,7 +39,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         size: [cols, rows],
         bending: [nothing(), nothing(), nothing()],
         tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
-        guide: vec![f32::NAN; count].into(),
+        reference: vec![f32::NAN; count].into(),
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (residual_reach * residual_reach),
     };

@@ -8,9 +8,9 @@ use crate::base::Grid;
 use crate::tuning::SplineTuning;
 
 /// How much of the guide to take at each node: where the surface is a shelf or a bulge, less steep than the guide.
-pub fn shelves(heights: &[f32], guide: &[f32], grid: &Grid, tuning: &SplineTuning) -> Vec<f32> {
+pub fn shelves(heights: &[f32], reference: &[f32], grid: &Grid, tuning: &SplineTuning) -> Vec<f32> {
     let SplineTuning { shelf_share, shelf_reach, .. } = *tuning;
-    let (own, other) = (slopes(heights, grid), slopes(guide, grid));
+    let (own, other) = (slopes(heights, grid), slopes(reference, grid));
     let share = |(own, other): (&f32, &f32)| {
         let less = 1.0 - own / other.max(f32::MIN_POSITIVE);
         if less.is_nan() { 0.0 } else { shelf_share * less.clamp(0.0, 1.0) }

@@ -32,11 +32,11 @@ pub struct Problem<'a> {
     /// Ridge and canyon lines.
     pub creases: &'a [Vec<DVec2>],
     /// Where bending across those begins to count less, as a share of where it does elsewhere.
-    pub crease_knee: f64,
+    pub crease_threshold: f64,
     /// Lowest and highest heights.
     pub bounds: [Cow<'a, [f32]>; 2],
     /// Heights whose slopes the tension draws to.
-    pub guide: &'a [f32],
+    pub reference: &'a [f32],
     /// Tension at each node, per square of the step eastwards.
     pub tension: Vec<f32>,
     /// Weight of a crossing against a second difference on the finest lattice.
@@ -44,7 +44,7 @@ pub struct Problem<'a> {
     /// Contour interval, metres.
     pub interval: f64,
     /// Mean distance between neighbouring contours, map units.
-    pub gap: f64,
+    pub spacing: f64,
     /// Nodes where water may stay.
     pub hollows: &'a [bool],
     /// The tuned numbers.
@@ -65,7 +65,7 @@ struct Stage<'a> {
     /// 0 for the finest.
     depth: i32,
     bounds: [Cow<'a, [f32]>; 2],
-    guide: Cow<'a, [f32]>,
+    reference: Cow<'a, [f32]>,
     tension: Cow<'a, [f32]>,
 }
 
@@ -86,7 +86,7 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
         lattice: problem.lattice,
         depth: 0,
         bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
-        guide: Cow::Borrowed(problem.guide),
+        reference: Cow::Borrowed(problem.reference),
         tension: Cow::Borrowed(&problem.tension),
     };
     let coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
@@ -128,7 +128,13 @@ impl Stage<'_> {
         // Steps are twice as long, so that first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
         let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
-        Some(Stage { lattice, depth: self.depth + 1, bounds, guide: take(&self.guide).into(), tension: tension.into() })
+        Some(Stage {
+            lattice,
+            depth: self.depth + 1,
+            bounds,
+            reference: take(&self.reference).into(),
+            tension: tension.into(),
+        })
     }
 
     /// Its place in the arrays of [`SplineTuning`].
@@ -140,7 +146,7 @@ impl Stage<'_> {
     fn steps(&self, problem: &Problem<'_>, has_start: bool) -> usize {
         let step = problem.lattice.step;
         let SplineTuning { steps, steps_on_fine_grids, fine_grid_nodes_per_spacing, .. } = problem.tuning;
-        let is_fine = problem.gap / (step.x * step.y).sqrt() > *fine_grid_nodes_per_spacing;
+        let is_fine = problem.spacing / (step.x * step.y).sqrt() > *fine_grid_nodes_per_spacing;
         (if is_fine && has_start { steps_on_fine_grids } else { steps })[self.kind()]
     }
 
@@ -165,13 +171,13 @@ impl Stage<'_> {
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
         scale(&mut energy, &factors);
         if first.is_none() {
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_knee, &z);
+            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_knee, &z);
+            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
             tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval, tuning);
             energy.tension.clone_from(tension);
             scale(&mut energy, &factors);
@@ -266,7 +272,7 @@ impl Stage<'_> {
             size: [cols, rows],
             bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
             tension: std::array::from_fn(|side| (0..count).into_par_iter().map(|n| tension(side, n)).collect()),
-            guide: Cow::Borrowed(&self.guide),
+            reference: Cow::Borrowed(&self.reference),
             contours,
             pull: 0.0,
         };
@@ -357,21 +363,21 @@ mod tests {
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
         let lines = [1.3, 9.6].map(|x| [DVec2::new(x, 1.0), DVec2::new(x, -12.0)]);
         let hollows = vec![false; lattice.len()];
-        let guide = vec![0.0; lattice.len()];
+        let reference = vec![0.0; lattice.len()];
         let tuning = SplineTuning::default();
-        let heights = |gap: f64| {
+        let heights = |spacing: f64| {
             let problem = Problem {
                 lattice,
                 contours: &[(10.0, &lines[0]), (20.0, &lines[1])],
                 spots: Vec::new(),
                 creases: &[],
-                crease_knee: 0.1,
+                crease_threshold: 0.1,
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
-                guide: &guide,
+                reference: &reference,
                 tension: vec![0.0; lattice.len()],
                 contour_weight: CrossingWeight::even(100.0),
                 interval: 10.0,
-                gap,
+                spacing,
                 hollows: &hollows,
                 tuning: &tuning,
             };

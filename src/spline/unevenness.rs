@@ -2,11 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::blur::blurred;
+use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
-
-/// Sums are taken over a square, so often: the result then has no edges where a node enters it.
-const PASSES: usize = 2;
 
 /// At each node 1 - |mean slope|² / mean of |slope|², the slopes (vectors, rise over run) being those at most `reach` nodes
 /// around: 0 on a plane, 1 where as much goes up as down in every direction. 1 outside the frame, where heights are NaN.

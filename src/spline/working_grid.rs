@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use crate::base::Grid;
 
-/// Nearer than this to a node, in steps between nodes, is on it.
-const AT_NODE: f64 = 1e-6;
+/// Nearer than this to a node, in steps between nodes, is on it: a tolerance of rounding.
+const ON_NODE: f64 = 1e-6;
 
 /// Heights at the nodes of a working grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ impl WorkingGrid {
         let first = from.round();
         // Farther away they are not counted exactly.
         let is_near = first.abs().max_element() < f64::from(u32::MAX);
-        if grid.cell != self.grid.cell || !is_near || (from - first).abs().max_element() >= AT_NODE {
+        if grid.cell != self.grid.cell || !is_near || (from - first).abs().max_element() >= ON_NODE {
             return None;
         }
         let (first_col, first_row) = (first.x as i64, first.y as i64);
@@ -52,7 +52,7 @@ impl WorkingGrid {
         if !on_grid(col, row) {
             return f32::NAN;
         }
-        if (x - col).abs() < AT_NODE && (y - row).abs() < AT_NODE {
+        if (x - col).abs() < ON_NODE && (y - row).abs() < ON_NODE {
             return node(col, row);
         }
         let (c, r) = (x.floor(), y.floor());

@@ -6,12 +6,13 @@ use glam::DVec2;
 
 use super::known::known_regions;
 use super::spots::spots_outside_bands;
-use super::water::{Ponds, lake_finding, leave_out_vanished};
+use super::water::{WaterBodies, lake_finding, leave_out_vanished};
 use crate::base::error::{Finding, Result};
 use crate::contour::{ContourMap, Interval};
 use crate::geometry::Border;
 use crate::subdomains::{
-    FrameRing, Gaps, Link, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes, with_water,
+    FrameExtension, FrameRing, GapEdges, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes,
+    with_water,
 };
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 
@@ -21,13 +22,13 @@ pub(super) struct Constraints {
     /// The frame is a polygon: its edges go in too, because the convex hull of all points does not follow it.
     pub(super) is_polygon: bool,
     /// From open ends to the frame.
-    pub(super) links: Vec<Link>,
+    pub(super) extensions: Vec<FrameExtension>,
     /// Points nearer than this to each other are one.
     pub(super) tolerance: f64,
     /// Which of the map's spot heights are used.
     pub(super) spots: Vec<bool>,
     /// The lakes, with their shores.
-    pub(super) ponds: Ponds,
+    pub(super) water_bodies: WaterBodies,
     /// The level of the sea.
     pub(super) sea: Option<f64>,
 }
@@ -37,7 +38,7 @@ pub(super) struct Found {
     pub(super) triangulation: Triangulation,
     pub(super) tin: Tin,
     pub(super) regions: Regions,
-    pub(super) gaps: Gaps,
+    pub(super) gaps: GapEdges,
     /// About the sub-domains.
     pub(super) findings: Vec<Finding>,
 }
@@ -52,10 +53,11 @@ impl Constraints {
             hi = hi.max(p);
         }
         let mut input = TinInput::new([lo, hi], self.tolerance);
-        let links = self.links.iter().map(|link| (link.elevation, vec![link.end, link.frame]));
+        let extensions =
+            self.extensions.iter().map(|extension| (extension.elevation, vec![extension.end, extension.frame]));
         let contours = map.contours.iter().map(|c| (c.elevation, Cow::from(&c.points)));
-        let courses = contours.chain(links.map(|(level, points)| (level, Cow::from(points))));
-        self.ponds.push(&mut input, courses);
+        let courses = contours.chain(extensions.map(|(level, points)| (level, Cow::from(points))));
+        self.water_bodies.push(&mut input, courses);
         for spot in map.spots.iter().zip(&self.spots).filter(|(_, used)| **used).map(|(s, _)| s) {
             input.push(spot.truncate(), spot.z, VertexKind::Spot);
         }
@@ -82,16 +84,16 @@ impl Constraints {
             let mut triangulation = Triangulation::new(self.input(map, frame))?;
             let tin = self.within_frame(triangulation.tin()?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
-            let tin = self.ponds.mark(tin.with_gaps(&gaps.bridges, &gaps.gates));
+            let tin = self.water_bodies.mark(tin.with_gap_edges(&gaps.closures, &gaps.barriers));
             let (tin, report) = known_regions(tin, interval);
-            let heights = self.ponds.heights();
+            let heights = self.water_bodies.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);
-            let vanished = leave_out_vanished(&mut self.ponds, &tin);
+            let vanished = leave_out_vanished(&mut self.water_bodies, &tin);
             if !dry.is_empty() || !vanished.is_empty() {
                 findings.extend(vanished);
                 for (lake, place, band) in dry {
-                    findings.push(lake_finding(&self.ponds, lake, place, band));
-                    self.ponds.leave_out(lake);
+                    findings.push(lake_finding(&self.water_bodies, lake, place, band));
+                    self.water_bodies.leave_out(lake);
                 }
                 continue;
             }

@@ -1,11 +1,11 @@
 //! A map cut to its frame, with what has to be triangulated.
 
 use super::constraints::Constraints;
-use super::water::{Ponds, Water, sea_level};
+use super::water::{Water, WaterBodies, sea_level};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{Clipped, ContourMap, Interval, clip, find_interval};
 use crate::geometry::with_corners_at;
-use crate::subdomains::{Frame, FrameRing, OpenEnd, frame_ring, link_open_ends, links_at};
+use crate::subdomains::{Frame, FrameRing, OpenEnd, extend_open_ends, extensions_at, frame_ring};
 
 /// A map in its frame, ready to be triangulated.
 pub(crate) struct Prepared {
@@ -42,25 +42,26 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
     let sea = sea_level(water, &map, &mut findings)?;
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
     let tolerance = frame.tolerance();
-    let (ends, links) = link_open_ends(&map, &frame, tolerance);
+    let (ends, extensions) = extend_open_ends(&map, &frame, tolerance);
     let frame = match wanted {
         Frame::Hull | Frame::Box => frame,
-        Frame::Polygon(_) => frame.with_points(&links.iter().map(|l| l.frame).collect::<Vec<_>>()),
+        Frame::Polygon(_) => frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
-    let on_links = links_at(&map.spots, &links, tolerance);
-    for (spot, link) in map.spots.iter().zip(&on_links) {
-        if let Some(link) = link.filter(|link| link.elevation != spot.z) {
+    let on_links = extensions_at(&map.spots, &extensions, tolerance);
+    for (spot, extension) in map.spots.iter().zip(&on_links) {
+        if let Some(extension) = extension.filter(|extension| extension.elevation != spot.z) {
             let message = format!(
                 "the spot height {} m lies where the contour {} m leads on to the frame; it is left out",
-                spot.z, link.elevation
+                spot.z, extension.elevation
             );
             let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
-            findings.push(finding.of_elevations([spot.z, link.elevation]));
+            findings.push(finding.of_elevations([spot.z, extension.elevation]));
         }
     }
     let spots = on_links.iter().map(Option::is_none).collect();
-    let constraints = Constraints { is_polygon, links, tolerance, spots, ponds: Ponds::default(), sea };
+    let constraints =
+        Constraints { is_polygon, extensions, tolerance, spots, water_bodies: WaterBodies::default(), sea };
     Ok(Prepared { map, frame, interval, ends, constraints, findings })
 }
 

@@ -12,7 +12,7 @@ use crate::base::error::{Report, Result};
 use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge};
 use crate::contour::{ContourMap, Interval};
-use crate::subdomains::{Frame, FrameRing, Gaps, KeptBands, Outline, Regions, Sheet, sub_domains, with_water};
+use crate::subdomains::{Frame, FrameRing, GapEdges, KeptBands, MapExtent, Outline, Regions, sub_domains, with_water};
 use crate::tin::{Tin, TinInput, Triangulation};
 
 /// Triangles that one task looks at.
@@ -37,7 +37,7 @@ pub struct Subdivision {
     /// As [`Judged::doubted`].
     pub(crate) doubted: Vec<u32>,
     /// What closes the gaps between open ends.
-    pub(crate) gaps: Gaps,
+    pub(crate) gaps: GapEdges,
     constraints: Constraints,
     /// The triangulation itself, to which points can be added, until it is taken.
     pub(crate) triangulation: Triangulation,
@@ -80,10 +80,15 @@ impl Prepared {
         let mut found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         if !water.lakes.is_empty() {
             let ground = with_frame_heights(found.tin, &found.regions, &|_| None);
-            let shores =
-                Shores { map: &map, links: &constraints.links, frame: &frame, tin: &ground, regions: &found.regions };
-            let (ponds, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
-            (constraints.ponds, frame) = (ponds, with_ends);
+            let shores = Shores {
+                map: &map,
+                extensions: &constraints.extensions,
+                frame: &frame,
+                tin: &ground,
+                regions: &found.regions,
+            };
+            let (water_bodies, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+            (constraints.water_bodies, frame) = (water_bodies, with_ends);
             found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         }
         let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
@@ -94,7 +99,7 @@ impl Prepared {
             regions: &sub_domains,
             frame: &frame,
             ends: &ends,
-            links: &constraints.links,
+            extensions: &constraints.extensions,
             gaps: &gaps,
         };
         let Judged { findings: of_labels, corrections, doubted } = judge(&ground);
@@ -123,7 +128,7 @@ impl Prepared {
 
 impl Subdivision {
     /// What the triangles do not tell, with the area of the triangles inside the frame.
-    pub(crate) fn sheet(&self) -> Sheet<'_> {
+    pub(crate) fn extent(&self) -> MapExtent<'_> {
         let tin = &self.tin;
         let doubled = |t: u32| {
             let [a, b, c] = tin.corners(t);
@@ -135,12 +140,12 @@ impl Subdivision {
             (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
         });
         let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
-        Sheet::with_area(&self.map, &self.frame, self.interval, area)
+        MapExtent::with_area(&self.map, &self.frame, self.interval, area)
     }
 
     /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
     pub(crate) fn push_borders(&self, input: &mut TinInput) {
-        for &[u, v] in self.gaps.bridges.iter().chain(&self.gaps.gates) {
+        for &[u, v] in self.gaps.closures.iter().chain(&self.gaps.barriers) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
         for [u, v] in Outline::new(&self.tin).loose_edges() {
@@ -161,20 +166,20 @@ impl Subdivision {
         let kept = KeptBands::new(&tin, regions);
         let outline = Outline::new(&tin);
         // The first triangulation is a large part of the memory; with lakes it tells where they are.
-        let before = (!constraints.ponds.is_empty()).then_some(tin);
-        let tin = outline.applied(finer).with_gaps(&gaps.bridges, &gaps.gates);
+        let before = (!constraints.water_bodies.is_empty()).then_some(tin);
+        let tin = outline.applied(finer).with_gap_edges(&gaps.closures, &gaps.barriers);
         let tin = match before {
             Some(before) => tin.with_lakes_of(&before),
             None => tin,
         };
-        let is_dry = constraints.ponds.is_empty() && constraints.sea.is_none();
+        let is_dry = constraints.water_bodies.is_empty() && constraints.sea.is_none();
         let known = is_dry.then(|| kept.applied(&tin, sub_domains(&tin, &interval)));
         let (tin, regions) = match known {
             Some((regions, true)) => (tin, regions),
             // With water, and where constraints of the frame that hold no contour are in it again.
             _ => {
                 let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
-                let regions = with_water(regions, &tin, &constraints.ponds.heights(), constraints.sea);
+                let regions = with_water(regions, &tin, &constraints.water_bodies.heights(), constraints.sea);
                 let (regions, _) = kept.applied(&tin, regions);
                 (tin, regions)
             }

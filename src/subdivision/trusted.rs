@@ -4,7 +4,7 @@
 use super::Subdivision;
 use crate::check::{Correction, correct};
 use crate::contour::ContourMap;
-use crate::subdomains::Sheet;
+use crate::subdomains::MapExtent;
 
 impl Subdivision {
     /// The map with the elevations that are proposed for wrong labels, without the lines whose label is wrong though none is
@@ -32,7 +32,7 @@ impl Subdivision {
     }
 
     /// Another map in the same frame.
-    pub(crate) fn sheet_of<'a>(&'a self, map: &'a ContourMap) -> Sheet<'a> {
-        Sheet::new(map, &self.frame, self.interval)
+    pub(crate) fn extent_of<'a>(&'a self, map: &'a ContourMap) -> MapExtent<'a> {
+        MapExtent::new(map, &self.frame, self.interval)
     }
 }

@@ -153,7 +153,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                     add(level);
                     continue;
                 }
-                if tin.is_gate(t, i) {
+                if tin.is_barrier(t, i) {
                     tin.edge(t, i).iter().for_each(|&v| add(tin.heights[v as usize]));
                     at_gate = true;
                     continue;

@@ -91,7 +91,7 @@ impl Border {
         };
         if let Some(level) = tin.contour_level(t, i) {
             insert(&mut self.levels, level);
-        } else if tin.is_gate(t, i) {
+        } else if tin.is_barrier(t, i) {
             tin.edge(t, i).iter().for_each(|&v| insert(&mut self.levels, tin.heights[v as usize]));
             self.has_gate = true;
         }

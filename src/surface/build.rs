@@ -18,7 +18,7 @@ use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
 use crate::spline::{self, bytes_on, spline, working_grid};
 use crate::subdivision::{Prepared, Subdivision, prepare};
-use crate::subdomains::{Gaps, Regions, Sheet, Side};
+use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
 use crate::validate::{Chosen, TrialParams, choose, error_field};
 
@@ -40,20 +40,20 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
     let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning };
-    let choose = |sheet: &Sheet<'_>| choose(sheet, &params.spline, &trials);
+    let choose = |extent: &MapExtent<'_>| choose(extent, &params.spline, &trials);
     let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
-        || to_choose.map(|(map, frame)| choose(&Sheet::new(&map, &frame, interval))),
+        || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut subdivision, bridges, finer, findings } = found?;
+    let Triangulated { mut subdivision, closures, finer, findings } = found?;
     // That took all labels for right. Only now it is known which are not.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
-        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.sheet_of(map)) }),
+        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) }),
         None => chosen,
     };
     let mut break_lines = Vec::new();
@@ -64,15 +64,15 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
-        let grid = working_grid(&subdivision.sheet(), params.spline.wanted, &tuning.spline.grid);
+        let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
         let conditions = conditions(&subdivision, &break_lines, &grid, &triangles);
         progress.finish();
-        (Some(spline(&conditions, &chosen.knobs, &tuning.spline, progress)), triangles)
+        (Some(spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress)), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
-        let known = trusted.as_ref().map(|map| subdivision.sheet_of(map));
+        let known = trusted.as_ref().map(|map| subdivision.extent_of(map));
         let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), working.as_ref());
         progress.finish();
         errors
@@ -85,14 +85,14 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
-    let surface = Surface { map, tin, regions, bridges, break_lines, frame, interval, working, chosen, errors };
+    let surface = Surface { map, tin, regions, closures, break_lines, frame, interval, working, chosen, errors };
     Ok(Report { value: surface, findings })
 }
 
 /// The triangulated map, before the ridge and canyon lines are in it.
 struct Triangulated {
     subdivision: Subdivision,
-    bridges: Vec<(f64, [DVec2; 2])>,
+    closures: Vec<(f64, [DVec2; 2])>,
     /// Those lines and the triangulation with them, but for the linear surface. Their step is not finished.
     finer: Option<(Skeleton, Tin)>,
     findings: Vec<Finding>,
@@ -102,7 +102,7 @@ struct Triangulated {
 fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
     let Report { value: mut subdivision, findings } = prepared.subdivide(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
-        let grid = working_grid(&subdivision.sheet(), params.spline.wanted, &params.tuning.spline.grid);
+        let grid = working_grid(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid);
         let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
         let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
@@ -110,19 +110,19 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     }
     // A good part of the memory, so it goes where it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
-    let bridges = bridges(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
+    let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let finer = if params.kind == SurfaceKind::Linear {
         None
     } else {
         progress.start("ridge and canyon lines", 0);
         Some(finer(&subdivision, triangulation, params.resolution, &params.tuning.skeleton)?)
     };
-    Ok(Triangulated { subdivision, bridges, finer, findings })
+    Ok(Triangulated { subdivision, closures, finer, findings })
 }
 
 /// The bridges as lines, higher ground on their right.
-fn bridges(tin: &Tin, regions: &Regions, gaps: &Gaps) -> Vec<(f64, [DVec2; 2])> {
-    let mut wanted: HashSet<[u32; 2]> = gaps.bridges.iter().map(|&[u, v]| [u.min(v), u.max(v)]).collect();
+fn closures(tin: &Tin, regions: &Regions, gaps: &GapEdges) -> Vec<(f64, [DVec2; 2])> {
+    let mut wanted: HashSet<[u32; 2]> = gaps.closures.iter().map(|&[u, v]| [u.min(v), u.max(v)]).collect();
     let mut found = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         for i in 0..3 {

@@ -19,7 +19,7 @@ pub struct Surface {
     /// The sub-domains of its triangles.
     pub regions: Regions,
     /// Pieces across gaps in contours: level and ends, higher ground on the right.
-    pub bridges: Vec<(f64, [DVec2; 2])>,
+    pub closures: Vec<(f64, [DVec2; 2])>,
     /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`](super::SurfaceKind::Linear).
     pub break_lines: Vec<BreakLine>,
     /// The frame's outline.

@@ -40,7 +40,7 @@ pub(crate) fn conditions<'a>(
         .par_iter()
         .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
         .collect();
-    let guide = heights_at(&subdivision.tin, grid, triangles);
+    let reference = heights_at(&subdivision.tin, grid, triangles);
     let flat = |line: &BreakLine| line.points.iter().map(|p| p.truncate()).collect();
     Conditions {
         grid: *grid,
@@ -48,9 +48,9 @@ pub(crate) fn conditions<'a>(
         spots: subdivision.used_spots().collect(),
         creases: break_lines.iter().map(flat).collect(),
         interval: subdivision.interval.step,
-        gap: subdivision.sheet().gap,
+        spacing: subdivision.extent().spacing,
         bounds: [lo, hi],
-        guide,
+        reference,
         hollows,
     }
 }

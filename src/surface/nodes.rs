@@ -38,7 +38,7 @@ pub(crate) fn with_nodes(
     let lattice = Lattice::of_grid(&working.grid);
     let (vertices, mut heights) = smooth_heights(&subdivision, &mut axis, working);
     let step = lattice.step.max_element();
-    let stride = (subdivision.sheet().gap / (tuning.vertices_per_spacing * step)).floor().max(1.0) as usize;
+    let stride = (subdivision.extent().spacing / (tuning.vertices_per_spacing * step)).floor().max(1.0) as usize;
     let spacing = stride as f64 * step;
     let parted = part_long_pieces(&subdivision, &mut axis, (&vertices, &mut heights), working, spacing);
     let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights, of_lines);

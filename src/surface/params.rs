@@ -23,7 +23,7 @@ pub enum SurfaceKind {
 pub enum Triangles {
     /// Those of the contours and of the ridge and canyon lines, with the heights of [`SurfaceKind::Skeleton`]: enough
     /// for a height map, and quicker.
-    Guide,
+    Reference,
     /// Of the smooth surface itself: with nodes of the working grid between the lines.
     #[default]
     Smooth,

@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use crate::base::error::{ArrayFault, Error, Result};
 use crate::contour::{Contour, ContourLayer, ContourLine};
-use crate::crs::Returner;
+use crate::crs::FromWorking;
 use crate::mesh::Mesh;
 
 /// Lines as ragged arrays.
@@ -72,7 +72,7 @@ impl ContourLayer {
     ///
     /// # Errors
     /// [`Error::Data`] if a vertex has no place in the output's coordinate reference system.
-    pub fn to_arrays_in(&self, output: &Returner) -> Result<RaggedLines> {
+    pub fn to_arrays_in(&self, output: &FromWorking) -> Result<RaggedLines> {
         RaggedLines::of(&self.lines, |line, p| {
             output.place(p).ok_or_else(|| {
                 let name = output.crs().and_then(|crs| crs.name()).unwrap_or_default();

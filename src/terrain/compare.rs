@@ -168,12 +168,12 @@ impl Side {
 
     /// The surface of the contours in a file.
     pub fn of_terrain(path: &Path, kind: SurfaceKind, terrain: Terrain) -> Self {
-        let Terrain { surface, places, .. } = terrain;
+        let Terrain { surface, reprojection, .. } = terrain;
         let (count, interval) = (surface.map.contours.len(), surface.interval.step);
         let source = SideSource {
             file: path.to_owned(),
             kind: "contours",
-            crs: places.input_crs().and_then(Crs::name),
+            crs: reprojection.input_crs().and_then(Crs::name),
             about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
         };
         Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None }

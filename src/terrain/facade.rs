@@ -7,7 +7,7 @@ use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};
 use crate::base::progress::Progress;
 use crate::contour::ContourLayer;
-use crate::crs::{Crs, Places, Returner};
+use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
@@ -23,7 +23,7 @@ pub struct Terrain {
     /// What was noticed about the input, each fault once; places are on the working plane.
     pub findings: Vec<Finding>,
     /// How the working plane lies to the coordinates of the input.
-    pub places: Places,
+    pub reprojection: Reprojection,
     memory: Option<u64>,
 }
 
@@ -46,7 +46,7 @@ impl Terrain {
         if !input.is_prepared {
             input.prepare(&options.preparation, progress)?;
         }
-        let cells = options.cells(&input.places)?;
+        let cells = options.cells(&input.reprojection)?;
         let params = options.surface(input, cells.as_ref());
         if let Some(cells) = &cells {
             cells.check_room(&input.map, &params.frame, params.memory)?;
@@ -55,7 +55,7 @@ impl Terrain {
         let surface = input.found(built)?;
         input.check_strict()?;
         let findings = std::mem::take(&mut input.findings);
-        Ok(Self { surface, findings, places: input.places.clone(), memory: options.memory })
+        Ok(Self { surface, findings, reprojection: input.reprojection.clone(), memory: options.memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -104,7 +104,7 @@ impl Terrain {
     /// # Errors
     /// As [`Terrain::dem`].
     pub fn dem_with(&self, grid: &GridSpec, progress: &dyn Progress) -> Result<Dem> {
-        let dem = grid.over(&self.places)?.heights(&self.surface, progress)?;
+        let dem = grid.over(&self.reprojection)?.heights(&self.surface, progress)?;
         match grid {
             GridSpec::Cells { file, .. } if dem.values.iter().all(|height| height.is_nan()) => match file {
                 Some(file) => Err(Error::NoOverlap.in_file(file)),
@@ -132,7 +132,7 @@ impl Terrain {
     /// # Errors
     /// As [`Terrain::dem`].
     pub fn errors_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Option<Vec<f32>>> {
-        Ok(grid.over(&self.places)?.standard_errors(&self.surface, dem))
+        Ok(grid.over(&self.reprojection)?.standard_errors(&self.surface, dem))
     }
 
     /// The cells that a specification gives over this terrain, and the coordinate reference system that they are in.
@@ -140,7 +140,7 @@ impl Terrain {
     /// # Errors
     /// As [`Terrain::dem`].
     pub fn cells(&self, grid: &GridSpec) -> Result<(Grid, Option<Crs>)> {
-        let cells = grid.over(&self.places)?;
+        let cells = grid.over(&self.reprojection)?;
         let crs = cells.crs(self.surface.map.crs.as_ref()).cloned();
         Ok((cells.grid(&self.surface.frame)?, crs))
     }
@@ -156,8 +156,8 @@ impl Terrain {
     /// The way from the working plane to the coordinates of the input, or to those of another system.
     ///
     /// # Errors
-    /// As [`Places::give_back`].
-    pub fn to_output(&self, crs: Option<&Crs>) -> Result<Returner> {
-        self.places.give_back(crs)
+    /// As [`Reprojection::from_working`].
+    pub fn to_output(&self, crs: Option<&Crs>) -> Result<FromWorking> {
+        self.reprojection.from_working(crs)
     }
 }

@@ -43,7 +43,7 @@ impl Input {
         step(progress, "reading", || {
             let mut about = Vec::new();
             let SpotHeights { points, crs } = read_spot_heights(path, &self.reading())?.collect(&mut about);
-            let to_working = self.places.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
+            let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
             for finding in &mut about {
                 let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
                 finding.place = place.map(|p| p.truncate());

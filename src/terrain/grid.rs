@@ -9,7 +9,7 @@ use crate::base::error::{CrsNeed, Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::contour::ContourMap;
-use crate::crs::{Crs, Places, Transform};
+use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::Dem;
 use crate::spline::Wanted;
 use crate::subdomains::{Frame, FrameRing, frame_ring};
@@ -59,12 +59,12 @@ impl GridSpec {
     /// # Errors
     /// As [`GridSpec::check`]. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system. As
     /// [`Transform::between`] from the cells' system to the working one.
-    pub(crate) fn over(&self, places: &Places) -> Result<Cells> {
+    pub(crate) fn over(&self, reprojection: &Reprojection) -> Result<Cells> {
         self.check()?;
         match self {
             Self::Cell(size) => Ok(Cells { size: Size::Square(*size), apart: None }),
             Self::Degrees(size) => {
-                let known = places.input_crs().and_then(Crs::geographic).zip(places.working_crs());
+                let known = reprojection.input_crs().and_then(Crs::geographic).zip(reprojection.working_crs());
                 let (crs, working) = known.ok_or(Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees })?;
                 let way = Transform::between(&crs, working)?;
                 Ok(Cells { size: Size::Square(*size), apart: Some(Apart { crs, way }) })
@@ -72,7 +72,7 @@ impl GridSpec {
             Self::Cells { grid, crs, file } => {
                 let size = Size::Given(*grid);
                 // A raster that names no system is taken for one in that of the contours.
-                let known = crs.as_ref().or(places.input_crs()).zip(places.working_crs());
+                let known = crs.as_ref().or(reprojection.input_crs()).zip(reprojection.working_crs());
                 let Some((crs, working)) = known else { return Ok(Cells { size, apart: None }) };
                 let way = Transform::between(crs, working).map_err(|error| match file {
                     Some(file) => error.in_file(file),

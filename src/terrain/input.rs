@@ -14,7 +14,7 @@ use super::arrays;
 use super::plane::{named, on_plane};
 use crate::base::error::{Finding, Report, Result};
 use crate::contour::{ContourMap, ElevationUnit, Lake};
-use crate::crs::{Crs, Places};
+use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
 use crate::subdomains::Frame;
 
@@ -46,7 +46,7 @@ pub struct Input {
     /// What was noticed, in a fixed order; places are in the working coordinate reference system.
     pub findings: Vec<Finding>,
     /// How the working plane lies to the coordinates of the contours.
-    pub places: Places,
+    pub reprojection: Reprojection,
     /// Where the ground ends.
     pub frame: Frame,
     /// Lakes, on the working plane.
@@ -71,7 +71,7 @@ impl Input {
     /// # Errors
     /// [`LooksLikeDegrees`](crate::base::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
     /// [`NotProjectedInMetres`](crate::base::error::Error::NotProjectedInMetres) and
-    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Places::project`] if a coordinate has no
+    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Reprojection::project`] if a coordinate has no
     /// place on the plane.
     pub fn from_map(map: ContourMap, options: &InputOptions) -> Result<Self> {
         Self::from_report(Report { value: map, findings: Vec::new() }, options)
@@ -98,8 +98,8 @@ impl Input {
         let mut findings = Vec::new();
         let map = read.collect(&mut findings);
         let map = named(options.unit.map_in_metres(map), options.crs.as_ref(), &mut findings);
-        let (map, places) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
-        Ok(Self { map, findings, places, unit: options.unit, memory: options.memory, ..Self::default() })
+        let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
+        Ok(Self { map, findings, reprojection, unit: options.unit, memory: options.memory, ..Self::default() })
     }
 
     /// The file of the contours, if they are from one.
@@ -118,7 +118,7 @@ impl Input {
     /// # Errors
     /// If there is no way from their system to the working plane, or one has no place on it.
     pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.places.bring(crs)?;
+        let to_working = self.reprojection.bring(crs)?;
         for spot in spots {
             let spot = spot.truncate().extend(self.unit.metres(spot.z));
             self.map.spots.push(to_working.point(spot)?);
@@ -132,7 +132,7 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn add_lakes(&mut self, lakes: impl IntoIterator<Item = Lake>, crs: Option<&Crs>) -> Result<()> {
-        let to_working = self.places.bring(crs)?;
+        let to_working = self.reprojection.bring(crs)?;
         for lake in lakes {
             let polygon = to_working.polygon(&lake.polygon)?;
             self.lakes.push(self.unit.lake_in_metres(Lake { polygon, ..lake }));
@@ -145,7 +145,7 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn set_boundary(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
-        self.frame = Frame::Polygon(self.places.bring(crs)?.boundary(area)?);
+        self.frame = Frame::Polygon(self.reprojection.bring(crs)?.boundary(area)?);
         Ok(())
     }
 }

@@ -17,8 +17,8 @@ use crate::dem::compare::Comparison;
 /// What an input is, counts of its findings, and each of them; places are in the input's coordinates. `map` is the map
 /// that [`Input::judge`] gave.
 pub fn check_json(input: &Input, map: &ContourMap) -> Value {
-    let Input { findings, places, .. } = input;
-    let place = |p: DVec2| if places.are_unmoved() { Some(p) } else { places.in_input(p) };
+    let Input { findings, reprojection, .. } = input;
+    let place = |p: DVec2| if reprojection.are_unmoved() { Some(p) } else { reprojection.in_input(p) };
     let place = |p: DVec2| place(p).map_or(Value::Null, |p| json!([p.x, p.y]));
     let proposal = |proposal: &Proposal| match proposal {
         Proposal::Relabel { from, to } => json!({ "do": "relabel", "from": from, "to": to }),
@@ -45,7 +45,7 @@ pub fn check_json(input: &Input, map: &ContourMap) -> Value {
     let levels = distinct_levels(&map.contours);
     json!({
         "input": input.name(),
-        "crs": places.input_crs().and_then(Crs::name),
+        "crs": reprojection.input_crs().and_then(Crs::name),
         "lines": map.contours.len(),
         "vertices": map.vertex_count(),
         "levels": { "lowest": levels.first(), "highest": levels.last(), "count": levels.len() },

@@ -4,7 +4,7 @@ use super::grid::GridSpec;
 use super::input::Input;
 use super::prepare::Preparation;
 use crate::base::error::Result;
-use crate::crs::Places;
+use crate::crs::Reprojection;
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
 use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
@@ -30,7 +30,7 @@ pub struct Options {
     /// The cells of the height map that will be asked for. Where it can, the smooth surface then has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
-    /// Which triangles the smooth surface gets: [`Triangles::Guide`] is enough for height maps, and quicker.
+    /// Which triangles the smooth surface gets: [`Triangles::Reference`] is enough for height maps, and quicker.
     pub triangles: Triangles,
     /// Whether the expected errors are found too, for [`Terrain::errors`](super::Terrain::errors) and in contours.
     pub uncertainty: Uncertainty,
@@ -60,8 +60,8 @@ impl Default for Options {
 
 impl Options {
     /// The cells that are wanted, over contours whose places are these.
-    pub(super) fn cells(&self, places: &Places) -> Result<Option<Cells>> {
-        self.grid.as_ref().map(|grid| grid.over(places)).transpose()
+    pub(super) fn cells(&self, reprojection: &Reprojection) -> Result<Option<Cells>> {
+        self.grid.as_ref().map(|grid| grid.over(reprojection)).transpose()
     }
 
     /// The parameters of the surface of an input, whose frame and lakes are moved out of it.

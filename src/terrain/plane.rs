@@ -2,7 +2,7 @@
 
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, reproject};
-use crate::crs::{Crs, CrsKind, Places, working_crs};
+use crate::crs::{Crs, CrsKind, Reprojection, working_crs};
 
 /// The map with the system that the caller names.
 pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Finding>) -> ContourMap {
@@ -16,7 +16,7 @@ pub(super) fn on_plane(
     map: ContourMap,
     work: Option<&Crs>,
     findings: &mut Vec<Finding>,
-) -> Result<(ContourMap, Places)> {
+) -> Result<(ContourMap, Reprojection)> {
     if let Some(work) = work
         && !(work.kind() == Some(CrsKind::Projected) && work.length_unit().is_none_or(|unit| unit.metres == 1.0))
     {
@@ -33,13 +33,13 @@ pub(super) fn on_plane(
         (Some(work), _) => work.clone(),
         (None, Some(crs)) if kind.is_some() => working_crs(crs, map.contours.iter().flat_map(|c| &c.points).copied())?,
         (None, crs) => {
-            let places = Places::unmoved(crs.clone());
-            return Ok((map, places));
+            let reprojection = Reprojection::unmoved(crs.clone());
+            return Ok((map, reprojection));
         }
     };
-    let (map, places) = reproject(map, &working)?.collect(findings);
+    let (map, reprojection) = reproject(map, &working)?.collect(findings);
     for finding in findings {
-        finding.place = finding.place.and_then(|p| places.on_plane(p));
+        finding.place = finding.place.and_then(|p| reprojection.on_plane(p));
     }
-    Ok((map, places))
+    Ok((map, reprojection))
 }

@@ -193,7 +193,7 @@ fn errors_are_a_raster_like_the_heights() {
     let grid = GridSpec::Cell(20.0);
     let options = Options {
         grid: Some(grid.clone()),
-        triangles: Triangles::Guide,
+        triangles: Triangles::Reference,
         uncertainty: Uncertainty::Learnt,
         ..Options::default()
     };

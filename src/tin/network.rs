@@ -10,7 +10,7 @@ pub const NONE: u32 = u32::MAX;
 
 /// Flags of a triangle's first edge; those of the others are one and two bits further on.
 pub(crate) const CONSTRAINT: u16 = 1;
-pub(crate) const GATE: u16 = 1 << 3;
+pub(crate) const BARRIER: u16 = 1 << 3;
 pub(crate) const CONTOUR: u16 = 1 << 6;
 
 /// What a vertex stands for, and so where its height comes from.
@@ -96,8 +96,8 @@ impl Tin {
     }
 
     /// Whether edge `i` of triangle `t` closes the opening between two ends of contours.
-    pub fn is_gate(&self, t: u32, i: usize) -> bool {
-        self.edges[t as usize] & (GATE << i) != 0
+    pub fn is_barrier(&self, t: u32, i: usize) -> bool {
+        self.edges[t as usize] & (BARRIER << i) != 0
     }
 
     /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge.
@@ -131,7 +131,7 @@ impl Tin {
     /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate, a shore or
     /// the frame.
     pub fn across(&self, t: u32, i: usize) -> Option<u32> {
-        let is_border = self.is_gate(t, i) || self.contour_level(t, i).is_some() || self.is_shore(t, i);
+        let is_border = self.is_barrier(t, i) || self.contour_level(t, i).is_some() || self.is_shore(t, i);
         if is_border { None } else { self.inner_neighbour(t, i) }
     }
 
@@ -141,21 +141,21 @@ impl Tin {
     }
 
     /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
-    pub fn with_gaps(mut self, bridges: &[[u32; 2]], gates: &[[u32; 2]]) -> Self {
+    pub fn with_gap_edges(mut self, closures: &[[u32; 2]], barriers: &[[u32; 2]]) -> Self {
         let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
-        let bridges: HashSet<[u32; 2]> = bridges.iter().copied().map(sorted).collect();
-        let gates: HashSet<[u32; 2]> = gates.iter().copied().map(sorted).collect();
-        let ends: HashSet<u32> = bridges.iter().chain(&gates).flatten().copied().collect();
+        let closures: HashSet<[u32; 2]> = closures.iter().copied().map(sorted).collect();
+        let barriers: HashSet<[u32; 2]> = barriers.iter().copied().map(sorted).collect();
+        let ends: HashSet<u32> = closures.iter().chain(&barriers).flatten().copied().collect();
         for t in 0..self.len() as u32 {
             for i in 0..3 {
                 let edge = sorted(self.edge(t, i));
                 if ends.is_empty() || !ends.contains(&edge[0]) {
                     continue;
                 }
-                if bridges.contains(&edge) {
+                if closures.contains(&edge) {
                     self.edges[t as usize] |= CONSTRAINT << i;
-                } else if gates.contains(&edge) {
-                    self.edges[t as usize] |= (CONSTRAINT | GATE) << i;
+                } else if barriers.contains(&edge) {
+                    self.edges[t as usize] |= (CONSTRAINT | BARRIER) << i;
                 }
                 self.edges[t as usize] = self.with_contours(t);
             }
@@ -173,7 +173,7 @@ impl Tin {
             on_contour(u) && on_contour(v) && self.heights[u] == self.heights[v]
         };
         (0..3).fold(flags & !(7 * CONTOUR), |flags, i| {
-            let may = flags & ((CONSTRAINT | GATE) << i) == CONSTRAINT << i;
+            let may = flags & ((CONSTRAINT | BARRIER) << i) == CONSTRAINT << i;
             if may && is_contour(i) { flags | (CONTOUR << i) } else { flags }
         })
     }

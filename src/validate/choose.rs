@@ -4,7 +4,7 @@
 //! contours where these still lie between two levels: once with the odd levels hidden, once with the even ones. Three
 //! tensions are tried; the best is where a parabola through the logarithms of the three errors is lowest.
 //!
-//! Whether contours jitter is seen from themselves ([`growth`]). Hidden levels do not tell: between contours twice as far
+//! Whether contours jitter is seen from themselves ([`exponent`]). Hidden levels do not tell: between contours twice as far
 //! apart even smooth ground looks rough, and smoothing seems to help where it does not.
 //!
 //! Two things keep that from misleading. Contours crowd on steep ground, so that every place on a hidden contour counts
@@ -18,10 +18,10 @@
 //! surface may be off half-way between them, and how much relief it lacks.
 
 use super::builder::TrialParams;
-use super::roughness::growth;
-use super::trial::{Missed, trials};
-use crate::spline::{Knobs, SplineParams};
-use crate::subdomains::Sheet;
+use super::roughness::hurst_exponent;
+use super::trial::{TrialResidual, trials};
+use crate::spline::{HyperParameters, SplineParams};
+use crate::subdomains::MapExtent;
 use crate::tuning::TrialTuning;
 
 /// Tensions that are tried: as many as a parabola has coefficients.
@@ -36,7 +36,7 @@ const OVER_BAND: f64 = 0.730_296_743;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
     /// What was taken.
-    pub knobs: Knobs,
+    pub hyper_parameters: HyperParameters,
     /// Why.
     pub reason: Reason,
     /// Whether that was seen on the map without its wrong elevations: with those that are proposed for them, or without the
@@ -80,23 +80,30 @@ pub struct Accuracy {
 ///
 /// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
 /// the surface itself, or less.
-pub fn choose(sheet: &Sheet<'_>, given: &SplineParams, params: &TrialParams<'_>) -> Chosen {
+pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams<'_>) -> Chosen {
     let SplineParams { tension, noise, .. } = *given;
     let (roughness, tuning) = (&params.tuning.roughness, &params.tuning.trials);
-    let growth = growth(sheet, roughness);
-    let noise = noise.unwrap_or(if growth.is_some_and(|g| g < roughness.noisy_below) { tuning.noise } else { 0.0 });
-    let crease_threshold = tuning.usual_crease_threshold;
-    let knobs = |tension: f64| Knobs { tension, noise, crease_knee: crease_threshold, half_way: 0.0, relief: 0.0 };
-    let chosen = |knobs, reason| Chosen { knobs, reason, is_mended: false, hidden: None, implied: None };
-    let without = |tension, reason| chosen(knobs(tension), reason);
+    let exponent = hurst_exponent(extent, roughness);
+    let noise = noise.unwrap_or(if exponent.is_some_and(|g| g < roughness.noisy_below) { tuning.noise } else { 0.0 });
+    let usual_threshold = tuning.usual_crease_threshold;
+    let hyper_parameters = |tension: f64| HyperParameters {
+        tension,
+        noise,
+        crease_threshold: usual_threshold,
+        half_way_error: 0.0,
+        curvature_gain: 0.0,
+    };
+    let chosen =
+        |hyper_parameters, reason| Chosen { hyper_parameters, reason, is_mended: false, hidden: None, implied: None };
+    let without = |tension, reason| chosen(hyper_parameters(tension), reason);
     if let Some(tension) = tension {
         return without(tension, Reason::Given);
     }
     let fallback = without(tuning.usual_tension, Reason::FellBack);
-    if levels(sheet) < FEWEST_LEVELS {
+    if levels(extent) < FEWEST_LEVELS {
         return fallback;
     }
-    let mut missed = trials(sheet, params, tried(tuning).map(knobs));
+    let mut missed = trials(extent, params, tried(tuning).map(hyper_parameters));
     if missed[0].len() < tuning.min_places {
         return fallback;
     }
@@ -107,26 +114,31 @@ pub fn choose(sheet: &Sheet<'_>, given: &SplineParams, params: &TrialParams<'_>)
     let logarithms = errors.map(|e| e.max(f64::MIN_POSITIVE).ln());
     let best = tuning.tension_factor.powf(lowest(logarithms, tuning.max_extrapolation));
     let nearest = (0..TRIED).fold(0, |best, k| if errors[k] < errors[best] { k } else { best });
-    let step = sheet.interval.step;
+    let step = extent.interval.step;
     let hidden = Accuracy {
         rmse: errors[nearest],
         le90: le90(&mut missed[nearest]),
         interval: 2.0 * step,
         count: missed[nearest].len(),
     };
-    let half_way = 0.5f64.powf(roughness.power(growth));
+    let half_way = 0.5f64.powf(roughness.power(exponent));
     let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
-    let half_way = half_way * hidden.rmse;
+    let half_way_error = half_way * hidden.rmse;
     let tension = (tuning.usual_tension * best).sqrt();
-    let relief = relief(&missed, tension, tuning);
-    let knobs = Knobs { crease_knee: crease_knee(&hidden, tuning), half_way, relief, ..knobs(tension) };
-    Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(knobs, Reason::Hidden) }
+    let gain = curvature_gain(&missed, tension, tuning);
+    let hyper_parameters = HyperParameters {
+        crease_threshold: crease_threshold(&hidden, tuning),
+        half_way_error,
+        curvature_gain: gain,
+        ..hyper_parameters(tension)
+    };
+    Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(hyper_parameters, Reason::Hidden) }
 }
 
 /// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
 /// ground has more detail than the contours.
-fn crease_knee(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
+fn crease_threshold(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
     let [least, most] = tuning.crease_threshold_limits;
     let missed = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
     (tuning.usual_crease_threshold / missed.powi(2)).clamp(least, most)
@@ -139,11 +151,11 @@ fn tried(tuning: &TrialTuning) -> [f64; TRIED] {
 }
 
 /// The relief that a surface with a tension lacks, as a share of the standard error: the regression of what is missed on
-/// [`Missed::lacking`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
-fn relief(missed: &[Vec<Missed>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
-    let lacks = |missed: &Vec<Missed>| {
-        let sum = |value: fn(&Missed) -> f64| missed.iter().map(value).sum::<f64>();
-        -sum(|m| m.weight * m.by * m.lacking) / sum(|m| m.weight * m.lacking * m.lacking) / rmse(missed)
+/// [`TrialResidual::unit_gain`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
+fn curvature_gain(missed: &[Vec<TrialResidual>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
+    let lacks = |missed: &Vec<TrialResidual>| {
+        let sum = |value: fn(&TrialResidual) -> f64| missed.iter().map(value).sum::<f64>();
+        -sum(|m| m.weight * m.by * m.unit_gain) / sum(|m| m.weight * m.unit_gain * m.unit_gain) / rmse(missed)
     };
     let place = (tension.ln() / tuning.tension_factor.ln()).clamp(0.0, (TRIED - 1) as f64);
     let below = (place as usize).min(TRIED - 2);
@@ -154,9 +166,9 @@ fn relief(missed: &[Vec<Missed>; TRIED], tension: f64, tuning: &TrialTuning) -> 
 }
 
 /// Number of levels that are whole intervals.
-fn levels(sheet: &Sheet<'_>) -> usize {
-    let interval = sheet.interval;
-    let on = sheet.map.contours.iter().filter(|c| interval.is_level(c.elevation));
+fn levels(extent: &MapExtent<'_>) -> usize {
+    let interval = extent.interval;
+    let on = extent.map.contours.iter().filter(|c| interval.is_level(c.elevation));
     let mut numbers: Vec<i64> = on.map(|c| interval.index_of(c.elevation)).collect();
     numbers.sort_unstable();
     numbers.dedup();
@@ -176,13 +188,13 @@ fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     at.clamp(-beyond, 2.0 + beyond)
 }
 
-fn rmse(missed: &[Missed]) -> f64 {
+fn rmse(missed: &[TrialResidual]) -> f64 {
     let (sum, weights) = missed.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
     (sum / weights).sqrt()
 }
 
 /// The error that nine tenths of the weight lie below.
-fn le90(missed: &mut [Missed]) -> f64 {
+fn le90(missed: &mut [TrialResidual]) -> f64 {
     missed.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
     let all: f64 = missed.iter().map(|m| m.weight).sum();
     let mut below = 0.0;
@@ -210,7 +222,7 @@ mod tests {
     fn ridges_are_sharper_where_contours_show_less() {
         const MISSED: f64 = 0.14;
         let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
-        let knee = |rmse: f64| crease_knee(&hidden(rmse), &TrialTuning::default());
+        let knee = |rmse: f64| crease_threshold(&hidden(rmse), &TrialTuning::default());
         assert_eq!(knee(MISSED * 20.0), 0.1);
         assert!((knee(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
         assert_eq!([knee(0.0), knee(20.0)], [0.3, 0.03]);
@@ -219,32 +231,32 @@ mod tests {
     #[test]
     fn relief_that_hidden_contours_miss_is_given_back_in_part() {
         // Errors of two metres, up and down; where the surface bulges it is too low by so much of them.
-        let of = |lack: f64| -> Vec<Missed> {
+        let of = |lack: f64| -> Vec<TrialResidual> {
             let place = |k: i32| {
-                let (error, lacking) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
-                Missed { by: error - 2.0 * lack * lacking, weight: 1.0, lacking }
+                let (error, unit_gain) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
+                TrialResidual { by: error - 2.0 * lack * unit_gain, weight: 1.0, unit_gain }
             };
             (0..400).map(place).collect()
         };
         let rmse_of = |lack: f64| rmse(&of(lack));
         let tuning = TrialTuning::default();
-        let relief = |missed: &[Vec<Missed>; TRIED], tension: f64| relief(missed, tension, &tuning);
+        let gain = |missed: &[Vec<TrialResidual>; TRIED], tension: f64| curvature_gain(missed, tension, &tuning);
         let expected = |lack: f64| tuning.gain_share * 2.0 * lack / rmse_of(lack);
         let missed = [of(0.2), of(0.4), of(0.8)];
-        assert!((relief(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", relief(&missed, 1.0));
+        assert!((gain(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", gain(&missed, 1.0));
         assert!(
-            relief(&missed, tuning.tension_factor) > relief(&missed, 1.0)
-                && relief(&missed, 100.0) > relief(&missed, tuning.tension_factor)
+            gain(&missed, tuning.tension_factor) > gain(&missed, 1.0)
+                && gain(&missed, 100.0) > gain(&missed, tuning.tension_factor)
         );
-        assert_eq!(relief(&missed, 1e9), relief(&missed, tried(&tuning)[2]));
-        assert_eq!(relief(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
-        let none = || vec![Missed { by: 1.0, weight: 1.0, lacking: 0.0 }];
-        assert_eq!(relief(&[none(), none(), none()], 3.0), 0.0);
+        assert_eq!(gain(&missed, 1e9), gain(&missed, tried(&tuning)[2]));
+        assert_eq!(gain(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
+        let none = || vec![TrialResidual { by: 1.0, weight: 1.0, unit_gain: 0.0 }];
+        assert_eq!(gain(&[none(), none(), none()], 3.0), 0.0);
     }
 
     #[test]
     fn errors_count_by_weight() {
-        let of = |weight: f64, by: f64| Missed { by, weight, lacking: 0.0 };
+        let of = |weight: f64, by: f64| TrialResidual { by, weight, unit_gain: 0.0 };
         let mut missed = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
         assert!((rmse(&missed).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
         assert_eq!(le90(&mut missed), 4.0);

@@ -11,21 +11,21 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contour::without_outlying;
-use crate::subdomains::Sheet;
+use crate::subdomains::MapExtent;
 use crate::tuning::RoughnessTuning;
 
 /// Most chords of one length, about. Of more contours some are looked at. A limit of time.
 const MOST: f64 = 1e6;
 
 /// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
-pub fn growth(sheet: &Sheet<'_>, tuning: &RoughnessTuning) -> Option<f64> {
-    let lines: Vec<Vec<DVec2>> = sheet.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
-    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), sheet.gap, tuning)
+pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Option<f64> {
+    let lines: Vec<Vec<DVec2>> = extent.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
+    exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), extent.spacing, tuning)
 }
 
-fn exponent(lines: &[&[DVec2]], gap: f64, tuning: &RoughnessTuning) -> Option<f64> {
+fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Option<f64> {
     let RoughnessTuning { chords, min_chords, .. } = *tuning;
-    let [near, far] = chords.map(|share| median_offset(lines, share * gap, min_chords));
+    let [near, far] = chords.map(|share| median_offset(lines, share * spacing, min_chords));
     let ratio = (far? / near?).log2() / (chords[1] / chords[0]).log2();
     ratio.is_finite().then_some(ratio)
 }

@@ -9,16 +9,16 @@ use crate::base::Grid;
 use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::locate;
 use crate::skeleton::BreakLine;
-use crate::spline::{Knobs, Wanted, WorkingGrid, slopes, spline, working_grid};
+use crate::spline::{HyperParameters, Wanted, WorkingGrid, slopes, spline, working_grid};
 use crate::subdivision::{Subdivision, subdivide};
 use crate::subdomains::Frame;
-use crate::subdomains::Sheet;
+use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::tuning::TrialTuning;
 
 /// Most nodes of the grid of a trial: a limit of time. Levels that are left may lie in a sliver of the map whose gaps ask for far
 /// smaller cells than the trial's.
-const MOST_NODES: usize = 1_500_000;
+const MOST_TRIAL_NODES: usize = 1_500_000;
 /// The interval of the levels that are left may differ from twice the map's by this share: a tolerance of rounding.
 const INTERVAL_SHARE: f64 = 1e-3;
 
@@ -46,7 +46,7 @@ pub struct Place {
 
 /// Which levels a trial leaves: every so many, from one of the first on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Left {
+pub struct LevelSubset {
     /// Every so many.
     pub every: i64,
     /// Which of them, 0 to `every - 1`.
@@ -55,23 +55,27 @@ pub struct Left {
 
 /// How far a surface misses a place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Missed {
+pub struct TrialResidual {
     /// Height of the surface above the contour, metres.
     pub by: f64,
     /// Area of ground that the place stands for, square map units.
     pub weight: f64,
     /// What a bulge or hollow there would grow by if the standard error half-way between contours were a metre in the mean
-    /// ([`lacking`](crate::spline::relief::lacking)).
-    pub lacking: f64,
+    /// ([`unit_gain`](crate::spline::curvature_gain::unit_gain)).
+    pub unit_gain: f64,
 }
 
 /// What the surfaces with these knobs miss the hidden contours by, the odd and the even levels hidden in turn. Parts that no
 /// surface can be drawn over are left out.
 ///
 /// The parts are small, so that each is one task.
-pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: [Knobs; N]) -> [Vec<Missed>; N] {
-    let cell = cell(sheet, params, 2);
-    let mut parts = parts(sheet, params, cell);
+pub fn trials<const N: usize>(
+    extent: &MapExtent<'_>,
+    params: &TrialParams<'_>,
+    hyper_parameters: [HyperParameters; N],
+) -> [Vec<TrialResidual>; N] {
+    let cell = cell(extent, params, 2);
+    let mut parts = parts(extent, params, cell);
     let shortest = params.tuning.trials.min_ring_cells * cell;
     for (map, _) in &mut parts {
         // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
@@ -79,32 +83,32 @@ pub fn trials<const N: usize>(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs
     }
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = Left { every: 2, phase };
-        Some(trial((map, frame), left, sheet.interval, cell, params)?.missed(knobs, params))
+        let left = LevelSubset { every: 2, phase };
+        Some(trial((map, frame), left, extent.interval, cell, params)?.missed(hyper_parameters, params))
     });
-    let each: Vec<[Vec<Missed>; N]> = missed.collect();
+    let each: Vec<[Vec<TrialResidual>; N]> = missed.collect();
     std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
 }
 
 /// Size of the cells of a trial, for contours of every so many levels.
 ///
 /// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
-pub fn cell(sheet: &Sheet<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
+pub fn cell(extent: &MapExtent<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
     let tuning = &params.tuning.spline.grid;
-    let cell = working_grid(sheet, params.wanted, tuning).cell;
-    every as f64 * (cell.x * cell.y).sqrt().max(sheet.gap / tuning.nodes_per_spacing)
+    let cell = working_grid(extent, params.wanted, tuning).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(extent.spacing / tuning.nodes_per_spacing)
 }
 
 /// The whole map, or squares of a large one.
-pub fn parts(sheet: &Sheet<'_>, params: &TrialParams<'_>, cell: f64) -> Vec<(ContourMap, Frame)> {
+pub fn parts(extent: &MapExtent<'_>, params: &TrialParams<'_>, cell: f64) -> Vec<(ContourMap, Frame)> {
     let TrialTuning { whole_map_size, squares: most_squares, square_nodes, square_vertices, .. } = params.tuning.trials;
-    let points = || sheet.map.contours.iter().flat_map(|c| c.points.iter().copied());
+    let points = || extent.map.contours.iter().flat_map(|c| c.points.iter().copied());
     let (lo, hi) = points().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let size = hi - lo;
     let area = size.x * size.y;
     let vertices = points().count() as f64;
     if area / (cell * cell) <= whole_map_size && vertices <= whole_map_size {
-        return vec![(sheet.map.clone(), params.frame.clone())];
+        return vec![(extent.map.clone(), params.frame.clone())];
     }
     let side = (square_nodes.sqrt() * cell).min((square_vertices * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
@@ -120,7 +124,7 @@ pub fn parts(sheet: &Sheet<'_>, params: &TrialParams<'_>, cell: f64) -> Vec<(Con
     squares.sort_unstable();
     let take = squares.len().min(most_squares);
     let chosen = (0..take).map(|k| squares[(2 * k + 1) * squares.len() / (2 * take)].1);
-    chosen.map(|[col, row]| square(sheet.map, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
+    chosen.map(|[col, row]| square(extent.map, lo + step * DVec2::new(f64::from(col), f64::from(row)), step)).collect()
 }
 
 /// The part of the map in a rectangle.
@@ -142,7 +146,7 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
 /// the whole map's.
 pub fn trial(
     (map, frame): (&ContourMap, &Frame),
-    left: Left,
+    left: LevelSubset,
     interval: Interval,
     cell: f64,
     params: &TrialParams<'_>,
@@ -167,10 +171,10 @@ pub fn trial(
     if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let places = sound(places, mended, subdivision.sheet().gap);
+    let places = sound(places, mended, subdivision.extent().spacing);
     let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
-    let grid = working_grid(&subdivision.sheet(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
-    if grid.len() > MOST_NODES {
+    let grid = working_grid(&subdivision.extent(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
+    if grid.len() > MOST_TRIAL_NODES {
         return None;
     }
     Some(Trial { subdivision, break_lines, places, grid })
@@ -196,10 +200,12 @@ fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
 
 /// Places without those that are nearer to a mended one than contours are to each other in the mean: what lines that were broken
 /// are off by says nothing about ground where they are not. All of them, where only a minority is sound.
-fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
+fn sound(places: Vec<Place>, mended: &[DVec2], spacing: f64) -> Vec<Place> {
     let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
     let is_sound = |place: &Place| {
-        mended.nearest_neighbor(&place.at.to_array()).is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= gap)
+        mended
+            .nearest_neighbor(&place.at.to_array())
+            .is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= spacing)
     };
     let total = places.len();
     let keep: Vec<bool> = places.par_iter().map(is_sound).collect();
@@ -212,14 +218,18 @@ fn sound(places: Vec<Place>, mended: &[DVec2], gap: f64) -> Vec<Place> {
 impl Trial {
     /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
     /// places are the same for all.
-    fn missed<const N: usize>(&self, knobs: [Knobs; N], params: &TrialParams<'_>) -> [Vec<Missed>; N] {
+    fn missed<const N: usize>(
+        &self,
+        hyper_parameters: [HyperParameters; N],
+        params: &TrialParams<'_>,
+    ) -> [Vec<TrialResidual>; N] {
         let tuning = &params.tuning.spline;
         let [nearest, furthest] = params.tuning.trials.spacing_limits;
         let grid = &self.grid;
         let triangles = locate(&self.subdivision.tin, grid, &());
         let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
-        let slopes = slopes(&conditions.guide, grid);
-        let gap = conditions.gap;
+        let slopes = slopes(&conditions.reference, grid);
+        let spacing = conditions.spacing;
         let asked = |place: &Place| {
             let (col, row) = node(grid, place.at);
             let (col, row) = (col.round(), row.round());
@@ -229,19 +239,19 @@ impl Trial {
             let n = row as usize * grid.cols + col as usize;
             let region = if triangles[n] == NONE { None } else { self.subdivision.regions.region(triangles[n]) }?;
             let inside = region.levels.len() == 2 && region.band.lo < place.level && place.level < region.band.hi;
-            let local = self.subdivision.interval.step / f64::from(slopes[n]) / gap;
+            let local = self.subdivision.interval.step / f64::from(slopes[n]) / spacing;
             let local = if local.is_nan() { 1.0 } else { local.clamp(nearest, furthest) };
-            inside.then_some(place.length * local * gap)
+            inside.then_some(place.length * local * spacing)
         };
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
-        knobs.map(|knobs| {
-            let surface = spline(&conditions, &knobs, tuning, &());
-            let lacking = conditions.lacking_relief(&surface.heights, tuning);
+        hyper_parameters.map(|hyper_parameters| {
+            let surface = spline(&conditions, &hyper_parameters, tuning, &());
+            let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
             let missed = |(place, weight): (&Place, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
-                let lacking = f64::from(between(grid, &lacking, place.at)?);
-                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| Missed { by, weight, lacking })
+                let unit_gain = f64::from(between(grid, &unit_gain, place.at)?);
+                weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| TrialResidual { by, weight, unit_gain })
             };
             all.filter_map(missed).collect()
         })
@@ -331,7 +341,7 @@ mod tests {
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
         assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
-        let left = Left { every: 2, phase: 0 };
+        let left = LevelSubset { every: 2, phase: 0 };
         let tuning = Tuning::default();
         let params = TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning };
         let trial = trial((&map, &Frame::Hull), left, interval, cell, &params).expect("all vertices are kept then");

@@ -63,7 +63,7 @@ fn lines() -> Vec<ContourLine> {
 
 fn write_lines(path: &Path, lines: Vec<ContourLine>) {
     let staged = StagedOutput::create(path).unwrap();
-    let layer = ContourLayer { name: "contours_5m".to_owned(), lines, beads: 0, stubs: 0 };
+    let layer = ContourLayer { name: "contours_5m".to_owned(), lines, artefact_rings: 0, dead_ends: 0 };
     write_contours(&staged, &[layer], Some(&Crs::from_epsg(6677))).unwrap();
     staged.commit().unwrap();
 }

@@ -154,8 +154,8 @@ fn bowl(levels: usize) -> Vec<Contour> {
 fn smooth_ground_gets_little_tension_and_a_small_error() {
     let (surface, _) = surface_of(bowl(9), vec![], Frame::Hull);
     let chosen = surface.chosen.unwrap();
-    assert_eq!((chosen.reason, chosen.knobs.noise), (Reason::Hidden, 0.0));
-    assert!(chosen.knobs.tension < 3.0, "{chosen:?}");
+    assert_eq!((chosen.reason, chosen.hyper_parameters.noise), (Reason::Hidden, 0.0));
+    assert!(chosen.hyper_parameters.tension < 3.0, "{chosen:?}");
     let (hidden, implied) = (chosen.hidden.unwrap(), chosen.implied.unwrap());
     assert!(hidden.count > 1000, "{hidden:?}");
     assert_eq!((hidden.interval, implied.interval), (20.0, 10.0));
@@ -196,7 +196,10 @@ fn wrong_labels_do_not_change_how_the_surface_is_drawn() {
     assert!(!before.is_mended && after.is_mended);
     let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
     assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.1, "{before:?} {after:?}");
-    assert!((after.knobs.tension / before.knobs.tension).ln().abs() < 0.2, "{before:?} {after:?}");
+    assert!(
+        (after.hyper_parameters.tension / before.hyper_parameters.tension).ln().abs() < 0.2,
+        "{before:?} {after:?}"
+    );
 }
 
 #[test]
@@ -215,7 +218,10 @@ fn a_patch_of_broken_lines_does_not_change_how_the_surface_is_drawn() {
     let after = chosen(contours);
     let rmse = |chosen: &Chosen| chosen.hidden.unwrap().rmse;
     assert!((rmse(&after) / rmse(&before)).ln().abs() < 0.2, "{before:?} {after:?}");
-    assert!((after.knobs.tension / before.knobs.tension).ln().abs() < 0.2, "{before:?} {after:?}");
+    assert!(
+        (after.hyper_parameters.tension / before.hyper_parameters.tension).ln().abs() < 0.2,
+        "{before:?} {after:?}"
+    );
 }
 
 #[test]
@@ -299,7 +305,7 @@ fn few_levels_do_not_choose() {
     let taken = |contours: Vec<Contour>| {
         let chosen = surface_of(contours, vec![], Frame::Hull).0.chosen.unwrap();
         assert_eq!((chosen.reason, chosen.hidden, chosen.implied), (Reason::FellBack, None, None));
-        (chosen.knobs.tension, chosen.knobs.noise, chosen.knobs.crease_knee)
+        (chosen.hyper_parameters.tension, chosen.hyper_parameters.noise, chosen.hyper_parameters.crease_threshold)
     };
     // The same for a bowl and for ground that slopes evenly: nothing of the map decides.
     let slope = (0..4).map(f64::from).map(|k| line(10.0 * k, &[(0.0, 70.0 * k), (400.0, 70.0 * k)])).collect();

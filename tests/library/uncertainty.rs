@@ -13,7 +13,7 @@ use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::spline::Wanted;
 use tokosen::surface::standard_errors;
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, Triangles, Uncertainty, build, heights};
-use tokosen::validate::Lesson;
+use tokosen::validate::Provenance;
 
 use crate::common;
 
@@ -99,9 +99,13 @@ impl Ground {
 
     /// Adds the cells of a map whose heights on a grid are `truth`.
     fn add(&mut self, contours: Vec<Contour>, kind: SurfaceKind, grid: Grid, truth: &[f64]) {
-        let surface = surface(contours, kind, Triangles::Guide, Some(Wanted::Grid(grid)));
+        let surface = surface(contours, kind, Triangles::Reference, Some(Wanted::Grid(grid)));
         let field = surface.errors.as_ref().expect("it was asked for");
-        assert!(matches!(field.model.lesson, Lesson::Hidden { places } if places > 500), "{:?}", field.model.lesson);
+        assert!(
+            matches!(field.model.provenance, Provenance::Hidden { places } if places > 500),
+            "{:?}",
+            field.model.provenance
+        );
         let dem = heights(&surface, &grid, &());
         let errors = standard_errors(&surface, &dem).expect("it was asked for");
         assert_eq!((errors.len(), truth.len()), (dem.values.len(), dem.values.len()));
@@ -207,7 +211,7 @@ fn the_error_is_zero_on_contours_and_largest_between() {
     };
     let grid = Grid { corner: DVec2::new(-5.0, 405.0), cell: DVec2::splat(10.0), cols: 41, rows: 41 };
     let surface =
-        surface((0..=10).map(straight).collect(), SurfaceKind::Spline, Triangles::Guide, Some(Wanted::Grid(grid)));
+        surface((0..=10).map(straight).collect(), SurfaceKind::Spline, Triangles::Reference, Some(Wanted::Grid(grid)));
     let dem = heights(&surface, &grid, &());
     let errors = standard_errors(&surface, &dem).expect("it was asked for");
     let at = |col: usize, row: usize| errors[row * 41 + col];
@@ -227,7 +231,7 @@ fn few_levels_fall_back_to_usual_terrain() {
     let rings = vec![ring(300.0, 10.0), ring(200.0, 20.0), ring(100.0, 30.0)];
     let surface = surface(rings, SurfaceKind::Spline, Triangles::Smooth, None);
     let field = surface.errors.as_ref().expect("it was asked for");
-    assert_eq!(field.model.lesson, Lesson::Usual);
+    assert_eq!(field.model.provenance, Provenance::Usual);
     let params = LayerParams { targets: vec![Target::Interval { step: 1.0, base: 0.0 }], ..LayerParams::default() };
     let layer = contour_layers(&surface, &params, &()).expect("a fair interval").remove(0);
     for line in &layer.lines {
@@ -248,8 +252,8 @@ fn the_errors_are_the_same_for_any_number_of_threads() {
     let errors = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("two threads");
         pool.install(|| {
-            let surface = surface(contours(), SurfaceKind::Spline, Triangles::Guide, Some(Wanted::Grid(grid())));
-            let errors = surface.errors.expect("it was asked for").errors.heights;
+            let surface = surface(contours(), SurfaceKind::Spline, Triangles::Reference, Some(Wanted::Grid(grid())));
+            let errors = surface.errors.expect("it was asked for").errors;
             errors.into_iter().map(f32::to_bits).collect::<Vec<u32>>()
         })
     });

@@ -60,7 +60,7 @@ fn nasty_lines() -> Vec<ContourLine> {
 }
 
 fn layer(name: &str, lines: Vec<ContourLine>) -> ContourLayer {
-    ContourLayer { name: name.to_owned(), lines, beads: 0, stubs: 0 }
+    ContourLayer { name: name.to_owned(), lines, artefact_rings: 0, dead_ends: 0 }
 }
 
 fn write(path: &Path, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {

@@ -87,17 +87,17 @@ fn side_of_contours(
     let map = MapArgs { contours: path.to_owned(), points: None, ..args.input.map.clone() };
     let mut input = InputArgs { map, ..args.input.clone() }.read(console)?;
     if let Some((_, crs @ None)) = nodes {
-        *crs = input.places.input_crs().cloned();
+        *crs = input.reprojection.input_crs().cloned();
     }
     let grid = match nodes {
         Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.to_owned()) },
         None => args.grid.spec()?,
     };
-    let options = args.surface.options(Some(&grid), Triangles::Guide)?;
+    let options = args.surface.options(Some(&grid), Triangles::Reference)?;
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
     // Each side may have been worked on in a plane of its own.
     for finding in &mut terrain.findings {
-        finding.place = finding.place.and_then(|p| terrain.places.in_input(p));
+        finding.place = finding.place.and_then(|p| terrain.reprojection.in_input(p));
     }
     findings.append(&mut terrain.findings);
     if nodes.is_none() {

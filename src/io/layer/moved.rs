@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::features::{Layer, Row, Shape};
 use crate::base::error::{Error, Result};
-use crate::crs::Returner;
+use crate::crs::FromWorking;
 
 /// A shape that holds its vertices.
 enum Moved {
@@ -23,7 +23,7 @@ impl MovedShapes {
     ///
     /// # Errors
     /// If a vertex has no place in the system of the output.
-    pub fn new(layers: &[Layer<'_>], back: &Returner) -> Result<Self> {
+    pub fn new(layers: &[Layer<'_>], back: &FromWorking) -> Result<Self> {
         let layer = |layer: &Layer<'_>| -> Result<Vec<Moved>> {
             let place = |p: DVec2| {
                 let missing = || {

@@ -8,7 +8,7 @@ use crate::base::error::{Error, Finding, FindingKind, Result};
 const MOST_CELLS: u64 = 4_000_000_000;
 
 /// Cells that a byte of a file can stand for. Rasters whose empty tiles are left out come nearest to it.
-const CELLS_A_BYTE: u64 = 16_384;
+const CELLS_PER_BYTE: u64 = 16_384;
 
 /// Refuses a size that the file cannot hold: a header can claim any, and memory is taken for it.
 pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<u64> {
@@ -19,7 +19,7 @@ pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) ->
             format!("has {cols} x {rows} cells; a height map has one at least and {MOST_CELLS} at most. Cut it first"),
         ));
     };
-    if cells / CELLS_A_BYTE > file_length {
+    if cells / CELLS_PER_BYTE > file_length {
         return Err(Error::file(
             path,
             format!("claims {cols} x {rows} cells, but is only {file_length} bytes long: the file is broken"),

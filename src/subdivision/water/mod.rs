@@ -4,15 +4,15 @@
 //! height has to lie between theirs, it is cut back from those that cross it, and where its shore is one of them it
 //! shares every vertex with that contour.
 
+mod bodies;
 mod cut;
 mod height;
 mod net;
 mod nodes;
-mod ponds;
 mod settle;
 mod shores;
 
-pub(crate) use ponds::{Ponds, lake_finding};
+pub(crate) use bodies::{WaterBodies, lake_finding};
 pub(crate) use settle::{leave_out_vanished, settle};
 pub(crate) use shores::Shores;
 

@@ -7,10 +7,10 @@ use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::ponds::Nodes;
+use super::bodies::Nodes;
 use crate::contour::{ContourMap, Lake};
 use crate::geometry::Segment;
-use crate::subdomains::Link;
+use crate::subdomains::FrameExtension;
 
 /// A line of one level: a contour or the link of one to the frame.
 pub(crate) struct Course<'a> {
@@ -41,12 +41,15 @@ pub(crate) struct Net<'a> {
 
 impl<'a> Net<'a> {
     /// Takes the segments within `reach` of the boxes around lakes.
-    pub fn new(map: &'a ContourMap, links: &[Link], lakes: &[Lake], reach: f64) -> Self {
+    pub fn new(map: &'a ContourMap, extensions: &[FrameExtension], lakes: &[Lake], reach: f64) -> Self {
         let contours =
             map.contours.iter().map(|c| Course { level: c.elevation, points: Cow::from(&c.points), is_link: false });
-        let links =
-            links.iter().map(|l| Course { level: l.elevation, points: Cow::from(vec![l.end, l.frame]), is_link: true });
-        let courses: Vec<Course> = contours.chain(links).collect();
+        let extensions = extensions.iter().map(|l| Course {
+            level: l.elevation,
+            points: Cow::from(vec![l.end, l.frame]),
+            is_link: true,
+        });
+        let courses: Vec<Course> = contours.chain(extensions).collect();
         let grown = |r: Rect<f64>| {
             Rectangle::from_corners([r.min().x - reach, r.min().y - reach], [r.max().x + reach, r.max().y + reach])
         };

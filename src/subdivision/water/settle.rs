@@ -5,11 +5,11 @@ use std::collections::HashSet;
 use geo::{Area, BoundingRect, Euclidean, Length, MultiPolygon, Polygon};
 use glam::DVec2;
 
+use super::bodies::{WaterBodies, WaterBody, rounded};
 use super::cut::{Clash, cut_back, cut_from_water, joined};
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
-use super::ponds::{Pond, Ponds, rounded};
 use super::shores::Shores;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, FindingKind, Result};
@@ -37,11 +37,11 @@ const NARROW: &str = "is narrower than contours can show, beside one of its leve
 ///
 /// # Errors
 /// When the height of a lake is none.
-pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding>) -> Result<(Ponds, FrameRing)> {
+pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding>) -> Result<(WaterBodies, FrameRing)> {
     let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
-    let mut net = Net::new(ground.map, ground.links, lakes, NEAR * spacing);
-    let mut ponds: Vec<Pond> = Vec::new();
+    let mut net = Net::new(ground.map, ground.extensions, lakes, NEAR * spacing);
+    let mut water_bodies: Vec<WaterBody> = Vec::new();
     for lake in lakes {
         let Some(height) = height_of(lake, ground, &net, NEAR * spacing)? else {
             findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
@@ -56,64 +56,64 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
                 findings.push(left_out(lake.feature, Some(height), place, "has no width but for rounding"));
                 continue;
             }
-            let pond = Pond { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
-            add(&mut ponds, pond, BACK * spacing, findings);
+            let body = WaterBody { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
+            add(&mut water_bodies, body, BACK * spacing, findings);
         }
     }
-    ponds.retain(|pond| !pond.area.0.is_empty());
+    water_bodies.retain(|body| !body.area.0.is_empty());
 
     // Shores are cut to the frame as contours are.
-    let shore_lines = (0u64..).zip(&ponds).flat_map(|(id, pond)| {
+    let shore_lines = (0u64..).zip(&water_bodies).flat_map(|(id, body)| {
         let line = move |ring: &geo::LineString<f64>| Contour {
-            elevation: pond.height,
+            elevation: body.height,
             points: ring.coords().map(|c| DVec2::new(c.x, c.y)).collect(),
             feature: id,
         };
-        rings(&pond.area).map(line)
+        rings(&body.area).map(line)
     });
     let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
     let Clipped { map: shore_lines, area } = clip(shore_lines, &ground.frame.area);
     for Contour { points, feature, .. } in shore_lines.contours {
-        ponds[feature as usize].shores.push(points);
+        water_bodies[feature as usize].shores.push(points);
     }
-    for pond in &mut ponds {
-        let place = first_vertex(&pond.area);
-        if pond.shores.is_empty() {
-            findings.push(left_out(pond.feature, Some(pond.height), place, "lies outside of the map"));
-            pond.used = false;
+    for body in &mut water_bodies {
+        let place = first_vertex(&body.area);
+        if body.shores.is_empty() {
+            findings.push(left_out(body.feature, Some(body.height), place, "lies outside of the map"));
+            body.used = false;
             continue;
         }
         // Contours far apart are no reason to move the shores of a small lake as far.
-        let size = pond.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
+        let size = body.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
         let reach = Reach { snap: SNAP * spacing.min(size), tolerance: ground.frame.tolerance() };
-        let shores = std::mem::take(&mut pond.shores).into_iter();
-        pond.shores = shores.map(|shore| node(shore, pond.height, &mut net, reach)).collect();
-        pond.shores.retain(|shore| shore.len() >= 2);
-        if pond.shores.is_empty() {
-            findings.push(left_out(pond.feature, Some(pond.height), place, NARROW));
-            pond.used = false;
+        let shores = std::mem::take(&mut body.shores).into_iter();
+        body.shores = shores.map(|shore| node(shore, body.height, &mut net, reach)).collect();
+        body.shores.retain(|shore| shore.len() >= 2);
+        if body.shores.is_empty() {
+            findings.push(left_out(body.feature, Some(body.height), place, NARROW));
+            body.used = false;
         }
     }
     // Vertices that a later shore adds to a contour count for the earlier ones too.
-    for pond in ponds.iter_mut().filter(|pond| pond.used) {
-        if let Some(place) = conflict(&pond.shores, pond.height, &net) {
+    for body in water_bodies.iter_mut().filter(|body| body.used) {
+        if let Some(place) = conflict(&body.shores, body.height, &net) {
             findings.push(left_out(
-                pond.feature,
-                Some(pond.height),
+                body.feature,
+                Some(body.height),
                 place,
                 "has a shore that weaves across a contour too closely to be kept",
             ));
-            pond.used = false;
+            body.used = false;
         }
     }
     // Vertices where shores met the frame that are gone or have moved. Where a contour runs along the frame, such a one
     // would lie beside it, with a height of its own.
-    let shores = ponds.iter().filter(|pond| pond.used).flat_map(|pond| &pond.shores).flatten().copied();
+    let shores = water_bodies.iter().filter(|body| body.used).flat_map(|body| &body.shores).flatten().copied();
     let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
     // Those that contours along the frame got instead.
     let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
     let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
-    Ok((Ponds { ponds, nodes: net.nodes }, frame))
+    Ok((WaterBodies { water_bodies, nodes: net.nodes }, frame))
 }
 
 /// Mean width of an area, as of a long rectangle.
@@ -122,15 +122,15 @@ fn width(area: &Polygon<f64>) -> f64 {
 }
 
 /// Takes lakes out that no triangle lies in: their vertices moved further than they are wide, and their shores part nothing.
-pub(crate) fn leave_out_vanished(ponds: &mut Ponds, tin: &Tin) -> Vec<Finding> {
-    if ponds.is_empty() {
+pub(crate) fn leave_out_vanished(water_bodies: &mut WaterBodies, tin: &Tin) -> Vec<Finding> {
+    if water_bodies.is_empty() {
         return Vec::new();
     }
     let found: HashSet<u32> = (0..tin.len() as u32).filter_map(|t| tin.lake(t)).collect();
-    let vanished = (0u32..).zip(&mut ponds.ponds).filter(|(id, pond)| pond.used && !found.contains(id));
-    let told = vanished.map(|(_, pond)| {
-        pond.used = false;
-        left_out(pond.feature, Some(pond.height), first_vertex(&pond.area), NARROW)
+    let vanished = (0u32..).zip(&mut water_bodies.water_bodies).filter(|(id, body)| body.used && !found.contains(id));
+    let told = vanished.map(|(_, body)| {
+        body.used = false;
+        left_out(body.feature, Some(body.height), first_vertex(&body.area), NARROW)
     });
     told.collect()
 }
@@ -153,28 +153,28 @@ fn height_of(lake: &Lake, ground: &Shores, net: &Net, near: f64) -> Result<Optio
 }
 
 /// Adds a lake to those before it: joined with water of its height, cut back from water of another.
-fn add(ponds: &mut Vec<Pond>, mut pond: Pond, distance: f64, findings: &mut Vec<Finding>) {
-    for other in ponds.iter().filter(|other| other.height != pond.height) {
-        if let Some(rest) = cut_from_water(&pond.area, &other.area, distance) {
+fn add(water_bodies: &mut Vec<WaterBody>, mut body: WaterBody, distance: f64, findings: &mut Vec<Finding>) {
+    for other in water_bodies.iter().filter(|other| other.height != body.height) {
+        if let Some(rest) = cut_from_water(&body.area, &other.area, distance) {
             let message = format!(
                 "the lake of feature {} meets that of feature {}, which has another height ({} and {}); it is cut back",
-                pond.feature,
+                body.feature,
                 other.feature,
-                rounded(pond.height),
+                rounded(body.height),
                 rounded(other.height)
             );
-            let finding = Finding::at(FindingKind::LakeCutBack, first_vertex(&pond.area), message);
-            findings.push(finding.about(pond.feature, pond.height).about(other.feature, other.height));
-            pond.area = rest;
+            let finding = Finding::at(FindingKind::LakeCutBack, first_vertex(&body.area), message);
+            findings.push(finding.about(body.feature, body.height).about(other.feature, other.height));
+            body.area = rest;
         }
     }
-    while let Some((k, both)) = (0..ponds.len())
-        .filter(|&k| ponds[k].height == pond.height)
-        .find_map(|k| Some((k, joined(&ponds[k].area, &pond.area)?)))
+    while let Some((k, both)) = (0..water_bodies.len())
+        .filter(|&k| water_bodies[k].height == body.height)
+        .find_map(|k| Some((k, joined(&water_bodies[k].area, &body.area)?)))
     {
-        pond = Pond { area: both, ..ponds.remove(k) };
+        body = WaterBody { area: both, ..water_bodies.remove(k) };
     }
-    ponds.push(pond);
+    water_bodies.push(body);
 }
 
 fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {

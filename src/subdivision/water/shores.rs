@@ -1,13 +1,13 @@
 //! What lakes are settled in.
 
 use crate::contour::ContourMap;
-use crate::subdomains::{FrameRing, Link, Regions};
+use crate::subdomains::{FrameExtension, FrameRing, Regions};
 use crate::tin::Tin;
 
 /// The ground without lakes.
 pub(crate) struct Shores<'a> {
     pub map: &'a ContourMap,
-    pub links: &'a [Link],
+    pub extensions: &'a [FrameExtension],
     pub frame: &'a FrameRing,
     pub tin: &'a Tin,
     pub regions: &'a Regions,

@@ -137,7 +137,7 @@ impl Outlines {
         edges.iter().for_each(|&(t, i)| self.of_edge[t as usize][i] = id);
         let kind = |&(t, i): &(u32, usize)| match tin.contour_level(t, i) {
             Some(level) => BorderKind::Contour(level),
-            None if tin.is_gate(t, i) => BorderKind::Gate,
+            None if tin.is_barrier(t, i) => BorderKind::Gate,
             None if tin.is_shore(t, i) => BorderKind::Shore(tin.heights[tin.edge(t, i)[0] as usize]),
             None => BorderKind::Frame,
         };

@@ -4,13 +4,14 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::model::{ErrorModel, Known, left};
-use super::places::seen;
+use super::residuals::seen;
 use super::sides::sides;
+use crate::base::Grid;
 use crate::contour::LineError;
 use crate::dem::{heights_at, locate};
 use crate::spline::{WorkingGrid, blurred, slopes, working_grid};
 use crate::subdivision::Subdivision;
-use crate::subdomains::{Region, Sheet, Side};
+use crate::subdomains::{MapExtent, Region, Side};
 use crate::validate::builder::TrialParams;
 use crate::validate::choose::Chosen;
 use crate::validate::roughness;
@@ -20,8 +21,10 @@ use crate::validate::roughness;
 pub struct ErrorField {
     /// The law that it follows.
     pub model: ErrorModel,
-    /// Standard error at each node of a working grid, metres; NaN outside the frame.
-    pub errors: WorkingGrid,
+    /// Where the nodes of the working grid are: the centres of its cells.
+    pub grid: Grid,
+    /// Standard error at each node, metres; NaN outside the frame.
+    pub errors: Vec<f32>,
     /// Slope at each node, rise over run.
     slopes: Vec<f32>,
     /// Distance at each node from the further one of the contours on both sides, map units.
@@ -34,24 +37,24 @@ pub struct ErrorField {
 /// Contours are hidden of `trusted`, if the labels of some are wrong.
 pub fn error_field(
     subdivision: &Subdivision,
-    trusted: Option<Sheet<'_>>,
+    trusted: Option<MapExtent<'_>>,
     params: &TrialParams<'_>,
     chosen: Option<&Chosen>,
     working: Option<&WorkingGrid>,
 ) -> ErrorField {
-    let sheet = subdivision.sheet();
-    let gap = sheet.gap;
+    let extent = subdivision.extent();
+    let spacing = extent.spacing;
     let tuning = &params.tuning.errors;
-    let growth = roughness::growth(&sheet, &params.tuning.roughness);
-    let seen = seen(&trusted.unwrap_or(sheet), params, chosen.map(|c| c.knobs));
-    let model = ErrorModel::learn(&seen, growth, subdivision.interval.step, gap, params.tuning);
+    let exponent = roughness::hurst_exponent(&extent, &params.tuning.roughness);
+    let seen = seen(&trusted.unwrap_or(extent), params, chosen.map(|c| c.hyper_parameters));
+    let model = ErrorModel::learn(&seen, exponent, subdivision.interval.step, spacing, params.tuning);
     drop(seen);
-    let grid = working.map_or_else(|| working_grid(&sheet, params.wanted, &params.tuning.spline.grid), |w| w.grid);
+    let grid = working.map_or_else(|| working_grid(&extent, params.wanted, &params.tuning.spline.grid), |w| w.grid);
     let triangles = locate(&subdivision.tin, &grid, &());
     let sides = sides(subdivision, &grid, &triangles);
-    let guide = heights_at(&subdivision.tin, &grid, &triangles);
+    let reference = heights_at(&subdivision.tin, &grid, &triangles);
     drop(triangles);
-    let heights: &[f32] = working.map_or(&guide, |w| &w.heights);
+    let heights: &[f32] = working.map_or(&reference, |w| &w.heights);
     let fixing = (sides.share_at_vertices > tuning.min_share_at_vertices)
         .then(|| blurred(&sides.crossings, grid.cols, tuning.fixing_reach));
     let at = |n: usize| {
@@ -65,27 +68,28 @@ pub fn error_field(
         }
         let between = distances.into_iter().all(f64::is_finite);
         let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n]), tuning));
-        let apart = working.map(|_| (height - f64::from(guide[n])).abs());
+        let apart = working.map(|_| (height - f64::from(reference[n])).abs());
         let place =
             Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
-        let error = chosen.map_or(error, |c| c.knobs.error_left(error, band, &params.tuning.spline));
+        let error = chosen.map_or(error, |c| c.hyper_parameters.error_left(error, band, &params.tuning.spline));
         let reach = distances.into_iter().filter(|d| d.is_finite()).fold(0.0, f64::max);
         let inferred = region.water.is_none()
-            && (place.climb.is_some() || distances[0] + distances[1] > tuning.inferred_spacings * gap);
+            && (place.climb.is_some() || distances[0] + distances[1] > tuning.inferred_spacings * spacing);
         (error as f32, reach as f32, inferred)
     };
     let mut all = ErrorField {
         model: model.clone(),
         slopes: slopes(heights, &grid),
-        errors: WorkingGrid { grid, heights: Vec::with_capacity(grid.len()) },
+        grid,
+        errors: Vec::with_capacity(grid.len()),
         reaches: Vec::with_capacity(grid.len()),
         inferred: Vec::with_capacity(grid.len()),
     };
     let nodes: Vec<(f32, f32, bool)> = (0..grid.len()).into_par_iter().map(at).collect();
     for (error, reach, inferred) in nodes {
-        all.errors.heights.push(error);
+        all.errors.push(error);
         all.reaches.push(reach);
         all.inferred.push(inferred);
     }
@@ -101,12 +105,12 @@ fn climb(region: &Region, height: f64) -> Option<(f64, bool)> {
 impl ErrorField {
     /// The standard error at a map position, metres: a node's own, else between the nodes around; NaN outside the frame.
     pub fn at(&self, p: DVec2) -> f32 {
-        self.between(&self.errors.heights, p)
+        self.between(&self.errors, p)
     }
 
     /// A value between the nodes around that have one.
     fn between(&self, values: &[f32], p: DVec2) -> f32 {
-        let grid = &self.errors.grid;
+        let grid = &self.grid;
         let first = grid.center(0, 0);
         let place = DVec2::new((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y);
         let whole = place.floor();
@@ -130,7 +134,7 @@ impl ErrorField {
 
     /// Whether the node nearest to a map position has a height that the contours hardly tell.
     fn is_inferred(&self, p: DVec2) -> bool {
-        let grid = &self.errors.grid;
+        let grid = &self.grid;
         let first = grid.center(0, 0);
         let (col, row) = (((p.x - first.x) / grid.cell.x).round(), ((first.y - p.y) / grid.cell.y).round());
         let on_grid = col >= 0.0 && row >= 0.0 && col < grid.cols as f64 && row < grid.rows as f64;

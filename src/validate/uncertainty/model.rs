@@ -2,7 +2,7 @@
 //!
 //! Between two contours the error grows with the width between them and is largest half-way. The hidden contours give
 //! it there, for widths of twice the usual, as the figure that 68 of 100 errors lie below. From twice the interval to the
-//! interval it shrinks by the power that the contours themselves bend with ([`growth`](crate::spline)): the same
+//! interval it shrinks by the power that the contours themselves bend with ([`exponent`](crate::spline)): the same
 //! law of roughness governs how far a line strays from its chord and how far the ground strays from a surface between
 //! lines. Where ground is so level that the error fills the band, it shrinks with the band only; in between the two laws
 //! pass into each other. Towards a contour the error falls with half of that power of the product of both distances, as
@@ -17,7 +17,7 @@
 //! Beyond the last contour of a top or a pit the height is a guess from the slope: the error is a share of the climb, and
 //! that share is what the surface from half of the levels missed its tops by.
 
-use super::places::Seen;
+use super::residuals::Residual;
 use crate::tuning::{ErrorTuning, Tuning};
 
 /// Shares of errors that lie within one and two standard errors: those of a normal distribution, rounded.
@@ -25,7 +25,7 @@ const WITHIN: [f64; 2] = [0.68, 0.95];
 
 /// Where the error came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lesson {
+pub enum Provenance {
     /// From contours that were hidden.
     Hidden {
         /// Places on them.
@@ -39,9 +39,9 @@ pub enum Lesson {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorModel {
     /// Where it came from.
-    pub lesson: Lesson,
+    pub provenance: Provenance,
     /// Power of the distance between contours that the error grows with.
-    pub growth: f64,
+    pub exponent: f64,
     /// Share of a climb beyond the last contour that is error.
     pub beyond: f64,
     /// Logarithms of width (map units) and of the standard error half-way (metres), ascending in width.
@@ -64,16 +64,17 @@ pub struct Known {
 }
 
 impl ErrorModel {
-    /// Learns from what was seen. `growth` is that of the contours, `interval` in metres, `gap` the mean distance between
+    /// Learns from what was seen. `exponent` is that of the contours, `interval` in metres, `spacing` the mean distance between
     /// contours.
-    pub fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64, tuning: &Tuning) -> Self {
-        let (growth, fewest, tuning) = (tuning.roughness.power(growth), tuning.trials.min_places, tuning.errors);
+    pub fn learn(seen: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64, tuning: &Tuning) -> Self {
+        let (exponent, fewest, tuning) = (tuning.roughness.power(exponent), tuning.trials.min_places, tuning.errors);
         let [least_share, most_share] = tuning.climb_share_limits;
-        let (mut between, mut beyond): (Vec<Seen>, Vec<Seen>) = seen.iter().partition(|s| s.width().is_finite());
+        let (mut between, mut beyond): (Vec<Residual>, Vec<Residual>) =
+            seen.iter().partition(|s| s.width().is_finite());
         between.retain(|s| s.width() > 0.0);
         let beyond_usual = tuning.usual_climb_share;
-        let curve = usual(interval, gap, &tuning);
-        let usual = Self { lesson: Lesson::Usual, growth, beyond: beyond_usual, curve, interval, tuning };
+        let curve = usual(interval, spacing, &tuning);
+        let usual = Self { provenance: Provenance::Usual, exponent, beyond: beyond_usual, curve, interval, tuning };
         if between.len() < fewest {
             return usual;
         }
@@ -81,8 +82,8 @@ impl ErrorModel {
         let is_known = beyond.len() >= tuning.min_top_places;
         let beyond = if is_known { share.clamp(least_share, most_share) } else { beyond_usual };
         let classes = classes(&mut between, tuning.width_classes, fewest);
-        let curve = classes.into_iter().map(|class| point(class, growth, interval, gap, &tuning)).collect();
-        Self { lesson: Lesson::Hidden { places: between.len() }, beyond, curve, ..usual }
+        let curve = classes.into_iter().map(|class| point(class, exponent, interval, spacing, &tuning)).collect();
+        Self { provenance: Provenance::Hidden { places: between.len() }, beyond, curve, ..usual }
     }
 
     /// The standard error at a place, metres: never more than half the band. `fixed` is how far contours cut from the
@@ -101,15 +102,17 @@ impl ErrorModel {
             Some((climb, upwards)) => {
                 let (contour, other) = if upwards { (below, above) } else { (above, below) };
                 let open = if other.is_finite() { other / (contour + other) } else { 1.0 };
-                (self.beyond * climb.abs() * open).max(self.halfway(self.tuning.lone_contour_width * near, self.growth))
+                (self.beyond * climb.abs() * open)
+                    .max(self.halfway(self.tuning.lone_contour_width * near, self.exponent))
             }
             None => {
                 let width = if below.max(above).is_finite() { below + above } else { 2.0 * near };
                 let profile = profile(place.sides);
-                let tied = self.halfway(width, 0.0) * profile.powf(self.tuning.profile_power * self.growth);
-                let error = tied.max(self.halfway(profile * width, self.growth));
+                let tied = self.halfway(width, 0.0) * profile.powf(self.tuning.profile_power * self.exponent);
+                let error = tied.max(self.halfway(profile * width, self.exponent));
                 // The usual error is that of both guesses.
-                let doubt = if self.lesson == Lesson::Usual { 1.0 } else { doubt(place.apart, error, &self.tuning) };
+                let doubt =
+                    if self.provenance == Provenance::Usual { 1.0 } else { doubt(place.apart, error, &self.tuning) };
                 fixed * error * doubt
             }
         };
@@ -156,18 +159,18 @@ pub fn left(crossings: f64, tuning: &ErrorTuning) -> f64 {
 }
 
 /// The curve where nothing can be hidden.
-fn usual(interval: f64, gap: f64, tuning: &ErrorTuning) -> Vec<[f64; 2]> {
+fn usual(interval: f64, spacing: f64, tuning: &ErrorTuning) -> Vec<[f64; 2]> {
     let ErrorTuning { usual_error, usual_width_power, .. } = *tuning;
-    let at = |wide: f64| [(wide * gap).ln(), (usual_error * interval * wide.powf(usual_width_power)).ln()];
+    let at = |wide: f64| [(wide * spacing).ln(), (usual_error * interval * wide.powf(usual_width_power)).ln()];
     vec![at(0.1), at(10.0)]
 }
 
 /// The places in `count` classes of width that stand for equal areas; without those of fewer places than their part of `fewest`.
-fn classes(between: &mut [Seen], count: usize, fewest: usize) -> Vec<Vec<Seen>> {
+fn classes(between: &mut [Residual], count: usize, fewest: usize) -> Vec<Vec<Residual>> {
     between.sort_by(|a, b| a.width().total_cmp(&b.width()));
-    let area = |s: &Seen| s.length * s.width();
+    let area = |s: &Residual| s.length * s.width();
     let all: f64 = between.iter().map(area).sum();
-    let mut classes: Vec<Vec<Seen>> = vec![Vec::new(); count];
+    let mut classes: Vec<Vec<Residual>> = vec![Vec::new(); count];
     let mut sum = 0.0;
     for seen in between.iter() {
         let class = (sum / all * count as f64) as usize;
@@ -179,12 +182,12 @@ fn classes(between: &mut [Seen], count: usize, fewest: usize) -> Vec<Vec<Seen>> 
     classes
 }
 
-/// Width and error of a class, carried from twice the interval to the interval; `gap` is the mean distance between contours.
-fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64, tuning: &ErrorTuning) -> [f64; 2] {
+/// Width and error of a class, carried from twice the interval to the interval; `spacing` is the mean distance between contours.
+fn point(mut class: Vec<Residual>, exponent: f64, interval: f64, spacing: f64, tuning: &ErrorTuning) -> [f64; 2] {
     let ErrorTuning { two_sigma_weight, max_tail, unknown, .. } = *tuning;
     let [level_from, level_at] = tuning.level_spacings;
     let width = class[class.len() / 2].width();
-    let area = |s: &Seen| s.length * s.width();
+    let area = |s: &Residual| s.length * s.width();
     let usual = quantile(&mut class, area, WITHIN[0]);
     class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual, tuning));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
@@ -195,17 +198,17 @@ fn point(mut class: Vec<Seen>, growth: f64, interval: f64, gap: f64, tuning: &Er
         let both = one.powf(1.0 - two_sigma_weight) * (two / 2.0).powf(two_sigma_weight);
         tuning.hidden_to_all * both.min(one).max(two / max_tail)
     };
-    let level = ((width / 2.0 / gap / level_from).ln() / (level_at / level_from).ln()).clamp(0.0, 1.0);
-    let growth = growth + level * (growth.min(1.0) - growth);
+    let level = ((width / 2.0 / spacing / level_from).ln() / (level_at / level_from).ln()).clamp(0.0, 1.0);
+    let exponent = exponent + level * (exponent.min(1.0) - exponent);
     // An error that fills the band is the same share of every band; a small one falls with its power.
     let share = (error / (2.0 * interval)).clamp(1e-6, 0.98 * unknown);
-    let free = share / (1.0 - (share / unknown).powi(2)).sqrt() * 2f64.powf(1.0 - growth);
+    let free = share / (1.0 - (share / unknown).powi(2)).sqrt() * 2f64.powf(1.0 - exponent);
     let share = free / (1.0 + (free / unknown).powi(2)).sqrt();
     [(width / 2.0).ln(), (interval * share).ln()]
 }
 
 /// The error that a share of the weight lies below; 0 without any.
-fn quantile(seen: &mut [Seen], weight: impl Fn(&Seen) -> f64, share: f64) -> f64 {
+fn quantile(seen: &mut [Residual], weight: impl Fn(&Residual) -> f64, share: f64) -> f64 {
     seen.sort_by(|a, b| a.by.total_cmp(&b.by));
     let all: f64 = seen.iter().map(&weight).sum();
     let mut below = 0.0;
@@ -220,15 +223,15 @@ fn quantile(seen: &mut [Seen], weight: impl Fn(&Seen) -> f64, share: f64) -> f64
 mod tests {
     use super::*;
 
-    fn learn(seen: &[Seen], growth: Option<f64>, interval: f64, gap: f64) -> ErrorModel {
-        ErrorModel::learn(seen, growth, interval, gap, &Tuning::default())
+    fn learn(seen: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64) -> ErrorModel {
+        ErrorModel::learn(seen, exponent, interval, spacing, &Tuning::default())
     }
 
     /// Errors of all sizes up to `most`, in no order, on contours between others that are `width` apart.
-    fn places(most: f64, width: f64) -> Vec<Seen> {
+    fn places(most: f64, width: f64) -> Vec<Residual> {
         let at = |k: i32| {
             let by = most * f64::from(k * 617 % 1000) / 999.0;
-            Seen { by, apart: None, sides: [width / 2.0; 2], length: 1.0 }
+            Residual { by, apart: None, sides: [width / 2.0; 2], length: 1.0 }
         };
         (0..1000).map(at).collect()
     }
@@ -239,12 +242,12 @@ mod tests {
 
     #[test]
     fn errors_shrink_by_the_power_that_contours_bend_with() {
-        for growth in [1.0, 1.5, 2.0] {
-            let model = learn(&places(1.0, 100.0), Some(growth), 10.0, 50.0);
-            assert_eq!(model.lesson, Lesson::Hidden { places: 1000 });
+        for exponent in [1.0, 1.5, 2.0] {
+            let model = learn(&places(1.0, 100.0), Some(exponent), 10.0, 50.0);
+            assert_eq!(model.provenance, Provenance::Hidden { places: 1000 });
             let halfway = model.error(&between(25.0, 25.0), 1.0);
-            let expected = 0.68 * ErrorTuning::default().hidden_to_all_triangles * 0.5f64.powf(growth);
-            assert!((halfway / expected - 1.0).abs() < 0.02, "{growth}: {halfway} {expected}");
+            let expected = 0.68 * ErrorTuning::default().hidden_to_all_triangles * 0.5f64.powf(exponent);
+            assert!((halfway / expected - 1.0).abs() < 0.02, "{exponent}: {halfway} {expected}");
         }
     }
 
@@ -269,7 +272,7 @@ mod tests {
     #[test]
     fn a_spot_height_ends_the_doubt_about_a_top() {
         let model = learn(&[], None, 10.0, 50.0);
-        assert_eq!(model.lesson, Lesson::Usual);
+        assert_eq!(model.provenance, Provenance::Usual);
         let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
         assert_eq!(model.error(&top(0.0), 1.0), 0.0);
         assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
@@ -305,8 +308,8 @@ mod tests {
 
     #[test]
     fn errors_on_level_ground_shrink_with_the_band_only() {
-        let share = |gap: f64| {
-            let model = learn(&places(1.0, 100.0), Some(2.0), 10.0, gap);
+        let share = |spacing: f64| {
+            let model = learn(&places(1.0, 100.0), Some(2.0), 10.0, spacing);
             model.error(&between(25.0, 25.0), 1.0)
         };
         assert!((share(50.0 / 7.0) / share(50.0) - 2.0).abs() < 0.05);

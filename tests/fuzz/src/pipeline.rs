@@ -119,7 +119,7 @@ impl Bytes<'_> {
             _ => Frame::Hull,
         };
         let sea = (how & 16 != 0).then_some(interval);
-        let triangles = if how & 32 != 0 { Triangles::Guide } else { Triangles::Smooth };
+        let triangles = if how & 32 != 0 { Triangles::Reference } else { Triangles::Smooth };
         let params = SurfaceParams {
             kind: if is_small { kinds[usize::from(how & 3)] } else { SurfaceKind::Skeleton },
             frame,

@@ -7,31 +7,29 @@
 
 use rayon::prelude::*;
 
-use super::blur::blurred;
+use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
 use crate::tuning::GainTuning;
 
-/// Passes of the mean over the surroundings. Two leave no steps where a node enters the square.
-const PASSES: usize = 2;
 /// Fewest nodes that the surroundings of a node reach. Where contours are closer, a lattice shows no bulges between them.
 const FEWEST: usize = 2;
 
 /// What a bulge or hollow at each node would grow by if the ground's lacked half of the standard error at most: upwards where
 /// the surface lies above its surroundings. None at the levels of contours, nor outside the frame, where `heights` are NaN.
 ///
-/// `variances` are those half-way between contours ([`super::expected::variances`]), `gap` is the mean distance between
+/// `variances` are those half-way between contours ([`super::shrinkage::variances`]), `spacing` is the mean distance between
 /// contours.
-pub fn lacking(
+pub fn unit_gain(
     heights: &[f32],
     bounds: [&[f32]; 2],
     variances: &[f32],
-    gap: f64,
+    spacing: f64,
     lattice: &Lattice,
     interval: f64,
     tuning: &GainTuning,
 ) -> Vec<f32> {
     let step = (lattice.step.x * lattice.step.y).sqrt();
-    let reach = (tuning.reach * gap / step).round() as usize;
+    let reach = (tuning.reach * spacing / step).round() as usize;
     if reach < FEWEST {
         return vec![0.0; heights.len()];
     }
@@ -50,9 +48,9 @@ pub fn lacking(
 }
 
 /// Lets bulges and hollows grow by `amount` times what they lack, within `bounds`.
-pub fn grow(heights: &mut [f32], bounds: [&[f32]; 2], lacking: &[f32], amount: f64) {
-    heights.par_iter_mut().enumerate().filter(|(n, _)| lacking[*n] != 0.0).for_each(|(n, z)| {
-        *z = (*z + amount as f32 * lacking[n]).clamp(bounds[0][n], bounds[1][n]);
+pub fn grow(heights: &mut [f32], bounds: [&[f32]; 2], unit_gain: &[f32], amount: f64) {
+    heights.par_iter_mut().enumerate().filter(|(n, _)| unit_gain[*n] != 0.0).for_each(|(n, z)| {
+        *z = (*z + amount as f32 * unit_gain[n]).clamp(bounds[0][n], bounds[1][n]);
     });
 }
 
@@ -90,7 +88,10 @@ mod tests {
         let heights: Vec<f32> = (0..LATTICE.len()).map(|n| height((n % 60) as f32, (n / 60) as f32)).collect();
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
-        (lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0, &GainTuning::default()), heights)
+        (
+            unit_gain(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0, &GainTuning::default()),
+            heights,
+        )
     }
 
     #[test]
@@ -109,7 +110,7 @@ mod tests {
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
         let tuning = GainTuning::default();
-        let by = lacking(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &coarse, 20.0, &tuning);
+        let by = unit_gain(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &coarse, 20.0, &tuning);
         assert!(by.iter().all(|by| *by == 0.0), "contours are as close as nodes");
     }
 

@@ -37,7 +37,7 @@ pub struct OpenEnd {
 
 /// A straight continuation of a contour from its end to the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Link {
+pub struct FrameExtension {
     /// The contour's end.
     pub end: DVec2,
     /// The nearest point of the frame.
@@ -52,7 +52,7 @@ const RUN: usize = 16;
 /// All ends of open contours, and the links of those that the frame is nearest to.
 ///
 /// Ends within `tolerance` (map units) of the frame lie on it and need no link.
-pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Vec<OpenEnd>, Vec<Link>) {
+pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Vec<OpenEnd>, Vec<FrameExtension>) {
     let mut ends: Vec<OpenEnd> = map
         .contours
         .iter()
@@ -67,7 +67,7 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
     let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Sight::new(map);
-    let mut links: Vec<(bool, Option<Link>)> = ends
+    let mut extensions: Vec<(bool, Option<FrameExtension>)> = ends
         .par_iter()
         .map(|end| {
             let at = end.position.to_array();
@@ -88,19 +88,23 @@ pub fn link_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Ve
             if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
                 return (false, None);
             }
-            (true, Some(Link { end: end.position, frame: on_frame, elevation: end.elevation }))
+            (true, Some(FrameExtension { end: end.position, frame: on_frame, elevation: end.elevation }))
         })
         .collect();
-    keep_shortest(&mut links);
-    for (end, (at_frame, _)) in ends.iter_mut().zip(&links) {
+    keep_shortest(&mut extensions);
+    for (end, (at_frame, _)) in ends.iter_mut().zip(&extensions) {
         end.at_frame = *at_frame;
     }
-    (ends, links.into_iter().filter_map(|(_, link)| link).collect())
+    (ends, extensions.into_iter().filter_map(|(_, extension)| extension).collect())
 }
 
 /// For each spot height the link that it lies on, if it is nearer to one than `tolerance` (map units).
-pub fn links_at<'a>(spots: &[DVec3], links: &'a [Link], tolerance: f64) -> Vec<Option<&'a Link>> {
-    let lines = links.iter().map(|l| GeomWithData::new(Line::new(l.end.to_array(), l.frame.to_array()), l));
+pub fn extensions_at<'a>(
+    spots: &[DVec3],
+    extensions: &'a [FrameExtension],
+    tolerance: f64,
+) -> Vec<Option<&'a FrameExtension>> {
+    let lines = extensions.iter().map(|l| GeomWithData::new(Line::new(l.end.to_array(), l.frame.to_array()), l));
     let lines = RTree::bulk_load(lines.collect());
     let at = |spot: &DVec3| {
         let place = [spot.x, spot.y];
@@ -111,18 +115,19 @@ pub fn links_at<'a>(spots: &[DVec3], links: &'a [Link], tolerance: f64) -> Vec<O
 
 /// Leaves a single link at each point of the frame. A corner that points into the area is the nearest point of many ends,
 /// and links of different levels must not meet.
-fn keep_shortest(links: &mut [(bool, Option<Link>)]) {
-    let length = |link: &Link| link.end.distance(link.frame);
+fn keep_shortest(extensions: &mut [(bool, Option<FrameExtension>)]) {
+    let length = |extension: &FrameExtension| extension.end.distance(extension.frame);
     let mut shortest: HashMap<[u64; 2], (f64, usize)> = HashMap::new();
-    for (i, link) in links.iter().enumerate().filter_map(|(i, (_, link))| Some((i, link.as_ref()?))) {
-        let best = shortest.entry(bits(link.frame)).or_insert((length(link), i));
-        if length(link) < best.0 {
-            *best = (length(link), i);
+    for (i, extension) in extensions.iter().enumerate().filter_map(|(i, (_, extension))| Some((i, extension.as_ref()?)))
+    {
+        let best = shortest.entry(bits(extension.frame)).or_insert((length(extension), i));
+        if length(extension) < best.0 {
+            *best = (length(extension), i);
         }
     }
-    for (i, (at_frame, link)) in links.iter_mut().enumerate() {
-        if link.as_ref().is_some_and(|link| shortest[&bits(link.frame)].1 != i) {
-            (*at_frame, *link) = (false, None);
+    for (i, (at_frame, extension)) in extensions.iter_mut().enumerate() {
+        if extension.as_ref().is_some_and(|extension| shortest[&bits(extension.frame)].1 != i) {
+            (*at_frame, *extension) = (false, None);
         }
     }
 }
@@ -225,8 +230,8 @@ mod tests {
             (30.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
-        let of = |z: f64| links.iter().filter(|l| l.elevation == z).map(|l| (l.end, l.frame)).collect::<Vec<_>>();
+        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
+        let of = |z: f64| extensions.iter().filter(|l| l.elevation == z).map(|l| (l.end, l.frame)).collect::<Vec<_>>();
         assert_eq!(of(10.0), [(DVec2::new(2.0, 50.0), DVec2::new(0.0, 50.0))]);
         assert!(of(0.0).is_empty() && of(30.0).is_empty(), "those ends lie on the frame");
         assert_eq!(of(20.0).len(), 2);
@@ -241,8 +246,8 @@ mod tests {
             let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
             let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
             let ring = frame_ring(&map, &Frame::Hull);
-            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
-            assert!(links.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
+            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            assert!(extensions.iter().all(|l| l.end != DVec2::from(end)), "{end:?}");
         }
     }
 
@@ -256,8 +261,8 @@ mod tests {
                 (20.0, &[(20.0, 0.0), (200.0, 0.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
-            assert!(links.iter().all(|l| l.end.x != 60.0), "{off}: {links:?}");
+            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            assert!(extensions.iter().all(|l| l.end.x != 60.0), "{off}: {extensions:?}");
         }
     }
 
@@ -271,8 +276,8 @@ mod tests {
                 (30.0, &[(50.0, 10.0), (400.0, 10.0), (400.0, 300.0), (50.0, 300.0)]),
             ]);
             let ring = frame_ring(&map, &Frame::Box);
-            let (_, links) = link_open_ends(&map, &ring, ring.tolerance());
-            assert!(links.iter().all(|l| l.end.y != 60.0), "{off}: {links:?}");
+            let (_, extensions) = extend_open_ends(&map, &ring, ring.tolerance());
+            assert!(extensions.iter().all(|l| l.end.y != 60.0), "{off}: {extensions:?}");
         }
     }
 
@@ -283,12 +288,12 @@ mod tests {
             area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
         };
         let tolerance = ring.tolerance();
-        let (_, links) = link_open_ends(&map, &ring, tolerance);
-        let of_10: Vec<&Link> = links.iter().filter(|l| l.elevation == 10.0).collect();
+        let (_, extensions) = extend_open_ends(&map, &ring, tolerance);
+        let of_10: Vec<&FrameExtension> = extensions.iter().filter(|l| l.elevation == 10.0).collect();
         assert_eq!(of_10.len(), 1);
         assert_eq!(of_10[0].frame, DVec2::new(1e-13, 50.0));
         let spots = [DVec3::new(0.0, 50.0, 3.0), DVec3::new(1.0, 50.0 + 1e-9, 3.0), DVec3::new(1.0, 51.0, 3.0)];
-        let on_link: Vec<bool> = links_at(&spots, &links, tolerance).iter().map(Option::is_some).collect();
+        let on_link: Vec<bool> = extensions_at(&spots, &extensions, tolerance).iter().map(Option::is_some).collect();
         assert_eq!(on_link, [true, true, false]);
     }
 
@@ -301,8 +306,8 @@ mod tests {
             (20.0, &[(0.0, 100.0), (100.0, 100.0)]),
         ]);
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
-        assert!(links.is_empty());
+        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
+        assert!(extensions.is_empty());
         assert_eq!(ends.iter().filter(|e| !e.at_frame).count(), 2);
     }
 }

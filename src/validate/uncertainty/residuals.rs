@@ -4,15 +4,15 @@ use rayon::prelude::*;
 
 use super::sides::sides;
 use crate::dem::locate;
-use crate::spline::{Knobs, spline};
-use crate::subdomains::Sheet;
+use crate::spline::{HyperParameters, spline};
+use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::validate::builder::TrialParams;
-use crate::validate::trial::{Left, Place, Trial, between, cell, node, parts, trial};
+use crate::validate::trial::{LevelSubset, Place, Trial, between, cell, node, parts, trial};
 
 /// A place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct Residual {
     /// How far the surface is off, metres, without sign.
     pub by: f64,
     /// How far the smooth surface is from that of the triangles there, metres; `None` on the latter.
@@ -23,35 +23,41 @@ pub struct Seen {
     pub length: f64,
 }
 
-impl Seen {
+impl Residual {
     /// Distance from the contour below to the one above by way of the place.
     pub fn width(&self) -> f64 {
         self.sides[0] + self.sides[1]
     }
 }
 
-/// All places that a surface can be asked about, the odd and the even levels hidden in turn. `knobs` are those of the
+/// All places that a surface can be asked about, the odd and the even levels hidden in turn. `hyper_parameters` are those of the
 /// smooth surface; without them it is that of the triangles.
-pub fn seen(sheet: &Sheet<'_>, params: &TrialParams<'_>, knobs: Option<Knobs>) -> Vec<Seen> {
+pub fn seen(
+    extent: &MapExtent<'_>,
+    params: &TrialParams<'_>,
+    hyper_parameters: Option<HyperParameters>,
+) -> Vec<Residual> {
     // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
-    let cell = cell(sheet, params, 1);
-    let parts = parts(sheet, params, cell);
+    let cell = cell(extent, params, 1);
+    let parts = parts(extent, params, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = Left { every: 2, phase };
-        Some(of_trial(&trial((map, frame), left, sheet.interval, cell, params)?, knobs, params))
+        let left = LevelSubset { every: 2, phase };
+        Some(of_trial(&trial((map, frame), left, extent.interval, cell, params)?, hyper_parameters, params))
     });
     found.collect::<Vec<_>>().concat()
 }
 
-fn of_trial(trial: &Trial, knobs: Option<Knobs>, params: &TrialParams<'_>) -> Vec<Seen> {
+fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &TrialParams<'_>) -> Vec<Residual> {
     let Trial { subdivision, break_lines, places, grid } = trial;
     let triangles = locate(&subdivision.tin, grid, &());
     let sides = sides(subdivision, grid, &triangles);
     let conditions = params.builder.conditions(subdivision, break_lines, grid, &triangles);
     // Hidden contours all lie half-way, where heights are drawn to.
     let tuning = &params.tuning.spline;
-    let smooth = knobs.map(|knobs| spline(&conditions, &Knobs { half_way: 0.0, ..knobs }, tuning, &()).heights);
+    let smooth = hyper_parameters.map(|hyper_parameters| {
+        spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).heights
+    });
     let ask = |place: &Place| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());
@@ -62,16 +68,16 @@ fn of_trial(trial: &Trial, knobs: Option<Knobs>, params: &TrialParams<'_>) -> Ve
         let t = if near == NONE { None } else { subdivision.tin.locate(near, place.at - subdivision.tin.origin) }?;
         let band = subdivision.regions.region(t)?.band;
         let sides = sides.at(place.at, subdivision.regions.of_triangle[t as usize])?;
-        let guide = f64::from(between(grid, &conditions.guide, place.at)?);
+        let reference = f64::from(between(grid, &conditions.reference, place.at)?);
         let height = match &smooth {
             Some(heights) => f64::from(between(grid, heights, place.at)?),
-            None => guide,
+            None => reference,
         };
-        let apart = smooth.is_some().then(|| (height - guide).abs());
+        let apart = smooth.is_some().then(|| (height - reference).abs());
         let by = (height - place.level).abs();
         // A contour that a broken one lets through says nothing about ground between two levels.
         let asked = band.lo < place.level && place.level < band.hi && sides.iter().any(|d| d.is_finite());
-        (asked && by.is_finite() && place.length > 0.0).then_some(Seen { by, apart, sides, length: place.length })
+        (asked && by.is_finite() && place.length > 0.0).then_some(Residual { by, apart, sides, length: place.length })
     };
     places.iter().filter_map(ask).collect()
 }

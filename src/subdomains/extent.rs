@@ -5,7 +5,7 @@ use crate::subdomains::FrameRing;
 
 /// Contours in a frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Sheet<'a> {
+pub struct MapExtent<'a> {
     /// The map, cut to the frame.
     pub map: &'a ContourMap,
     /// The frame's outline.
@@ -13,10 +13,10 @@ pub struct Sheet<'a> {
     /// The vertical interval.
     pub interval: Interval,
     /// Mean distance between neighbouring contours, area over length of contour, map units.
-    pub gap: f64,
+    pub spacing: f64,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> MapExtent<'a> {
     /// With the area inside the frame: parts of it that hold no contour count too.
     pub fn new(map: &'a ContourMap, frame: &'a FrameRing, interval: Interval) -> Self {
         Self::with_area(map, frame, interval, geo::Area::unsigned_area(&frame.area))
@@ -25,6 +25,6 @@ impl<'a> Sheet<'a> {
     /// With an area that is known.
     pub fn with_area(map: &'a ContourMap, frame: &'a FrameRing, interval: Interval, area: f64) -> Self {
         let length: f64 = map.contours.iter().map(|c| c.length()).sum();
-        Self { map, frame, interval, gap: area / length.max(f64::MIN_POSITIVE) }
+        Self { map, frame, interval, spacing: area / length.max(f64::MIN_POSITIVE) }
     }
 }

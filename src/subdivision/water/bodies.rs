@@ -13,7 +13,7 @@ use crate::tin::{Tin, TinInput, VertexKind};
 
 /// A lake with its height and its shore.
 #[derive(Debug, Clone)]
-pub(crate) struct Pond {
+pub(crate) struct WaterBody {
     pub area: MultiPolygon<f64>,
     pub height: f64,
     pub feature: u64,
@@ -28,25 +28,25 @@ pub(crate) type Nodes = BTreeMap<(u32, u32), Vec<DVec2>>;
 
 /// All lakes.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Ponds {
-    pub(crate) ponds: Vec<Pond>,
+pub(crate) struct WaterBodies {
+    pub(crate) water_bodies: Vec<WaterBody>,
     pub(crate) nodes: Nodes,
 }
 
-impl Ponds {
+impl WaterBodies {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.ponds.is_empty()
+        self.water_bodies.is_empty()
     }
 
     /// Heights of the lakes by their numbers.
     pub fn heights(&self) -> Vec<f64> {
-        self.ponds.iter().map(|pond| pond.height).collect()
+        self.water_bodies.iter().map(|body| body.height).collect()
     }
 
     /// Takes a lake out.
     pub fn leave_out(&mut self, lake: u32) {
-        self.ponds[lake as usize].used = false;
+        self.water_bodies[lake as usize].used = false;
     }
 
     /// Adds lines of one level each (the map's contours, then links), and the shores. The lines' own points come first.
@@ -77,19 +77,19 @@ impl Ponds {
             }
             input.push_edge(from, to);
         }
-        for pond in self.ponds.iter().filter(|pond| pond.used) {
-            pond.shores.iter().for_each(|shore| input.push_line(shore, pond.height, VertexKind::Shore));
+        for body in self.water_bodies.iter().filter(|body| body.used) {
+            body.shores.iter().for_each(|shore| input.push_line(shore, body.height, VertexKind::Shore));
         }
     }
 
     /// The triangulation with the lakes that its triangles lie in.
     pub fn mark(&self, tin: Tin) -> Tin {
-        if self.ponds.is_empty() {
+        if self.water_bodies.is_empty() {
             return tin;
         }
-        let used = (0u32..).zip(&self.ponds).filter(|(_, pond)| pond.used);
+        let used = (0u32..).zip(&self.water_bodies).filter(|(_, body)| body.used);
         let borders: Vec<_> =
-            used.filter_map(|(id, pond)| Some((id, pond.area.bounding_rect()?, Border::new(&pond.area)))).collect();
+            used.filter_map(|(id, body)| Some((id, body.area.bounding_rect()?, Border::new(&body.area)))).collect();
         tin.with_lakes(|p| {
             let near = borders.iter().filter(|(_, bounds, _)| bounds.contains(&Point::new(p.x, p.y)));
             near.into_iter().find(|(.., border)| border.contains(p)).map(|(id, ..)| *id)
@@ -103,8 +103,8 @@ pub(crate) fn rounded(height: f64) -> f64 {
 }
 
 /// What is told of a lake that contradicts the contours around it.
-pub(crate) fn lake_finding(ponds: &Ponds, lake: u32, place: DVec2, band: Band) -> Finding {
-    let Pond { height, feature, .. } = &ponds.ponds[lake as usize];
+pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, band: Band) -> Finding {
+    let WaterBody { height, feature, .. } = &water_bodies.water_bodies[lake as usize];
     let shown = rounded(*height);
     let message = if band.contains(*height) {
         format!(

@@ -15,52 +15,54 @@
 
 use rayon::prelude::*;
 
-use super::blur::blurred;
+use super::blur::{PASSES, blurred};
 use super::lattice::{Crossing, Lattice};
 use super::unevenness::unevenness;
 use crate::tuning::ShrinkageTuning;
 
 /// Variance of heights that are even over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
-/// Passes of the mean over distances between contours. Two leave no steps where a node enters the square.
-const PASSES: usize = 2;
 
 /// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
-/// mean. `closeness` is `gap`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.
+/// mean. `contour_density` is `spacing`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.
 pub fn variances(
-    half_way: f64,
+    half_way_error: f64,
     heights: &[f32],
-    closeness: &[f32],
-    gap: f64,
+    contour_density: &[f32],
+    spacing: f64,
     lattice: &Lattice,
     spots: &[(Crossing, f64)],
     tuning: &ShrinkageTuning,
 ) -> Vec<f32> {
     let ShrinkageTuning { half_variance_nodes, power, .. } = *tuning;
     let step = (lattice.step.x * lattice.step.y).sqrt();
-    let nodes = gap / step;
+    let nodes = spacing / step;
     let of_inside = |values: &[f32]| {
         let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
         (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
     };
-    let mut gaps: Vec<f32> = closeness.par_iter().map(|closeness| 1.0 / closeness).collect();
+    let mut gaps: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
     let (sum, count) = of_inside(&gaps);
     // Outside the frame there are no gaps.
-    gaps.par_iter_mut().zip(heights).filter(|(_, z)| z.is_nan()).for_each(|(gap, _)| *gap = (sum / count) as f32);
+    gaps.par_iter_mut()
+        .zip(heights)
+        .filter(|(_, z)| z.is_nan())
+        .for_each(|(spacing, _)| *spacing = (sum / count) as f32);
     for _ in 0..PASSES {
         gaps = blurred(&gaps, lattice.cols, (tuning.spacing_reach * nodes) as usize);
     }
     let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v = (*v * gap).powf(power));
+    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
     let sum = of_inside(&variances).0;
-    let whole = if sum > 0.0 { (half_way * half_way * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
-    let known = |gap: f32| 1.0 + (half_variance_nodes / (nodes as f32 * gap)).powi(3);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, gap)| *v *= whole / known(*gap));
+    let whole =
+        if sum > 0.0 { (half_way_error * half_way_error * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
+    let known = |spacing: f32| 1.0 + (half_variance_nodes / (nodes as f32 * spacing)).powi(3);
+    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v *= whole / known(*spacing));
     // No further than they are from each other, in the mean: else many would be much work.
     let apart = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
         let node = crossing.node as usize;
-        let reach = (gap * tuning.spot_reach / f64::from(closeness[node])).min(apart);
+        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(apart);
         around(lattice, node, reach, |n, share| variances[n] *= share);
     }
     variances
@@ -83,7 +85,7 @@ fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, 
 
 /// Draws heights between `bounds` towards the middle, by at most `most` of their distance from it
 /// ([`ShrinkageTuning::max_share`]).
-pub fn draw_in(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most: f32) {
+pub fn shrink(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most: f32) {
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         let (lo, height) = (bounds[0][n], bounds[1][n] - bounds[0][n]);
         if height > 0.0 {
@@ -121,7 +123,7 @@ mod tests {
             let mut z: Vec<f32> = (0..count).map(|k| 200.0 + 20.0 * k as f32 / 100.0).collect();
             let before = z.clone();
             let bounds = [vec![200.0; count], vec![220.0; count]];
-            draw_in(&mut z, [&bounds[0], &bounds[1]], &vec![variance; count], MOST);
+            shrink(&mut z, [&bounds[0], &bounds[1]], &vec![variance; count], MOST);
             assert_eq!([z[0], z[50], z[100]], [200.0, 210.0, 220.0]);
             assert!(z.windows(2).all(|w| w[0] < w[1]), "{variance}: {z:?}");
             for k in 1..50 {
@@ -130,10 +132,10 @@ mod tests {
         }
         // 12 · 1 / 400 of 5 m, three quarters of it because t is a quarter.
         let mut quarter = [205.0];
-        draw_in(&mut quarter, [&[200.0], &[220.0]], &[1.0], MOST);
+        shrink(&mut quarter, [&[200.0], &[220.0]], &[1.0], MOST);
         assert!((quarter[0] - 205.0 - 0.75 * 12.0 / 400.0 * 5.0).abs() < 1e-4, "{quarter:?}");
         let mut water = [7.0, f32::NAN];
-        draw_in(&mut water, [&[7.0, f32::NAN], &[7.0, f32::NAN]], &[1.0, 1.0], MOST);
+        shrink(&mut water, [&[7.0, f32::NAN], &[7.0, f32::NAN]], &[1.0, 1.0], MOST);
         assert!(water[0] == 7.0 && water[1].is_nan());
     }
 
@@ -151,7 +153,7 @@ mod tests {
             let wide = (truth / 10.0 * (1.0 - truth / 10.0) * 4.0).sqrt() * deviation * 3.0f32.sqrt();
             let mut z = [(truth + wide * (2.0 * next(&mut state) - 1.0)).clamp(0.0, 10.0)];
             before += (z[0] - truth).powi(2);
-            draw_in(&mut z, [&[0.0], &[10.0]], &[deviation * deviation], MOST);
+            shrink(&mut z, [&[0.0], &[10.0]], &[deviation * deviation], MOST);
             after += (z[0] - truth).powi(2);
         }
         assert!(after < 0.95 * before, "{after} {before}");
@@ -163,11 +165,12 @@ mod tests {
         let (count, cols, east) = (LATTICE.len(), LATTICE.cols, 30 * 400 + 300);
         let spot = Crossing { node: east as u32, along: 0.0, at_vertex: false };
         // Contours thrice as close in the west as in the east.
-        let closeness: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
+        let contour_density: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
         // Level ground has no slope to be even.
         let level = vec![0.0; count];
-        let found =
-            |gap: f64, spots: &[(Crossing, f64)]| variances(2.0, &level, &closeness, gap, &LATTICE, spots, &tuning);
+        let found = |spacing: f64, spots: &[(Crossing, f64)]| {
+            variances(2.0, &level, &contour_density, spacing, &LATTICE, spots, &tuning)
+        };
         let free = found(30.0, &[]);
         assert!((free.iter().sum::<f32>() / count as f32 - 4.0).abs() < 0.05);
         assert!((free[east] / free[0] - 3f32.powf(tuning.power)).abs() < 0.05);

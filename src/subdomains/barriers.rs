@@ -19,17 +19,17 @@ const BRIDGE_SHARE: f64 = 0.5;
 
 /// Edges between ends of contours, as pairs of vertices.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Gaps {
+pub struct GapEdges {
     /// Pieces of contour across gaps.
-    pub bridges: Vec<[u32; 2]>,
+    pub closures: Vec<[u32; 2]>,
     /// Openings between strips.
-    pub gates: Vec<[u32; 2]>,
+    pub barriers: Vec<[u32; 2]>,
 }
 
 /// Finds the edges that close openings between `ends`. Neighbouring ends are those of one level or of two that are no
 /// further apart than `step`; at least one of them does not reach the frame.
-pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> Gaps {
-    let mut gaps = Gaps::default();
+pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> GapEdges {
+    let mut gaps = GapEdges::default();
     if ends.iter().all(|e| e.at_frame) {
         return gaps;
     }
@@ -50,9 +50,9 @@ pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> Gaps {
                 continue;
             }
             if is_bridge(a, b) {
-                gaps.bridges.push([u, v]);
+                gaps.closures.push([u, v]);
             } else if a.contour != b.contour {
-                gaps.gates.push([u, v]);
+                gaps.barriers.push([u, v]);
             }
         }
     }
@@ -70,21 +70,21 @@ fn is_bridge(a: &OpenEnd, b: &OpenEnd) -> bool {
         && ahead(b, -across)
 }
 
-impl Gaps {
+impl GapEdges {
     /// Leaves each end its shortest bridge; the longer ones become gates.
     fn keep_single_bridges(&mut self, tin: &Tin) {
         let length = |[u, v]: [u32; 2]| tin.positions[u as usize].distance(tin.positions[v as usize]);
-        self.bridges.sort_by(|a, b| length(*a).total_cmp(&length(*b)).then(a.cmp(b)));
+        self.closures.sort_by(|a, b| length(*a).total_cmp(&length(*b)).then(a.cmp(b)));
         let mut taken = HashSet::new();
-        let (kept, rest) = std::mem::take(&mut self.bridges).into_iter().partition(|[u, v]| {
+        let (kept, rest) = std::mem::take(&mut self.closures).into_iter().partition(|[u, v]| {
             let free = !taken.contains(u) && !taken.contains(v);
             if free {
                 taken.extend([*u, *v]);
             }
             free
         });
-        self.bridges = kept;
-        self.gates.extend::<Vec<_>>(rest);
+        self.closures = kept;
+        self.barriers.extend::<Vec<_>>(rest);
     }
 }
 
@@ -94,10 +94,10 @@ mod tests {
 
     use super::*;
     use crate::contour::{Contour, ContourMap, Interval};
-    use crate::subdomains::{Band, Frame, frame_ring, link_open_ends, regions};
+    use crate::subdomains::{Band, Frame, extend_open_ends, frame_ring, regions};
     use crate::tin::{TinInput, triangulate};
 
-    fn gaps_of(lines: &[(f64, &[(f64, f64)])]) -> (Tin, Gaps) {
+    fn gaps_of(lines: &[(f64, &[(f64, f64)])]) -> (Tin, GapEdges) {
         let contours = lines.iter().map(|&(elevation, points)| Contour {
             elevation,
             points: points.iter().map(|&p| p.into()).collect(),
@@ -105,17 +105,17 @@ mod tests {
         });
         let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
         let ring = frame_ring(&map, &Frame::Hull);
-        let (ends, links) = link_open_ends(&map, &ring, 1e-7);
+        let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
         let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(300.0)], 1e-7);
         for c in &map.contours {
             input.push_line(&c.points, c.elevation, VertexKind::Contour);
         }
-        for link in &links {
-            input.push_line(&[link.end, link.frame], link.elevation, VertexKind::Contour);
+        for extension in &extensions {
+            input.push_line(&[extension.end, extension.frame], extension.elevation, VertexKind::Contour);
         }
         let tin = triangulate(input).unwrap();
         let gaps = close_gaps(&tin, &ends, 10.0);
-        (tin.clone().with_gaps(&gaps.bridges, &gaps.gates), gaps)
+        (tin.clone().with_gap_edges(&gaps.closures, &gaps.barriers), gaps)
     }
 
     #[test]
@@ -129,9 +129,9 @@ mod tests {
             (40.0, &[(0.0, 80.0), (100.0, 80.0), (300.0, 80.0)]),
         ]);
         let levels = |pair: &[u32; 2]| pair.map(|v| tin.heights[v as usize]);
-        assert!(gaps.bridges.is_empty());
-        assert!(gaps.gates.iter().any(|g| levels(g) == [10.0, 20.0] || levels(g) == [20.0, 10.0]));
-        assert!(gaps.gates.iter().any(|g| levels(g) == [20.0, 30.0] || levels(g) == [30.0, 20.0]));
+        assert!(gaps.closures.is_empty());
+        assert!(gaps.barriers.iter().any(|g| levels(g) == [10.0, 20.0] || levels(g) == [20.0, 10.0]));
+        assert!(gaps.barriers.iter().any(|g| levels(g) == [20.0, 30.0] || levels(g) == [30.0, 20.0]));
         let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
         for band in [Band { lo: 10.0, hi: 20.0 }, Band { lo: 20.0, hi: 30.0 }] {
             assert!(found.regions.iter().any(|r| r.band == band), "{band:?}");
@@ -146,8 +146,8 @@ mod tests {
             (10.0, &[(53.0, 20.0), (75.0, 20.0), (100.0, 20.0)]),
             (20.0, &[(0.0, 40.0), (50.0, 40.0), (100.0, 40.0)]),
         ]);
-        assert_eq!(gaps.bridges.len(), 1);
-        assert!(gaps.gates.is_empty());
+        assert_eq!(gaps.closures.len(), 1);
+        assert!(gaps.barriers.is_empty());
         let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
         assert_eq!(found.regions.len(), 2, "the two strips are apart");
     }

@@ -30,7 +30,7 @@ const HALVINGS: u32 = 12;
 
 /// How the plane that a map is worked on lies to the coordinates of its file.
 #[derive(Debug, Clone, Default)]
-pub struct Places {
+pub struct Reprojection {
     /// The system of the file.
     input: Option<Crs>,
     /// The system of the plane.
@@ -69,7 +69,7 @@ fn on_steps(p: DVec2) -> DVec2 {
     (p * STEPS).round() / STEPS + DVec2::ZERO
 }
 
-impl Places {
+impl Reprojection {
     /// The places of a map that is worked on in the coordinates it has.
     pub fn unmoved(crs: Option<Crs>) -> Self {
         Self { input: crs.clone(), working: crs, ..Self::default() }
@@ -131,7 +131,7 @@ impl Places {
             // Most coordinates have no more digits than micrometres.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
-        let places = Self {
+        let reprojection = Self {
             input: Some(input.clone()),
             working: Some(working.clone()),
             way: (!way.is_identity()).then_some(way),
@@ -143,7 +143,7 @@ impl Places {
             }),
             around,
         };
-        Ok(Report { value: places, findings })
+        Ok(Report { value: reprojection, findings })
     }
 
     /// Whether the map is worked on in the system of its file.
@@ -188,23 +188,23 @@ impl Places {
     ///
     /// # Errors
     /// As [`Transform::between`].
-    pub fn bring(&self, crs: Option<&Crs>) -> Result<Bringer> {
+    pub fn bring(&self, crs: Option<&Crs>) -> Result<ToWorking> {
         let (from, to) = match (crs.or(self.input.as_ref()), &self.working) {
             (Some(from), Some(to)) => (from, to),
-            _ => return Ok(Bringer { way: None, in_steps: self.in_steps, names: String::new() }),
+            _ => return Ok(ToWorking { way: None, in_steps: self.in_steps, names: String::new() }),
         };
         let way = Transform::between(from, to)?;
         let names = format!("{} and {}", label(from), label(to));
-        Ok(Bringer { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
+        Ok(ToWorking { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
     }
 
     /// The way out, to the coordinates of the file or to those of another system.
     ///
     /// # Errors
     /// As [`Transform::between`], and if another system is asked for and that of the file is not known.
-    pub fn give_back(&self, to: Option<&Crs>) -> Result<Returner> {
+    pub fn from_working(&self, to: Option<&Crs>) -> Result<FromWorking> {
         let Some(to) = to else {
-            return Ok(Returner { places: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
+            return Ok(FromWorking { reprojection: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
         };
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
             return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
@@ -217,7 +217,7 @@ impl Places {
                 from_working: Transform::between(working, to)?,
             }
         };
-        Ok(Returner { places: self.clone(), onwards, crs: Some(to.clone()) })
+        Ok(FromWorking { reprojection: self.clone(), onwards, crs: Some(to.clone()) })
     }
 }
 
@@ -254,13 +254,13 @@ fn beyond(originals: &[(Place, DVec2)]) -> Option<f64> {
 
 /// Brings the coordinates of other files to the plane of the map.
 #[derive(Debug, Clone)]
-pub struct Bringer {
+pub struct ToWorking {
     way: Option<Transform>,
     in_steps: bool,
     names: String,
 }
 
-impl Bringer {
+impl ToWorking {
     fn place(&self, p: DVec2) -> Result<DVec2> {
         let wrong = || Error::Data(format!("{:?} {:?} is a place in only one of {}", p.x, p.y, self.names));
         let place = self.way.as_ref().map_or(Some(p), |way| way.forward(p)).ok_or_else(wrong)?;
@@ -325,8 +325,8 @@ impl Bringer {
 
 /// Brings places on the plane to the coordinates of the output.
 #[derive(Debug, Clone)]
-pub struct Returner {
-    places: Places,
+pub struct FromWorking {
+    reprojection: Reprojection,
     onwards: Onwards,
     crs: Option<Crs>,
 }
@@ -339,7 +339,7 @@ enum Onwards {
     Other { from_input: Transform, from_working: Transform },
 }
 
-impl Returner {
+impl FromWorking {
     /// The system of the output, if it is known.
     pub fn crs(&self) -> Option<&Crs> {
         self.crs.as_ref()
@@ -348,7 +348,7 @@ impl Returner {
     /// Whether places on the plane are those of the output.
     pub fn is_identity(&self) -> bool {
         match &self.onwards {
-            Onwards::Input => self.places.are_unmoved() && self.places.originals.pairs.is_empty(),
+            Onwards::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
             Onwards::Other { from_working, .. } => from_working.is_identity(),
         }
     }
@@ -356,8 +356,8 @@ impl Returner {
     /// The place in the coordinates of the output; `None` where there is none.
     pub fn place(&self, p: DVec2) -> Option<DVec2> {
         match &self.onwards {
-            Onwards::Input => self.places.in_input(p),
-            Onwards::Other { from_input, from_working } => match self.places.original(p) {
+            Onwards::Input => self.reprojection.in_input(p),
+            Onwards::Other { from_input, from_working } => match self.reprojection.original(p) {
                 Some(original) if !from_working.is_identity() => from_input.forward(original),
                 _ => from_working.forward(p),
             },
@@ -370,9 +370,9 @@ mod tests {
     use super::*;
 
     /// A line of these points, brought from one system to another.
-    fn project(from: u32, points: &[[f64; 2]], to: u32) -> Result<Report<(Vec<DVec2>, Places)>> {
+    fn project(from: u32, points: &[[f64; 2]], to: u32) -> Result<Report<(Vec<DVec2>, Reprojection)>> {
         let mut points: Vec<DVec2> = points.iter().map(|p| DVec2::from(*p)).collect();
-        let report = Places::project(&mut [&mut points], &mut [], &Crs::from_epsg(from), &Crs::from_epsg(to))?;
+        let report = Reprojection::project(&mut [&mut points], &mut [], &Crs::from_epsg(from), &Crs::from_epsg(to))?;
         Ok(Report { value: (points, report.value), findings: report.findings })
     }
 
@@ -382,9 +382,9 @@ mod tests {
             (0..2000).map(|k| [138.7 + f64::from(k) * 0.000_137, 35.3 + f64::from(k * k % 977) * 0.000_031]).collect();
         let report = project(6668, &points, 6676).unwrap();
         assert!(report.findings.is_empty());
-        let (flat, places) = report.value;
-        assert_eq!(places.working_crs().and_then(|crs| crs.epsg), Some(6676));
-        let back = places.give_back(None).unwrap();
+        let (flat, reprojection) = report.value;
+        assert_eq!(reprojection.working_crs().and_then(|crs| crs.epsg), Some(6676));
+        let back = reprojection.from_working(None).unwrap();
         for (p, q) in points.iter().zip(&flat) {
             assert_eq!(back.place(*q).map(|p| p.to_array().map(f64::to_bits)), Some(p.map(f64::to_bits)));
             let near = back.place(*q + DVec2::splat(1e-5)).unwrap();
@@ -395,7 +395,7 @@ mod tests {
             way.inverse(way.forward(DVec2::from(*p)).unwrap()) != Some(DVec2::from(*p))
         }));
         // To another system they go from their own coordinates.
-        let onwards = places.give_back(Some(&Crs::from_epsg(32654))).unwrap();
+        let onwards = reprojection.from_working(Some(&Crs::from_epsg(32654))).unwrap();
         let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(32654)).unwrap();
         assert_eq!(onwards.place(flat[7]), way.forward(DVec2::from(points[7])));
         assert_eq!(onwards.crs().and_then(|crs| crs.epsg), Some(32654));
@@ -419,9 +419,9 @@ mod tests {
         let near = [[138.7, 35.3], [138.7 + 3e-12, 35.3], [138.8, 35.3]];
         let report = project(6668, &near, 6676).unwrap();
         assert!(report.findings.is_empty(), "{:?}", report.findings);
-        let (flat, places) = report.value;
+        let (flat, reprojection) = report.value;
         for (p, q) in near.iter().zip(&flat) {
-            assert_eq!(places.in_input(*q).map(|p| p.to_array()), Some(*p));
+            assert_eq!(reprojection.in_input(*q).map(|p| p.to_array()), Some(*p));
         }
         // Near the meridian of Greenwich degrees have more digits than metres far from the equator.
         let nearest = [[1e-18, 60.0], [2e-18, 60.0], [0.1, 60.0]];
@@ -432,10 +432,10 @@ mod tests {
     #[test]
     fn noise_in_metres_is_taken_off_and_given_back() {
         let noisy = [[436_203.790_000_000_04, 6_444_375.560_000_000_5], [436_265.68, 6_444_259.96]];
-        let (flat, places) = project(25832, &noisy, 25832).unwrap().value;
+        let (flat, reprojection) = project(25832, &noisy, 25832).unwrap().value;
         assert_eq!(flat[0], DVec2::new(436_203.79, 6_444_375.56));
-        assert!(places.are_unmoved() && places.originals.pairs.len() == 1);
-        let back = places.give_back(None).unwrap();
+        assert!(reprojection.are_unmoved() && reprojection.originals.pairs.len() == 1);
+        let back = reprojection.from_working(None).unwrap();
         assert!(!back.is_identity());
         for (p, q) in noisy.iter().zip(&flat) {
             assert_eq!(back.place(*q).map(|p| p.to_array()), Some(*p));
@@ -454,23 +454,23 @@ mod tests {
 
     #[test]
     fn longitudes_beyond_180_stay_there() {
-        let (flat, places) = project(4326, &[[179.9, -17.0], [180.2, -17.1]], 32701).unwrap().value;
+        let (flat, reprojection) = project(4326, &[[179.9, -17.0], [180.2, -17.1]], 32701).unwrap().value;
         let middle = flat[0].midpoint(flat[1]);
-        assert!((places.in_input(middle).unwrap().x - 180.05).abs() < 1e-3);
+        assert!((reprojection.in_input(middle).unwrap().x - 180.05).abs() < 1e-3);
     }
 
     #[test]
     fn boundaries_bend_and_lakes_do_not() {
-        let (_, places) = project(6668, &[[138.7, 35.3], [138.8, 35.4]], 6676).unwrap().value;
-        let bringer = places.bring(None).unwrap();
+        let (_, reprojection) = project(6668, &[[138.7, 35.3], [138.8, 35.4]], 6676).unwrap().value;
+        let to_working = reprojection.bring(None).unwrap();
         let corners = [(138.75, 35.3), (138.875, 35.3), (138.875, 35.4), (138.75, 35.4), (138.75, 35.3)];
         let sheet = Polygon::new(LineString::from(corners.to_vec()), Vec::new());
-        assert_eq!(bringer.polygon(&sheet).unwrap().exterior().0.len(), 5);
-        let bent = bringer.boundary(&MultiPolygon::new(vec![sheet])).unwrap();
+        assert_eq!(to_working.polygon(&sheet).unwrap().exterior().0.len(), 5);
+        let bent = to_working.boundary(&MultiPolygon::new(vec![sheet])).unwrap();
         let ring = bent.0[0].exterior();
         assert!(ring.is_closed() && ring.0.len() > 30 && ring.0.len() < 300, "{}", ring.0.len());
         // Ends on the parallel lie within the tolerance of the boundary.
-        let end = bringer.point(DVec3::new(138.79, 35.3, 5.0)).unwrap();
+        let end = to_working.point(DVec3::new(138.79, 35.3, 5.0)).unwrap();
         let off = ring.lines().map(|l| {
             let [a, b] = [l.start, l.end].map(|c| DVec2::new(c.x, c.y));
             let t = ((end.truncate() - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
