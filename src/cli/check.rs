@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::error::Finding;
 use tokosen::contour::ContourMap;
-use tokosen::io::layer::{Layer, of_findings, of_map, of_spots};
+use tokosen::io::layer::{holds_spots, of_findings, of_repaired};
 use tokosen::io::{StagedOutput, VectorFormat, check_paths, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
@@ -66,7 +66,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
 
     if let Some(staged) = &staged {
         console.step("writing", || match &map {
-            Some(map) => write_layers_back(staged, &map_layers(map, staged), &back),
+            Some(map) => write_layers_back(staged, &of_repaired(map, staged.target()), &back),
             None => write_layers_back(staged, &[of_findings(findings)], &back),
         })?;
     }
@@ -76,10 +76,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
         summary::findings_by_severity(findings, console);
         args.map.describe(&judged, console);
     }
-    let written = staged.as_ref().map(|staged| staged.target().to_owned());
-    if let Some(staged) = staged {
-        staged.commit()?;
-    }
+    let written = staged.map(StagedOutput::commit).transpose()?;
     if !args.json {
         if let Some(path) = written {
             console.say(&format!("written    {} ({})", path.display(), contents(map.as_ref(), findings, &path)));
@@ -122,19 +119,6 @@ impl CheckArgs {
         check_paths(&inputs, &[path.as_path()])?;
         Ok(Some(StagedOutput::create(path)?))
     }
-}
-
-/// The layers of a repaired map. Only a GeoPackage holds points beside lines.
-fn map_layers<'a>(map: &'a ContourMap, staged: &StagedOutput) -> Vec<Layer<'a>> {
-    let mut layers = vec![of_map(map)];
-    if !map.spots.is_empty() && holds_spots(staged.target()) {
-        layers.push(of_spots(map));
-    }
-    layers
-}
-
-fn holds_spots(path: &Path) -> bool {
-    matches!(VectorFormat::from_path(path), Ok(VectorFormat::GeoPackage))
 }
 
 /// What the written file holds, in words.

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::base::error::{Error, Finding};
+use tokosen::base::error::Finding;
 use tokosen::contour::find_interval;
-use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, shade, slope, steep, steep_note};
+use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
 use tokosen::dem::shade::ShadeParams;
-use tokosen::dem::{Dem, GroundScale, looks_like_degrees};
+use tokosen::dem::{Dem, GroundScale};
 use tokosen::io::layer::steep_areas;
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
 use tokosen::io::{Content, StagedOutput, check_paths, content, write_layers};
@@ -116,14 +116,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let outputs = args.open()?;
     let Ground { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
-    if looks_like_degrees(&dem.grid, dem.crs.as_ref()) {
-        let message = "the coordinates look like degrees, and the height map does not say so; name its system first, for \
-                       example with 'gdal_translate -a_srs EPSG:6668'";
-        return Err(Failure::Work(Error::file(&args.input.map.contours, message)));
-    }
-    if dem.values.iter().all(|height| height.is_nan()) {
-        return Err(Failure::Work(Error::file(&args.input.map.contours, "has no cell with a height")));
-    }
+    check(&dem).map_err(|error| error.in_file(&args.input.map.contours))?;
     // The strictness of contours is judged where they are read.
     if args.input.map.strict {
         let checked = all_right(&args.input.map.contours.display().to_string(), &findings);

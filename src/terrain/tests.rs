@@ -31,7 +31,8 @@ fn hill() -> ContourMap {
 
 fn input(map: ContourMap) -> Input {
     // Metres about a point, which could be degrees.
-    Input::from_map(map, &InputOptions { crs: Some(Crs::from_epsg(6678)), ..InputOptions::default() }).unwrap()
+    Input::from_map(map, &InputOptions { crs: Some(Crs::from_epsg(6678)), ..InputOptions::default() })
+        .expect("a projected system in metres")
 }
 
 /// The quick surface.

@@ -240,6 +240,14 @@ impl Finding {
         self
     }
 
+    /// The same with its place in the sentence instead, in the coordinates that it has.
+    pub fn with_place_in_words(&self) -> Self {
+        let Some(p) = self.place else { return self.clone() };
+        // Seven decimals of what may be degrees are a centimetre.
+        let decimals = if p.x.abs() <= 360.0 && p.y.abs() <= 90.0 { 7 } else { 3 };
+        Self::general(self.kind, format!("{} at {:.decimals$} {:.decimals$}", self.message, p.x, p.y))
+    }
+
     /// The same with a correction that would mend it.
     pub fn proposing(self, proposal: Proposal) -> Self {
         Self { proposal: Some(proposal), ..self }

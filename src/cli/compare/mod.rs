@@ -7,7 +7,7 @@ pub use args::CompareArgs;
 
 use std::path::{Path, PathBuf};
 
-use tokosen::base::error::Error;
+use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, difference};
 use tokosen::draw::report::{page, sentences, table};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
@@ -36,7 +36,8 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         }
         Ok(found)
     });
-    let found = measured.map_err(|error| summary::after_findings(error, &side::placed(&findings), console))?;
+    let placed: Vec<Finding> = findings.iter().map(Finding::with_place_in_words).collect();
+    let found = measured.map_err(|error| summary::after_findings(error, &placed, console))?;
     let (a, b) = (&pair.a_heights, &pair.b_heights);
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
@@ -47,7 +48,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         draw(staged, &pair, &found, console)?;
     }
 
-    summary::findings(&side::placed(&findings), console);
+    summary::findings(&placed, console);
     if args.json {
         console.result(&comparison_json(&pair, &found, &findings)?);
     } else {
@@ -104,14 +105,8 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     if contents != [Content::HeightMap; 2] {
         args.surface.check()?;
     }
-    let inputs: Vec<&Path> = args
-        .input
-        .map
-        .files()
-        .chain([args.b.as_path()])
-        .chain(args.grid.like.as_deref())
-        .chain(args.surface.files())
-        .collect();
+    let others = [args.b.as_path()].into_iter().chain(args.grid.like.as_deref()).chain(args.surface.files());
+    let inputs: Vec<&Path> = args.input.map.files().chain(others).collect();
     let outputs: Vec<&Path> = args.output.iter().chain(&args.report).map(PathBuf::as_path).collect();
     check_paths(&inputs, &outputs)?;
     Ok(contents)

@@ -61,19 +61,6 @@ pub fn read(
     Ok(Pair::on(a, b, nodes, console)?)
 }
 
-/// Findings as they are told, with places in the coordinates of their file.
-pub fn placed(findings: &[Finding]) -> Vec<Finding> {
-    let placed = |finding: &Finding| match finding.place {
-        Some(p) => {
-            // Seven decimals of what may be degrees are a centimetre.
-            let decimals = if p.x.abs() <= 360.0 && p.y.abs() <= 90.0 { 7 } else { 3 };
-            Finding::general(finding.kind, format!("{} at {:.decimals$} {:.decimals$}", finding.message, p.x, p.y))
-        }
-        None => finding.clone(),
-    };
-    findings.iter().map(placed).collect()
-}
-
 /// Reads contours and builds their surface: for the cells that heights are compared at or, if these are not known yet, for
 /// those that are asked for, which are then the ones.
 fn side_of_contours(

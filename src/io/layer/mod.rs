@@ -18,6 +18,6 @@ pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 pub use findings::of_findings;
 pub use landforms::of_landforms;
 pub(super) use moved::MovedShapes;
-pub use repaired::{of_map, of_spots};
+pub use repaired::{holds_spots, of_map, of_repaired, of_spots};
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 pub use steep::steep_areas;

@@ -1,7 +1,10 @@
 //! The layers of a map that was repaired: its contours and its spot heights.
 
+use std::path::Path;
+
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::contour::ContourMap;
+use crate::io::format::VectorFormat;
 
 const LINE_COLUMNS: &[Column] = &[
     Column { name: "elev", kind: Kind::Real },
@@ -34,4 +37,18 @@ pub fn of_spots(map: &ContourMap) -> Layer<'_> {
         .iter()
         .map(|spot| Row { shape: Shape::Point(Some(spot.truncate())), cells: vec![Cell::Real(spot.z)] });
     Layer { name: "spot_heights", geometry: Geometry::Points, columns: SPOT_COLUMNS, rows: rows.collect() }
+}
+
+/// The layers of a repaired map for a file: its contours and, where the format holds points beside lines, its spot heights.
+pub fn of_repaired<'a>(map: &'a ContourMap, path: &Path) -> Vec<Layer<'a>> {
+    let mut layers = vec![of_map(map)];
+    if !map.spots.is_empty() && holds_spots(path) {
+        layers.push(of_spots(map));
+    }
+    layers
+}
+
+/// Whether a file of that name holds points beside lines: only a GeoPackage does.
+pub fn holds_spots(path: &Path) -> bool {
+    matches!(VectorFormat::from_path(path), Ok(VectorFormat::GeoPackage))
 }
