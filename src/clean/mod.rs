@@ -101,7 +101,7 @@ impl CleanParams {
 /// What is left out or joined is in the findings, step by step and in a fixed order within each.
 ///
 /// # Errors
-/// [`Error::Parameter`] for distances that are negative or no numbers. [`Error::Data`] if lines meet so often that they
+/// [`Error::OutOfRange`] for distances that are negative or no numbers. [`Error::Data`] if lines meet so often that they
 /// cannot be contour lines, or if there are more than 2³² vertices.
 pub fn clean(mut map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;

@@ -13,8 +13,8 @@ use crate::crs::{Crs, Reprojection};
 /// the same become one, with a finding.
 ///
 /// # Errors
-/// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on the
-/// plane.
+/// [`Error::UnknownCrs`] if the map's system is not known, [`Error::Data`] if there is no way between the systems,
+/// [`Error::NoPlace`] if a vertex has no place on the plane.
 pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Reprojection)>> {
     let Some(input) = map.crs.take() else {
         return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });

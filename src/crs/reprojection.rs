@@ -83,8 +83,8 @@ impl Reprojection {
     /// not remembered.
     ///
     /// # Errors
-    /// [`Error::Data`] if there is no way between the systems, or a point has no place on the plane. The points are of no
-    /// use then.
+    /// [`Error::Data`] if there is no way between the systems, [`Error::NoPlace`] if a point has no place on the plane. The
+    /// points are of no use then.
     pub fn project(
         lines: &mut [&mut [DVec2]],
         others: &mut [DVec2],

@@ -478,7 +478,7 @@ fn a_tangle_is_refused() {
 fn distances_must_be_numbers() {
     for (snap, separation) in [(-1.0, 0.0), (f64::NAN, 0.0), (0.0, f64::INFINITY), (0.0, -1e-9)] {
         let error = clean(ContourMap::default(), &CleanParams { snap, separation }).expect_err("bad distance");
-        assert!(matches!(error, Error::Parameter(_)));
+        assert!(matches!(error, Error::OutOfRange { .. }));
     }
 }
 

@@ -131,7 +131,7 @@ pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFig
 /// Compares two height maps on the same grid.
 ///
 /// # Errors
-/// [`Error::Parameter`] when the grids are not the same or a parameter is out of its range, [`Error::Data`] when no cell
+/// [`Error::Parameter`] when the grids are not the same, [`Error::OutOfRange`] for a parameter, [`Error::Data`] when no cell
 /// has a height in both.
 pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Comparison> {
     let grid = b.grid;
@@ -311,7 +311,7 @@ mod tests {
         assert!(matches!(compare(&other, &b, &CompareParams::default()), Err(Error::Parameter(_))));
         for sigma in [0.0, -1.0, f64::NAN] {
             let params = CompareParams { sigma: Some(sigma), ..CompareParams::default() };
-            assert!(matches!(compare(&b, &b, &params), Err(Error::Parameter(_))));
+            assert!(matches!(compare(&b, &b, &params), Err(Error::OutOfRange { .. })));
         }
     }
 

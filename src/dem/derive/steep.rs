@@ -238,7 +238,7 @@ mod tests {
     fn parameters_out_of_range_are_refused() {
         let dem = dem(3, 3, 1.0, |_| 0.0);
         for (angle, height) in [(0.0, 5.0), (90.0, 5.0), (f64::NAN, 5.0), (30.0, -1.0), (30.0, f64::INFINITY)] {
-            assert!(matches!(steep(&dem, &METRES, &SteepParams { angle, height }), Err(Error::Parameter(_))));
+            assert!(matches!(steep(&dem, &METRES, &SteepParams { angle, height }), Err(Error::OutOfRange { .. })));
         }
         assert_eq!(steep(&dem, &METRES, &SteepParams::default()).unwrap(), Steeps::default());
     }

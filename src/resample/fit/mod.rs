@@ -72,7 +72,7 @@ struct State {
 /// lie on a contour are left out, with a finding.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a tolerance that is not above 0. [`Error::Data`] if the map is not clean.
+/// [`Error::OutOfRange`] for a tolerance that is not above 0. [`Error::Data`] if the map is not clean.
 pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Report<Fitted>> {
     if !(params.tolerance.is_finite() && params.tolerance > 0.0) {
         return Err(Error::out_of_range("fitting tolerance", params.tolerance, "more than 0"));

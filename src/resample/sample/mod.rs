@@ -49,8 +49,8 @@ pub struct Sampled {
 /// heights that come to lie on a contour by rounding are left out, with a finding.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a ratio that is not between 0 and 1, a lower limit that is not above 0, and if more points than
-/// `most` would arise. [`Error::Data`] if the map is not clean.
+/// [`Error::OutOfRange`] for a ratio that is not between 0 and 1, and for a lower limit that is not above 0.
+/// [`Error::TooManyPoints`] if more points than `most` would arise. [`Error::Data`] if the map is not clean.
 pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
     params.check()?;
     clean::validate(&map, near)?;

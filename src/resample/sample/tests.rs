@@ -52,7 +52,7 @@ fn too_many_points_are_refused_before_they_are_made() {
     let error = sample(two_lines(1.0), &params, &CleanParams::default()).expect_err("1e14 points").to_string();
     assert!(error.contains("more than 100000000 points") && error.contains("larger ratio"), "{error}");
     let params = SampleParams { ratio: 0.1, most: 100, ..SampleParams::default() };
-    assert!(matches!(sample(two_lines(1.0), &params, &CleanParams::default()), Err(Error::Parameter(_))));
+    assert!(matches!(sample(two_lines(1.0), &params, &CleanParams::default()), Err(Error::TooManyPoints { .. })));
 }
 
 #[test]
