@@ -16,7 +16,8 @@ A row per value and map, and the geometric mean over the maps where there are se
 
 Cells count where both height maps have data. --all runs each number at half and at twice its value, one at a time, and sorts
 the numbers by their effect: by the change of the mean RMSE, and those of the standard error by the change of the share
-within one. --keep holds results in a file, by program, map and values, and takes those that are there already.
+within one. --keep holds results in a file, by program, map and values, and takes those that are there already. --with passes
+more arguments on to tokosen, in one word: --with "--noise 1".
 """
 import argparse
 import concurrent.futures
@@ -25,6 +26,7 @@ import itertools
 import json
 import os
 import pathlib
+import shlex
 import subprocess
 import tempfile
 
@@ -94,9 +96,9 @@ def interval(lines):
     return float(values[counts.argmax()])
 
 
-def run(program, lines, truth, setting, with_errors, dem):
+def run(program, lines, truth, setting, with_errors, dem, more):
     """Makes the height map of a map; what went wrong, if it did."""
-    command = [program, "dem", lines, "--like", truth, "-o", dem, "--threads", "1"]
+    command = [program, "dem", lines, "--like", truth, "-o", dem, "--threads", "1", *more]
     command += ["--uncertainty"] if with_errors else []
     command += [part for name, value in setting for part in ("--tune", f"{name}={value}")]
     told = tools.run(list(map(str, command)), None, LIMIT)
@@ -142,7 +144,7 @@ def key(program, *parts):
     return hashlib.sha256(repr((str(program), stat.st_size, stat.st_mtime_ns, parts)).encode()).hexdigest()[:16]
 
 
-def measure(program, maps, settings, keep, jobs):
+def measure(program, maps, settings, keep, jobs, more):
     """Figures by setting and map; those of the default values are under the empty setting."""
     found, held = {}, json.loads(keep.read_text()) if keep and keep.exists() else {}
     grounds = {lines: Ground(lines, truth) for lines, truth in maps}
@@ -150,13 +152,13 @@ def measure(program, maps, settings, keep, jobs):
 
         def one(task):
             setting, (lines, truth) = task
-            name = key(program, lines, truth, setting)
+            name = key(program, lines, truth, setting, *more)
             # The default height map is needed itself: others count where it has data.
             if name in held and setting:
                 return name, task, held[name]
             with_errors = not setting or any(number.startswith(WITH_ERRORS) for number, _ in setting)
             dem = os.path.join(folder, f"{name}.tif")
-            wrong = run(program, lines, truth, setting, with_errors, dem)
+            wrong = run(program, lines, truth, setting, with_errors, dem, more)
             if not wrong and not setting:
                 grounds[lines].use &= np.isfinite(grounds[lines].read(dem)[1])
             out = {"failed": wrong} if wrong else grounds[lines].figures(dem, with_errors)
@@ -260,6 +262,7 @@ def main():
     a.add_argument("--all", action="store_true", help="every number at half and at twice its value")
     a.add_argument("--program", default=str(tools.BINARY), help="tokosen (default: target/release/tokosen)")
     a.add_argument("--keep", type=pathlib.Path, help="file that holds results")
+    a.add_argument("--with", dest="more", type=shlex.split, default=[], help="more arguments for tokosen")
     a.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at a time, one thread each")
     o = a.parse_args()
     # A path may hold an equals sign, a name of a number no colon.
@@ -270,7 +273,7 @@ def main():
     program = tools.find(o.program)
     known = numbers(program)
     settings = plan(wanted, known, o.all)
-    found = measure(program, maps, settings, o.keep, o.jobs)
+    found = measure(program, maps, settings, o.keep, o.jobs, o.more)
     print(by_effect(found, maps, settings) if o.all else rows(found, maps, settings))
 
 

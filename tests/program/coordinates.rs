@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -18,7 +16,12 @@ use tokosen::io::raster::read_grid;
 use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, write_contours};
 use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
 
-use common::Folder;
+use crate::common;
+
+/// These tests.
+struct Here;
+
+type Folder = common::Folder<Here>;
 
 impl Folder {
     /// Writes a map's lines, in the order and with the vertices they have.

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::fs;
 
 use assert_cmd::cargo::cargo_bin_cmd;
@@ -13,7 +11,12 @@ use tokosen::crs::Crs;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{read_dem, write_dem};
 
-use common::Folder;
+use crate::common;
+
+/// These tests.
+struct Here;
+
+type Folder = common::Folder<Here>;
 
 impl Folder {
     /// Runs the program; gives its exit status and all it says.

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -12,7 +10,12 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
 use tokosen::io::raster::read_dem;
 
-use common::Folder;
+use crate::common;
+
+/// These tests.
+struct Here;
+
+type Folder = common::Folder<Here>;
 
 impl Folder {
     /// Writes an ESRI ASCII grid with its north-west corner at (1000, 2000 + 10 * rows).

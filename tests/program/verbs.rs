@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -11,7 +9,12 @@ use std::process::Output;
 use assert_cmd::cargo::cargo_bin_cmd;
 use rusqlite::Connection;
 
-use common::Folder;
+use crate::common;
+
+/// These tests.
+struct Here;
+
+type Folder = common::Folder<Here>;
 
 /// Done, the input or the work failed, wrong usage.
 const DONE: i32 = 0;

@@ -1,0 +1,11 @@
+//! The tests of the command line, as one program: it is built once, and all of them run side by side.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod check;
+mod compare;
+mod coordinates;
+mod derive;
+mod file_troubles;
+mod verbs;
