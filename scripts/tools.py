@@ -27,6 +27,7 @@ SAMPLE = ROOT / "samples" / "caryville_20m.gpkg"
 SAMPLE_TRUTH = ROOT / "samples" / "caryville_20m_truth.tif"
 SAMPLE_INTERVAL = 20.0
 BINARY = ROOT / "target" / "release" / "tokosen"
+QUICK_BINARY = ROOT / "target" / "debug" / "tokosen"  # built in less time, and slower
 ONE_THREAD = "tokosen, one thread"
 
 # A program's peak starts at the size of the process that launched it, so a bare interpreter does that, not this one.
