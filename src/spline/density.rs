@@ -1,14 +1,15 @@
-//! How close contours are to each other, node by node, and the tension that follows from it.
+//! The relative contour density at each node, and the tension that follows from it.
 
 use rayon::prelude::*;
 
 use super::slopes::slopes;
 use crate::base::Grid;
 
-/// Limits of the local gap between contours against the mean gap. They keep level ground and cliffs finite.
+/// Limits of the relative contour density. They keep it finite on level ground and on cliffs.
 const GAP_LIMITS: (f64, f64) = (1e-3, 1e3);
 
-/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope. `rounds` is that of
+/// The relative contour density at each node: mean spacing of the contours over local spacing. The local spacing is the
+/// contour interval over the slope of the reference surface. `rounds` is
 /// [`SplineTuning::density_rounds`](crate::tuning::SplineTuning::density_rounds).
 pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f64, rounds: usize) -> Vec<f32> {
     let slopes = slopes(reference, grid);
@@ -31,7 +32,7 @@ pub fn tension(contour_density: &[f32], grid: &Grid, spacing: f64, k: f64) -> Ve
     contour_density.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
 }
 
-/// A new value for every node that has all its neighbours.
+/// Computes a new value for every node that has all four neighbours. Other nodes keep theirs.
 fn around(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync) -> Vec<f32> {
     let at = |n: usize| {
         let (i, j) = (n % grid.cols, n / grid.cols);

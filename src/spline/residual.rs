@@ -1,8 +1,9 @@
-//! Moves a smoothed surface so that it meets the contours.
+//! Moves the surface of noisy contours so that it meets them.
 //!
-//! Contours that jitter would roughen a surface that follows them everywhere. One that was found with little regard for
-//! them misses them by a little; what is missing is spread from the contours over their surroundings by a membrane that
-//! is drawn to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where contours cross the lattice.
+//! A surface that follows noisy contours everywhere is rough. So it is first found with a low weight of the contours,
+//! and misses them by a little. These residuals are then spread from the contours over their surroundings. The
+//! correction r is a membrane that is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where
+//! contours cross the lattice.
 
 use rayon::prelude::*;
 
@@ -11,7 +12,7 @@ use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, grown};
 use crate::tuning::SplineTuning;
 
-/// Adds to `heights` what they miss the contours by.
+/// Adds the residuals at the contours to `heights`, spread over the surroundings.
 pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
     let SplineTuning { residual_reach, residual_weight, residual_steps, convergence, .. } = *problem.tuning;
     let lattice = &problem.lattice;

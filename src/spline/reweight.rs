@@ -1,25 +1,25 @@
-//! Weights that follow the surface: creases may bend, and a surface that presses against its bounds is drawn to the guide.
+//! Weights that follow the surface: creases may bend, and tension rises where the surface meets its bounds.
 
 use rayon::prelude::*;
 
 use super::energy::Energy;
 use crate::tuning::SplineTuning;
 
-/// Nodes that one task works on. Sums begin anew with each, so that they are the same for any number of threads.
+/// Nodes per task. Each task begins its sums anew. So the sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 14;
-/// Nearer than this to a bound, as a share of the contour interval, is on it: a tolerance of rounding.
+/// A height nearer to a bound than this is at the bound, as a share of the contour interval: a tolerance of rounding.
 const AT_BOUND: f64 = 1e-3;
 
-/// Lowers the bending weights where the surface bends much.
+/// Lowers the bending weights where the surface bends much, by iteratively reweighted least squares (IRLS).
 ///
-/// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
-/// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
-/// (iteratively reweighted least squares). The knee is `threshold` means of |δ|. `creases` marks differences across
-/// ridge and canyon lines, whose knee is `share` of that.
+/// Curvature of the ground has a heavy tail: edges and creases are few and sharp. Least squares would spread each over
+/// its surroundings. A difference δ gets the weight `1 / sqrt(1 + (δ / limit)²)`. So its part of the energy grows like
+/// |δ| where δ is large. The limit is `threshold` times the mean of |δ|. `creases` marks differences across ridge and
+/// canyon lines. Their limit is `share` times as large.
 pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
     for (kind, creases) in creases.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
-        // Added up in this order whatever the number of threads.
+        // Sums are added up in a fixed order, whatever the number of threads.
         let sums = energy.bending[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
             let bent = (0..weights.len()).filter(|&i| weights[i] > 0.0).map(|i| difference(k * CHUNK + i));
             bent.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0))
@@ -41,7 +41,7 @@ pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: 
     }
 }
 
-/// The nodes at edges that contours cross, and their neighbours.
+/// The ends of the edges that contours cross, and their neighbours.
 pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
     let [cols, rows] = energy.size;
     let mut near = vec![false; cols * rows];
@@ -59,9 +59,10 @@ pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
     near
 }
 
-/// Raises the factor on the tension around nodes that lie at a bound away from the contours.
+/// Raises the factor on the tension around nodes that lie at a bound, away from the contours.
 ///
-/// There slopes are carried over from steep ground that ends, and the surface would be a shelf at the bound.
+/// There, steep ground beside them carries on its slope. Without more tension, the surface would be a shelf at the
+/// bound.
 pub fn tighten(
     factors: &mut [f32],
     near_contours: &[bool],
