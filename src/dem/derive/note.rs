@@ -1,17 +1,17 @@
-//! What is to be kept in mind about steep places, by what the heights come from.
+//! The note about the limits of steep places, which depend on the source of the heights.
 
-/// What heights come from, as far as it is known.
+/// The source of heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeightsFrom {
-    /// Contours with their vertical interval in metres, if they have one.
+    /// Contours, with their contour interval in metres if they have one.
     Contours(Option<f64>),
     /// A height map.
     HeightMap,
 }
 
-/// A sentence about steep places of at least `height` metres from such a source. It is stored with them.
+/// A note about steep places of at least `height` metres from such a source. It is stored with them.
 pub fn steep_note(source: HeightsFrom, height: f64) -> String {
-    // Millimetres, so that the note fits into every format.
+    // The height is rounded to millimetres, so that the note fits into every format.
     let height = (height * 1000.0).round() / 1000.0;
     let known = match source {
         HeightsFrom::Contours(Some(interval)) if interval > height => format!(
