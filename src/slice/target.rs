@@ -40,7 +40,8 @@ impl Target {
                 let (first, last) = (((lowest - base) / step).ceil(), ((highest - base) / step).floor());
                 if last - first >= MOST_LEVELS {
                     return Err(Error::Parameter(format!(
-                        "an interval of {step} m gives {:.0} levels between {lowest} and {highest} m: choose a larger one",
+                        "an interval of {step} m gives {:.0} levels between {lowest} and {highest} m: choose a \
+                         larger one",
                         last - first
                     )));
                 }

@@ -15,20 +15,20 @@ pub fn steep_note(source: HeightsFrom, height: f64) -> String {
     let height = (height * 1000.0).round() / 1000.0;
     let known = match source {
         HeightsFrom::Contours(Some(interval)) if interval > height => format!(
-            "From contours {interval} m apart, which cannot show a slope of {height} m: steep places lower than {interval} m \
-             may be missing, and others be wrong in place and size."
+            "From contours {interval} m apart, which cannot show a slope of {height} m. Steep places lower than \
+             {interval} m may be missing. Others may have a wrong position and size."
         ),
         HeightsFrom::Contours(Some(interval)) => {
-            format!("From contours {interval} m apart; what lies between two of them is computed.")
+            format!("From contours {interval} m apart. Heights between them are computed, not measured.")
         }
         HeightsFrom::Contours(None) => format!(
-            "From contours of unknown interval: one larger than {height} m cannot show a slope of {height} m, and steep \
-             places may be missing."
+            "From contours of unknown interval. If it is larger than {height} m, they cannot show a slope of \
+             {height} m, and steep places may be missing."
         ),
         HeightsFrom::HeightMap => format!(
-            "From a height map: if that was made of contours more than {height} m apart, it cannot show a slope of \
+            "From a height map. If it was made from contours more than {height} m apart, it cannot show a slope of \
              {height} m, and steep places may be missing."
         ),
     };
-    format!("{known} No survey.")
+    format!("{known} Not a survey.")
 }
