@@ -98,12 +98,12 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             artefact_rings += traced[k].artefact_rings;
             let ring = rings.get(&level.to_bits());
             let is_on_ring = |p: DVec2| ring.is_some_and(|vertices| vertices.contains(&bits(p)));
-            let is_stub = |points: &&Vec<DVec2>| {
+            let is_dead_end = |points: &&Vec<DVec2>| {
                 let (first, last) = (points[0], points[points.len() - 1]);
                 first != last && (is_on_ring(first) || is_on_ring(last))
             };
-            dead_ends += traced[k].lines.iter().filter(is_stub).count();
-            let whole = traced[k].lines.iter().filter(|points| !is_stub(points));
+            dead_ends += traced[k].lines.iter().filter(is_dead_end).count();
+            let whole = traced[k].lines.iter().filter(|points| !is_dead_end(points));
             lines.extend(whole.map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));

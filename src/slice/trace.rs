@@ -243,14 +243,14 @@ impl Trace<'_> {
             }
         };
         match hub {
-            [Some(v), None] | [None, Some(v)] if closed && self.is_bead(first, v) => self.artefact_rings += 1,
+            [Some(v), None] | [None, Some(v)] if closed && self.is_artefact_ring(first, v) => self.artefact_rings += 1,
             _ => push_pieces(steps, closed, lines),
         }
     }
 
     /// Whether a ring around the single vertex `v`, in the sub-domain of triangle `t`, is an artefact. It is one if the
     /// vertex is computed, not surveyed, and is no top or hollow beyond the last contour.
-    fn is_bead(&self, t: u32, v: u32) -> bool {
+    fn is_artefact_ring(&self, t: u32, v: u32) -> bool {
         let height = self.heights[v as usize];
         let levels = self.regions.region(t).map_or(&[][..], |r| &r.levels);
         let between = |(low, high): (&(f64, Side), &(f64, Side))| low.0 < height && height < high.0;

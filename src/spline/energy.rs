@@ -118,7 +118,8 @@ impl EdgeTerms {
 pub struct Energy<'a> {
     /// Columns and rows of the lattice.
     pub size: [usize; 2],
-    /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western one.
+    /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western
+    /// one.
     pub bending: [Vec<f32>; 3],
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],

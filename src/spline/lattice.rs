@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_on_edges_are_told_from_chords() {
+    fn vertices_on_edges_are_distinguished_from_chords() {
         let mut found = Vec::new();
         // Vertices on the column at x = 12 and off all others.
         let line = [(11.0, 19.5), (12.0, 19.7), (15.0, 19.6)].map(DVec2::from);

@@ -3,8 +3,8 @@
 //! A step reads all coefficients. On a large lattice they come from memory, which is no faster for two processors than
 //! for one. A tile fits into a processor's cache. It takes many steps at once, while the heights around it are held.
 //!
-//! A sweep is over when every tile has taken its steps. The tiles of the next sweep are shifted by a third of a tile in both
-//! directions. So a node is at the edge of a tile in at most two of three sweeps.
+//! A sweep is over when every tile has taken its steps. The tiles of the next sweep are shifted by a third of a tile in
+//! both directions. So a node is at the edge of a tile in at most two of three sweeps.
 
 use rayon::prelude::*;
 

@@ -48,7 +48,11 @@ impl HyperParameters {
     /// The standard error (metres) that remains after shrinkage and curvature gain, in a band of `height` (metres).
     pub(crate) fn error_left(&self, error: f64, height: f64, tuning: &SplineTuning) -> f64 {
         let SplineTuning { shrinkage, gain, .. } = tuning;
-        let error = if self.half_way_error > 0.0 { shrinkage::left(error, height, shrinkage.max_share) } else { error };
-        curvature_gain::left(error, self.curvature_gain, gain.error_reduction)
+        let error = if self.half_way_error > 0.0 {
+            shrinkage::remaining_error(error, height, shrinkage.max_share)
+        } else {
+            error
+        };
+        curvature_gain::remaining_error(error, self.curvature_gain, gain.error_reduction)
     }
 }

@@ -15,7 +15,7 @@ use super::lattice::Lattice;
 const MOST_VISITED: usize = 20_000;
 /// Cost of the length of a path, as a cut of this share of the largest depth allowed. It only decides between paths
 /// with equal cuts, so any small value will do.
-const LENGTH: f32 = 1e-3;
+const LENGTH_COST: f32 = 1e-3;
 
 /// Limits of breaching.
 pub struct Limits<'a> {
@@ -35,9 +35,9 @@ pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bo
     pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
     for pit in pits {
         if is_pit(heights, lattice, pit as usize)
-            && let Some(way) = way_out(heights, lattice, limits, pit)
+            && let Some(way) = least_cost_path(heights, lattice, limits, pit)
         {
-            cut(heights, lattice, limits.lo, &way);
+            lower_along(heights, lattice, limits.lo, &way);
         }
     }
 }
@@ -66,7 +66,7 @@ fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<
 
 /// The nodes of the least-cost path from a pit to lower ground, with both ends. `None` if the floor of a band is in the
 /// way, or if the search visits too many nodes.
-fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
+fn least_cost_path(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
     let goal = heights[pit as usize];
     // Cost to reach a node, and the node before it on the path.
     let mut best: HashMap<u32, (f32, u32)> = HashMap::from([(pit, (0.0, pit))]);
@@ -97,7 +97,7 @@ fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) ->
                 continue;
             }
             let depth = if lower { 0.0 } else { height - goal };
-            let cost = cost + (depth + LENGTH * limits.depth) * step(lattice, n, m) as f32;
+            let cost = cost + (depth + LENGTH_COST * limits.depth) * step(lattice, n, m) as f32;
             if best.get(&m).is_none_or(|b| cost < b.0) {
                 best.insert(m, (cost, n));
                 open.push(Reverse((Key(cost), m)));
@@ -116,17 +116,17 @@ fn step(lattice: &Lattice, a: u32, b: u32) -> f64 {
 }
 
 /// Lowers the nodes between the ends of a path to a steady fall, where they are above it.
-fn cut(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
+fn lower_along(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
     let length: f64 = way.windows(2).map(|w| step(lattice, w[0], w[1])).sum();
     let top = heights[way[0] as usize];
     let end = heights[way[way.len() - 1] as usize];
     // Outside the frame there is no height. The path then only just falls.
     let end = if end.is_nan() { top - f32::EPSILON * top.abs() * way.len() as f32 } else { end };
-    let mut gone = 0.0;
+    let mut travelled = 0.0;
     for w in way.windows(2) {
-        gone += step(lattice, w[0], w[1]);
+        travelled += step(lattice, w[0], w[1]);
         let n = w[1] as usize;
-        let fall = top + (end - top) * (gone / length) as f32;
+        let fall = top + (end - top) * (travelled / length) as f32;
         if heights[n] > fall {
             heights[n] = fall.max(lo[n]);
         }

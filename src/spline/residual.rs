@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::minimise::{Effort, Minimiser};
-use super::stages::{Problem, grown};
+use super::stages::{Problem, with_margin};
 use crate::tuning::SplineTuning;
 
 /// Adds the residuals at the contours to `heights`, spread over the surroundings.
-pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
+pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
     let SplineTuning { residual_reach, residual_weight, residual_steps, convergence, .. } = *problem.tuning;
     let lattice = &problem.lattice;
     let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
@@ -30,7 +30,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         );
     }
     east.extend(problem.spots.iter().map(|&(c, level)| (c, level - between(c.node, 1, c.along))));
-    let inside = grown(&problem.bounds[0], cols, rows);
+    let inside = with_margin(&problem.bounds[0], cols, rows);
     let ratio = (lattice.step.y / lattice.step.x) as f32;
     let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
     let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
@@ -44,9 +44,9 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (residual_reach * residual_reach),
     };
-    let mut missing = vec![0.0; count];
+    let mut correction = vec![0.0; count];
     let no_bound = vec![f32::NAN; count];
     let effort = Effort { steps: residual_steps, tolerance: convergence * problem.interval };
-    Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut missing, effort);
-    heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
+    Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut correction, effort);
+    heights.par_iter_mut().zip(&correction).for_each(|(z, m)| *z += *m as f32);
 }

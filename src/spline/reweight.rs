@@ -16,7 +16,7 @@ const AT_BOUND: f64 = 1e-3;
 /// its surroundings. A difference δ gets the weight `1 / sqrt(1 + (δ / limit)²)`. So its part of the energy grows like
 /// |δ| where δ is large. The limit is `threshold` times the mean of |δ|. `creases` marks differences across ridge and
 /// canyon lines. Their limit is `share` times as large.
-pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
+pub fn reweight_bending(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
     for (kind, creases) in creases.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Sums are added up in a fixed order, whatever the number of threads.
@@ -33,9 +33,9 @@ pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: 
         let mut bending = std::mem::take(&mut energy.bending[kind]);
         let bent = bending.par_iter_mut().zip(creases).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
         bent.for_each(|(n, (weight, &crease))| {
-            let knee = mean * if crease { threshold * share } else { threshold };
+            let limit = mean * if crease { threshold * share } else { threshold };
             let difference = energy.second_difference(kind, n, z).abs();
-            *weight /= (1.0 + (difference / knee).powi(2)).sqrt() as f32;
+            *weight /= (1.0 + (difference / limit).powi(2)).sqrt() as f32;
         });
         energy.bending[kind] = bending;
     }
@@ -63,7 +63,7 @@ pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
 ///
 /// There, steep ground beside them carries on its slope. Without more tension, the surface would be a shelf at the
 /// bound.
-pub fn tighten(
+pub fn raise_tension_at_bounds(
     factors: &mut [f32],
     near_contours: &[bool],
     [lo, hi]: [&[f32]; 2],
@@ -76,8 +76,8 @@ pub fn tighten(
     let rows = z.len() / cols;
     let slack = AT_BOUND * interval;
     let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
-    let pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
-    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(pressed).collect();
+    let is_pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
+    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(is_pressed).collect();
     if share.iter().all(|&s| s == 0.0) {
         return;
     }

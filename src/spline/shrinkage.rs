@@ -50,35 +50,36 @@ pub fn variances(
         let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
         (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
     };
-    let mut gaps: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
-    let (sum, count) = of_inside(&gaps);
+    let mut spacings: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
+    let (sum, count) = of_inside(&spacings);
     // Outside the frame there is no spacing; the mean takes its place.
-    gaps.par_iter_mut()
+    spacings
+        .par_iter_mut()
         .zip(heights)
         .filter(|(_, z)| z.is_nan())
         .for_each(|(spacing, _)| *spacing = (sum / count) as f32);
     for _ in 0..PASSES {
-        gaps = blurred(&gaps, lattice.cols, (tuning.spacing_reach * nodes) as usize);
+        spacings = blurred(&spacings, lattice.cols, (tuning.spacing_reach * nodes) as usize);
     }
     let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
+    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
     let sum = of_inside(&variances).0;
     let whole =
         if sum > 0.0 { (half_way_error * half_way_error * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
     let known = |spacing: f32| 1.0 + (half_variance_nodes / (nodes as f32 * spacing)).powi(3);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v *= whole / known(*spacing));
+    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v *= whole / known(*spacing));
     // At most the mean distance between spot heights. Otherwise many spot heights would take much time.
-    let apart = step * (count / spots.len().max(1) as f64).sqrt();
+    let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
         let node = crossing.node as usize;
-        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(apart);
-        around(lattice, node, reach, |n, share| variances[n] *= share);
+        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(mean_distance);
+        for_each_near(lattice, node, reach, |n, share| variances[n] *= share);
     }
     variances
 }
 
 /// Calls `at` for the nodes that are nearer than `reach` to a node. The share grows from 0 at the node to 1 at `reach`.
-fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, f32)) {
+fn for_each_near(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, f32)) {
     let (col, row) = (node % lattice.cols, node / lattice.cols);
     let [across, down] = [reach / lattice.step.x, reach / lattice.step.y].map(|nodes| nodes as usize);
     for j in row.saturating_sub(down)..(row + down + 1).min(lattice.rows) {
@@ -111,7 +112,7 @@ fn share(variance: f32, most: f32) -> f32 {
 }
 
 /// The standard error that remains after shrinkage, in a band of `height`.
-pub fn left(error: f64, height: f64, most: f32) -> f64 {
+pub fn remaining_error(error: f64, height: f64, most: f32) -> f64 {
     let share = if height > 0.0 { share((error / height).powi(2) as f32, most) } else { 0.0 };
     error * (1.0 - f64::from(share)).sqrt()
 }
@@ -149,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn an_estimate_of_even_heights_is_nearer_to_them_when_drawn_in() {
+    fn an_estimate_of_uniform_heights_is_nearer_to_them_after_shrinkage() {
         // Heights are uniform over a band, and errors end at its levels.
         let next = |state: &mut u64| {
             *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -209,8 +210,8 @@ mod tests {
 
     #[test]
     fn less_is_left_of_errors_that_are_large_for_the_band() {
-        assert_eq!((left(0.0, 10.0, MOST), left(1.0, 0.0, MOST)), (0.0, 1.0));
-        assert!((left(1.0, 10.0, MOST) - 0.88f64.sqrt()).abs() < 1e-6);
-        assert!((left(9.0, 10.0, MOST) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
+        assert_eq!((remaining_error(0.0, 10.0, MOST), remaining_error(1.0, 0.0, MOST)), (0.0, 1.0));
+        assert!((remaining_error(1.0, 10.0, MOST) - 0.88f64.sqrt()).abs() < 1e-6);
+        assert!((remaining_error(9.0, 10.0, MOST) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
     }
 }

@@ -58,7 +58,7 @@ pub fn spline<'a>(
         }
     });
     if hyper_parameters.noise > 0.0 {
-        residual::meet(&problem, &mut heights);
+        residual::add_residuals(&problem, &mut heights);
     }
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
@@ -71,7 +71,7 @@ pub fn spline<'a>(
         if hyper_parameters.curvature_gain > 0.0 {
             let unit_gain =
                 curvature_gain::unit_gain(&heights, [lo, hi], &variances, *spacing, &lattice, interval, &tuning.gain);
-            curvature_gain::grow(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
+            curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
     let limits = Limits { lo, depth: interval as f32 };

@@ -9,7 +9,7 @@ use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
-use super::reweight::{let_crease, near_contours, tighten};
+use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::progress::Progress;
 use crate::tuning::SplineTuning;
 
@@ -172,27 +172,35 @@ impl Stage<'_> {
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
         scale(&mut energy, &factors);
         if first.is_none() {
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
-            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval, tuning);
+            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            raise_tension_at_bounds(
+                &mut factors,
+                near_contours,
+                [lo, hi],
+                &z,
+                self.lattice.cols,
+                problem.interval,
+                tuning,
+            );
             energy.tension.clone_from(tension);
             scale(&mut energy, &factors);
             minimiser.minimise(&energy, lo, hi, &mut z, later);
         }
         if self.depth == 0 {
-            let upper = self.drained(problem, [lo, hi], &z);
+            let upper = self.breached_bounds(problem, [lo, hi], &z);
             minimiser.minimise(&energy, lo, &upper, &mut z, later);
         }
         Solved { lattice: self.lattice, z, factors }
     }
 
     /// Upper bounds with breached pits. Ground beside a cut then falls towards it.
-    fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
+    fn breached_bounds(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
         let mut after: Vec<f32> =
             z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let limits = Limits { lo, depth: problem.interval as f32 };
@@ -230,7 +238,7 @@ impl Stage<'_> {
             let [east, south] = &mut cut;
             lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
         }
-        let inside = grown(&self.bounds[0], cols, rows);
+        let inside = with_margin(&self.bounds[0], cols, rows);
         let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
         // For cells that are not square: second differences count per squared step, the mixed one per product of both
         // steps.
@@ -293,7 +301,7 @@ fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
 }
 
 /// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
-pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
+pub fn with_margin(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
     let mut inside: Vec<bool> = bound.par_iter().map(|v| !v.is_nan()).collect();
     for _ in 0..MARGIN {
         let before = inside.clone();

@@ -18,16 +18,16 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
         let slope = [(heights[n + 1] - heights[n]) / east, (heights[n + cols] - heights[n]) / south];
         slope.iter().all(|s| s.is_finite()).then_some(slope)
     };
-    let around = |of: fn([f32; 2]) -> f32| {
+    let local_mean = |of: fn([f32; 2]) -> f32| {
         let mut mean: Vec<f32> = (0..heights.len()).into_par_iter().map(|n| slope(n).map_or(0.0, of)).collect();
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
         mean
     };
-    let (x, y) = (around(|[x, _]| x), around(|[_, y]| y));
+    let (x, y) = (local_mean(|[x, _]| x), local_mean(|[_, y]| y));
     // Nodes without a slope must not count. Otherwise ground beside the frame would look uneven.
-    let (square, count) = (around(|[x, y]| x * x + y * y), around(|_| 1.0));
+    let (square, count) = (local_mean(|[x, y]| x * x + y * y), local_mean(|_| 1.0));
     let at = |n: usize| {
         let common = (x[n] * x[n] + y[n] * y[n]) / (square[n] * count[n]);
         if common.is_nan() { 1.0 } else { (1.0 - common).clamp(0.0, 1.0) }

@@ -106,11 +106,11 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     if levels(extent) < FEWEST_LEVELS {
         return fallback;
     }
-    let mut missed = trials(extent, params, tried(tuning).map(hyper_parameters));
-    if missed[0].len() < tuning.min_places {
+    let mut residuals = trials(extent, params, tried(tuning).map(hyper_parameters));
+    if residuals[0].len() < tuning.min_places {
         return fallback;
     }
-    let errors = missed.each_ref().map(|m| rmse(m));
+    let errors = residuals.each_ref().map(|m| rmse(m));
     if !errors.iter().all(|e| e.is_finite()) {
         return fallback;
     }
@@ -120,16 +120,16 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     let step = extent.interval.step;
     let hidden = Accuracy {
         rmse: errors[nearest],
-        le90: le90(&mut missed[nearest]),
+        le90: le90(&mut residuals[nearest]),
         interval: 2.0 * step,
-        count: missed[nearest].len(),
+        count: residuals[nearest].len(),
     };
     let half_way = 0.5f64.powf(roughness.power(exponent));
     let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
     let half_way_error = half_way * hidden.rmse;
     let tension = (tuning.usual_tension * best).sqrt();
-    let gain = curvature_gain(&missed, tension, tuning);
+    let gain = curvature_gain(&residuals, tension, tuning);
     let hyper_parameters = HyperParameters {
         crease_threshold: crease_threshold(&hidden, tuning),
         half_way_error,
@@ -144,8 +144,8 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
 /// ridges are sharp, and the threshold is low.
 fn crease_threshold(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
     let [least, most] = tuning.crease_threshold_limits;
-    let missed = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
-    (tuning.usual_crease_threshold / missed.powi(2)).clamp(least, most)
+    let ratio = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
+    (tuning.usual_crease_threshold / ratio.powi(2)).clamp(least, most)
 }
 
 /// The tensions that are tried.
@@ -157,14 +157,14 @@ fn tried(tuning: &TrialTuning) -> [f64; TRIED] {
 /// The curvature gain of a surface with a tension, as a share of the standard error. It is the regression of the
 /// residuals on [`TrialResidual::unit_gain`], interpolated between the tensions that were tried. A surface that curves
 /// more than the ground gets none.
-fn curvature_gain(missed: &[Vec<TrialResidual>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
-    let lacks = |missed: &Vec<TrialResidual>| {
-        let sum = |value: fn(&TrialResidual) -> f64| missed.iter().map(value).sum::<f64>();
-        -sum(|m| m.weight * m.by * m.unit_gain) / sum(|m| m.weight * m.unit_gain * m.unit_gain) / rmse(missed)
+fn curvature_gain(residuals: &[Vec<TrialResidual>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
+    let gain_of = |residuals: &Vec<TrialResidual>| {
+        let sum = |value: fn(&TrialResidual) -> f64| residuals.iter().map(value).sum::<f64>();
+        -sum(|m| m.weight * m.by * m.unit_gain) / sum(|m| m.weight * m.unit_gain * m.unit_gain) / rmse(residuals)
     };
     let place = (tension.ln() / tuning.tension_factor.ln()).clamp(0.0, (TRIED - 1) as f64);
     let below = (place as usize).min(TRIED - 2);
-    let [near, far] = [below, below + 1].map(|k| lacks(&missed[k]));
+    let [near, far] = [below, below + 1].map(|k| gain_of(&residuals[k]));
     let share = tuning.gain_share * (near + (place - below as f64) * (far - near));
     // If no place has a unit gain, there is no gain.
     if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
@@ -193,17 +193,17 @@ fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     at.clamp(-beyond, 2.0 + beyond)
 }
 
-fn rmse(missed: &[TrialResidual]) -> f64 {
-    let (sum, weights) = missed.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
+fn rmse(residuals: &[TrialResidual]) -> f64 {
+    let (sum, weights) = residuals.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
     (sum / weights).sqrt()
 }
 
 /// The error below which nine tenths of the weight lie.
-fn le90(missed: &mut [TrialResidual]) -> f64 {
-    missed.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
-    let all: f64 = missed.iter().map(|m| m.weight).sum();
+fn le90(residuals: &mut [TrialResidual]) -> f64 {
+    residuals.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
+    let all: f64 = residuals.iter().map(|m| m.weight).sum();
     let mut below = 0.0;
-    let reached = missed.iter().find(|m| {
+    let reached = residuals.iter().find(|m| {
         below += m.weight;
         below >= 0.9 * all
     });
@@ -227,33 +227,33 @@ mod tests {
     fn ridges_are_sharper_where_contours_show_less() {
         const MISSED: f64 = 0.14;
         let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
-        let knee = |rmse: f64| crease_threshold(&hidden(rmse), &TrialTuning::default());
-        assert_eq!(knee(MISSED * 20.0), 0.1);
-        assert!((knee(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
-        assert_eq!([knee(0.0), knee(20.0)], [0.3, 0.03]);
+        let threshold = |rmse: f64| crease_threshold(&hidden(rmse), &TrialTuning::default());
+        assert_eq!(threshold(MISSED * 20.0), 0.1);
+        assert!((threshold(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
+        assert_eq!([threshold(0.0), threshold(20.0)], [0.3, 0.03]);
     }
 
     #[test]
-    fn relief_that_hidden_contours_miss_is_given_back_in_part() {
+    fn a_part_of_the_curvature_gain_at_hidden_contours_is_applied() {
         // Errors are two metres, up and down. Where the surface bulges, it is too low by a share of them.
-        let of = |lack: f64| -> Vec<TrialResidual> {
+        let of = |share: f64| -> Vec<TrialResidual> {
             let place = |k: i32| {
                 let (error, unit_gain) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
-                TrialResidual { by: error - 2.0 * lack * unit_gain, weight: 1.0, unit_gain }
+                TrialResidual { by: error - 2.0 * share * unit_gain, weight: 1.0, unit_gain }
             };
             (0..400).map(place).collect()
         };
-        let rmse_of = |lack: f64| rmse(&of(lack));
+        let rmse_of = |share: f64| rmse(&of(share));
         let tuning = TrialTuning::default();
-        let gain = |missed: &[Vec<TrialResidual>; TRIED], tension: f64| curvature_gain(missed, tension, &tuning);
-        let expected = |lack: f64| tuning.gain_share * 2.0 * lack / rmse_of(lack);
-        let missed = [of(0.2), of(0.4), of(0.8)];
-        assert!((gain(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", gain(&missed, 1.0));
+        let gain = |residuals: &[Vec<TrialResidual>; TRIED], tension: f64| curvature_gain(residuals, tension, &tuning);
+        let expected = |share: f64| tuning.gain_share * 2.0 * share / rmse_of(share);
+        let residuals = [of(0.2), of(0.4), of(0.8)];
+        assert!((gain(&residuals, 1.0) - expected(0.2)).abs() < 1e-9, "{}", gain(&residuals, 1.0));
         assert!(
-            gain(&missed, tuning.tension_factor) > gain(&missed, 1.0)
-                && gain(&missed, 100.0) > gain(&missed, tuning.tension_factor)
+            gain(&residuals, tuning.tension_factor) > gain(&residuals, 1.0)
+                && gain(&residuals, 100.0) > gain(&residuals, tuning.tension_factor)
         );
-        assert_eq!(gain(&missed, 1e9), gain(&missed, tried(&tuning)[2]));
+        assert_eq!(gain(&residuals, 1e9), gain(&residuals, tried(&tuning)[2]));
         assert_eq!(gain(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
         let none = || vec![TrialResidual { by: 1.0, weight: 1.0, unit_gain: 0.0 }];
         assert_eq!(gain(&[none(), none(), none()], 3.0), 0.0);
@@ -262,8 +262,8 @@ mod tests {
     #[test]
     fn errors_count_by_weight() {
         let of = |weight: f64, by: f64| TrialResidual { by, weight, unit_gain: 0.0 };
-        let mut missed = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
-        assert!((rmse(&missed).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
-        assert_eq!(le90(&mut missed), 4.0);
+        let mut residuals = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
+        assert!((rmse(&residuals).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
+        assert_eq!(le90(&mut residuals), 4.0);
     }
 }

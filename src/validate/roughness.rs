@@ -5,7 +5,7 @@
 //! best guess for lines with the exponent 3/2 (integrated random walks). Rougher lines are better smoothed than
 //! followed.
 //!
-//! Half of the chord is a quarter and a half of the mean spacing of the contours, because the surface between them can
+//! The half-lengths of the chords are a quarter and a half of the mean spacing. The surface between contours can
 //! show detail of this size. Single vertices far off a line are digitising errors and are left out. The long ways there
 //! and back would make a smooth line rough.
 

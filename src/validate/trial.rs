@@ -30,13 +30,13 @@ pub struct Trial {
     /// Its ridge and canyon lines.
     pub break_lines: Vec<BreakLine>,
     /// Places on hidden contours, whose level is known.
-    pub places: Vec<Place>,
+    pub places: Vec<HiddenPlace>,
     /// The working grid.
     pub grid: Grid,
 }
 
 /// The middle of a segment of a hidden contour.
-pub struct Place {
+pub struct HiddenPlace {
     /// Map position.
     pub at: DVec2,
     /// Elevation of the hidden contour.
@@ -83,12 +83,12 @@ pub fn trials<const N: usize>(
         map.contours.retain(|c| !(c.is_closed() && c.length() < shortest));
     }
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
-    let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = LevelSubset { every: 2, phase };
-        Some(trial((map, frame), left, extent.interval, cell, params)?.missed(hyper_parameters, params))
+    let residuals = both.into_par_iter().filter_map(|(map, frame, phase)| {
+        let kept = LevelSubset { every: 2, phase };
+        Some(trial((map, frame), kept, extent.interval, cell, params)?.residuals(hyper_parameters, params))
     });
-    let each: Vec<[Vec<TrialResidual>; N]> = missed.collect();
-    std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
+    let each: Vec<[Vec<TrialResidual>; N]> = residuals.collect();
+    std::array::from_fn(|k| each.iter().flat_map(|residuals| residuals[k].iter().copied()).collect())
 }
 
 /// Size of the cells of a trial that keeps one level in `every`, map units.
@@ -148,18 +148,18 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
 /// map.
 pub fn trial(
     (map, frame): (&ContourMap, &Frame),
-    left: LevelSubset,
+    kept: LevelSubset,
     interval: Interval,
     cell: f64,
     params: &TrialParams<'_>,
 ) -> Option<Trial> {
-    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
+    let is_kept = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(kept.every) == kept.phase;
     // Auxiliary contours are left out of the map and of the places. They lie where they help most.
     let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
-        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
+        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_kept);
     let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
     let places = places
-        .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
+        .map(|(level, ends)| HiddenPlace { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
         .collect();
     let mended = &map.mended;
     let known = |spacing: f64| ContourMap {
@@ -170,10 +170,10 @@ pub fn trial(
     // With fewer vertices, lines that run close to each other may cross.
     let spacings = [cell / params.tuning.trials.vertices_per_cell, 0.0];
     let subdivision = spacings.into_iter().find_map(|spacing| subdivide(known(spacing), frame, &()).ok())?.value;
-    if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+    if (subdivision.interval.step / (kept.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let places = sound(places, mended, subdivision.extent().spacing);
+    let places = without_mended(places, mended, subdivision.extent().spacing);
     let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
     let grid = working_grid(&subdivision.extent(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
     if grid.len() > MOST_TRIAL_NODES {
@@ -202,9 +202,9 @@ fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
 
 /// Places without those that are nearer to a mended place than the mean spacing of the contours. Residuals at broken
 /// lines show nothing about other ground. If only a minority is left, all places are kept.
-fn sound(places: Vec<Place>, mended: &[DVec2], spacing: f64) -> Vec<Place> {
+fn without_mended(places: Vec<HiddenPlace>, mended: &[DVec2], spacing: f64) -> Vec<HiddenPlace> {
     let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
-    let is_sound = |place: &Place| {
+    let is_sound = |place: &HiddenPlace| {
         mended
             .nearest_neighbor(&place.at.to_array())
             .is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= spacing)
@@ -220,7 +220,7 @@ fn sound(places: Vec<Place>, mended: &[DVec2], spacing: f64) -> Vec<Place> {
 impl Trial {
     /// The residuals of surfaces with these hyper-parameters at hidden contours that lie between two levels. All
     /// surfaces have the same places.
-    fn missed<const N: usize>(
+    fn residuals<const N: usize>(
         &self,
         hyper_parameters: [HyperParameters; N],
         params: &TrialParams<'_>,
@@ -232,7 +232,7 @@ impl Trial {
         let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
-        let asked = |place: &Place| {
+        let asked = |place: &HiddenPlace| {
             let (col, row) = node(grid, place.at);
             let (col, row) = (col.round(), row.round());
             if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
@@ -250,12 +250,12 @@ impl Trial {
             let surface = spline(&conditions, &hyper_parameters, tuning, &());
             let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
-            let missed = |(place, weight): (&Place, &Option<f64>)| {
+            let residual = |(place, weight): (&HiddenPlace, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
                 let unit_gain = f64::from(between(grid, &unit_gain, place.at)?);
                 weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| TrialResidual { by, weight, unit_gain })
             };
-            all.filter_map(missed).collect()
+            all.filter_map(residual).collect()
         })
     }
 }
@@ -343,10 +343,10 @@ mod tests {
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
         assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
-        let left = LevelSubset { every: 2, phase: 0 };
+        let kept = LevelSubset { every: 2, phase: 0 };
         let tuning = Tuning::default();
         let params = TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning };
-        let trial = trial((&map, &Frame::Hull), left, interval, cell, &params).expect("all vertices are kept then");
+        let trial = trial((&map, &Frame::Hull), kept, interval, cell, &params).expect("all vertices are kept then");
         assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
     }

@@ -3,8 +3,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::model::{ErrorModel, Known, left};
-use super::residuals::seen;
+use super::model::{ErrorModel, PlaceInBand, unfixed_share};
+use super::residuals::hidden_residuals;
 use super::sides::sides;
 use crate::base::Grid;
 use crate::contour::LineError;
@@ -46,9 +46,9 @@ pub fn error_field(
     let spacing = extent.spacing;
     let tuning = &params.tuning.errors;
     let exponent = roughness::hurst_exponent(&extent, &params.tuning.roughness);
-    let seen = seen(&trusted.unwrap_or(extent), params, chosen.map(|c| c.hyper_parameters));
-    let model = ErrorModel::learn(&seen, exponent, subdivision.interval.step, spacing, params.tuning);
-    drop(seen);
+    let residuals = hidden_residuals(&trusted.unwrap_or(extent), params, chosen.map(|c| c.hyper_parameters));
+    let model = ErrorModel::learn(&residuals, exponent, subdivision.interval.step, spacing, params.tuning);
+    drop(residuals);
     let grid = working.map_or_else(|| working_grid(&extent, params.wanted, &params.tuning.spline.grid), |w| w.grid);
     let triangles = locate(&subdivision.tin, &grid, &());
     let sides = sides(subdivision, &grid, &triangles);
@@ -67,10 +67,15 @@ pub fn error_field(
             return (f32::NAN, f32::NAN, false);
         }
         let between = distances.into_iter().all(f64::is_finite);
-        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n]), tuning));
+        let fixed =
+            fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| unfixed_share(f64::from(crossings[n]), tuning));
         let apart = working.map(|_| (height - f64::from(reference[n])).abs());
-        let place =
-            Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
+        let place = PlaceInBand {
+            sides: distances,
+            band: [region.band.lo, region.band.hi],
+            climb: climb(region, height),
+            apart,
+        };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
         let error = chosen.map_or(error, |c| c.hyper_parameters.error_left(error, band, &params.tuning.spline));

@@ -55,7 +55,7 @@ pub struct ErrorModel {
 
 /// A place, with what the contours show about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Known {
+pub struct PlaceInBand {
     /// Distances from the known ground below and above, map units. Infinite if there is none.
     pub sides: [f64; 2],
     /// The band that holds the height, metres.
@@ -70,11 +70,11 @@ pub struct Known {
 impl ErrorModel {
     /// Fits the model to residuals. `exponent` is the Hurst-like exponent of the contours, `interval` the contour
     /// interval (metres), `spacing` the mean spacing of the contours (map units).
-    pub fn learn(seen: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64, tuning: &Tuning) -> Self {
+    pub fn learn(residuals: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64, tuning: &Tuning) -> Self {
         let (exponent, fewest, tuning) = (tuning.roughness.power(exponent), tuning.trials.min_places, tuning.errors);
         let [least_share, most_share] = tuning.climb_share_limits;
         let (mut between, mut beyond): (Vec<Residual>, Vec<Residual>) =
-            seen.iter().partition(|s| s.width().is_finite());
+            residuals.iter().partition(|s| s.width().is_finite());
         between.retain(|s| s.width() > 0.0);
         let beyond_usual = tuning.usual_climb_share;
         let curve = usual(interval, spacing, &tuning);
@@ -92,7 +92,7 @@ impl ErrorModel {
 
     /// The standard error at a place, metres, at most half of the band. `fixed` is the share of the error that remains
     /// where contours were cut from the nodes themselves; 1 elsewhere.
-    pub fn error(&self, place: &Known, fixed: f64) -> f64 {
+    pub fn error(&self, place: &PlaceInBand, fixed: f64) -> f64 {
         let [below, above] = place.sides;
         let near = below.min(above);
         let most = (place.band[1] - place.band[0]) / 2.0;
@@ -115,9 +115,12 @@ impl ErrorModel {
                 let tied = self.halfway(width, 0.0) * profile.powf(self.tuning.profile_power * self.exponent);
                 let error = tied.max(self.halfway(profile * width, self.exponent));
                 // The usual error is an average over places where the two surfaces agree and where they do not.
-                let doubt =
-                    if self.provenance == Provenance::Usual { 1.0 } else { doubt(place.apart, error, &self.tuning) };
-                fixed * error * doubt
+                let factor = if self.provenance == Provenance::Usual {
+                    1.0
+                } else {
+                    disagreement_factor(place.apart, error, &self.tuning)
+                };
+                fixed * error * factor
             }
         };
         error.min(most)
@@ -148,7 +151,7 @@ fn profile([below, above]: [f64; 2]) -> f64 {
 }
 
 /// Factor on the error for the distance between the two surfaces; 1 where there is only one.
-fn doubt(apart: Option<f64>, error: f64, tuning: &ErrorTuning) -> f64 {
+fn disagreement_factor(apart: Option<f64>, error: f64, tuning: &ErrorTuning) -> f64 {
     let Some(apart) = apart else { return 1.0 };
     let ErrorTuning { agreement_factor, disagreement_slope, max_disagreement, .. } = *tuning;
     let times = apart / error;
@@ -158,7 +161,7 @@ fn doubt(apart: Option<f64>, error: f64, tuning: &ErrorTuning) -> f64 {
 /// The share of the error that remains at nodes whose heights the contours were cut from. `crossings` is the number of
 /// crossings per node. Every crossing of an edge is an equation. With about as many equations as nodes, little is left
 /// open.
-pub fn left(crossings: f64, tuning: &ErrorTuning) -> f64 {
+pub fn unfixed_share(crossings: f64, tuning: &ErrorTuning) -> f64 {
     let ErrorTuning { fixing_crossings, fixing_power, min_left, .. } = *tuning;
     (1.0 / (1.0 + (crossings / fixing_crossings).powf(fixing_power)).sqrt()).max(min_left)
 }
@@ -178,10 +181,10 @@ fn classes(between: &mut [Residual], count: usize, fewest: usize) -> Vec<Vec<Res
     let all: f64 = between.iter().map(area).sum();
     let mut classes: Vec<Vec<Residual>> = vec![Vec::new(); count];
     let mut sum = 0.0;
-    for seen in between.iter() {
+    for residual in between.iter() {
         let class = (sum / all * count as f64) as usize;
-        classes[class.min(count - 1)].push(*seen);
-        sum += area(seen);
+        classes[class.min(count - 1)].push(*residual);
+        sum += area(residual);
     }
     // A class with very few places shows too little.
     classes.retain(|class| class.len() >= fewest / count);
@@ -196,7 +199,7 @@ fn point(mut class: Vec<Residual>, exponent: f64, interval: f64, spacing: f64, t
     let width = class[class.len() / 2].width();
     let area = |s: &Residual| s.length * s.width();
     let usual = quantile(&mut class, area, WITHIN[0]);
-    class.iter_mut().for_each(|s| s.by /= doubt(s.apart, usual, tuning));
+    class.iter_mut().for_each(|s| s.by /= disagreement_factor(s.apart, usual, tuning));
     let [one, two] = WITHIN.map(|q| quantile(&mut class, area, q));
     let error = if class.iter().all(|s| s.apart.is_none()) {
         tuning.hidden_to_all_triangles * one.max(two / max_tail)
@@ -215,11 +218,11 @@ fn point(mut class: Vec<Residual>, exponent: f64, interval: f64, spacing: f64, t
 }
 
 /// The error below which a share of the weight lies; 0 without residuals.
-fn quantile(seen: &mut [Residual], weight: impl Fn(&Residual) -> f64, share: f64) -> f64 {
-    seen.sort_by(|a, b| a.by.total_cmp(&b.by));
-    let all: f64 = seen.iter().map(&weight).sum();
+fn quantile(residuals: &mut [Residual], weight: impl Fn(&Residual) -> f64, share: f64) -> f64 {
+    residuals.sort_by(|a, b| a.by.total_cmp(&b.by));
+    let all: f64 = residuals.iter().map(&weight).sum();
     let mut below = 0.0;
-    let reached = seen.iter().find(|s| {
+    let reached = residuals.iter().find(|s| {
         below += weight(s);
         below >= share * all
     });
@@ -230,8 +233,8 @@ fn quantile(seen: &mut [Residual], weight: impl Fn(&Residual) -> f64, share: f64
 mod tests {
     use super::*;
 
-    fn learn(seen: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64) -> ErrorModel {
-        ErrorModel::learn(seen, exponent, interval, spacing, &Tuning::default())
+    fn learn(residuals: &[Residual], exponent: Option<f64>, interval: f64, spacing: f64) -> ErrorModel {
+        ErrorModel::learn(residuals, exponent, interval, spacing, &Tuning::default())
     }
 
     /// Residuals of all sizes up to `most`, in no order, on contours between others that are `width` apart.
@@ -243,8 +246,8 @@ mod tests {
         (0..1000).map(at).collect()
     }
 
-    fn between(below: f64, above: f64) -> Known {
-        Known { sides: [below, above], band: [10.0, 20.0], climb: None, apart: None }
+    fn between(below: f64, above: f64) -> PlaceInBand {
+        PlaceInBand { sides: [below, above], band: [10.0, 20.0], climb: None, apart: None }
     }
 
     #[test]
@@ -270,7 +273,7 @@ mod tests {
         }
         for sides in [[f64::INFINITY; 2], [1e9, f64::INFINITY], [1e9, 1e9]] {
             for climb in [None, Some((10.0, true))] {
-                let error = model.error(&Known { sides, band: [10.0, 20.0], climb, apart: None }, 1.0);
+                let error = model.error(&PlaceInBand { sides, band: [10.0, 20.0], climb, apart: None }, 1.0);
                 assert!(error > 1.0 && error <= 5.0, "{sides:?} {climb:?} {error}");
             }
         }
@@ -280,36 +283,37 @@ mod tests {
     fn a_spot_height_ends_the_doubt_about_a_top() {
         let model = learn(&[], None, 10.0, 50.0);
         assert_eq!(model.provenance, Provenance::Usual);
-        let top = |spot: f64| Known { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
+        let top =
+            |spot: f64| PlaceInBand { sides: [30.0, spot], band: [10.0, 20.0], climb: Some((8.0, true)), apart: None };
         assert_eq!(model.error(&top(0.0), 1.0), 0.0);
         assert!(model.error(&top(3.0), 1.0) < model.error(&top(f64::INFINITY), 1.0));
     }
 
     #[test]
     fn contours_cut_from_the_nodes_fix_them_where_they_are_dense() {
-        let left = |crossings: f64| left(crossings, &ErrorTuning::default());
-        assert!(left(0.3) > 0.99 && left(0.5) > 0.9 && left(1.0) < 0.5);
-        assert_eq!(left(9.0), 0.15);
+        let share = |crossings: f64| unfixed_share(crossings, &ErrorTuning::default());
+        assert!(share(0.3) > 0.99 && share(0.5) > 0.9 && share(1.0) < 0.5);
+        assert_eq!(share(9.0), 0.15);
     }
 
     #[test]
     fn errors_are_larger_where_two_guesses_are_far_apart() {
         // Errors are as large as the distance between the two surfaces.
-        let mut seen = places(1.0, 100.0);
-        seen.iter_mut().for_each(|s| s.apart = Some(s.by));
-        let model = learn(&seen, Some(1.0), 10.0, 50.0);
+        let mut residuals = places(1.0, 100.0);
+        residuals.iter_mut().for_each(|s| s.apart = Some(s.by));
+        let model = learn(&residuals, Some(1.0), 10.0, 50.0);
         let tuning = ErrorTuning::default();
         let [least, slope, most] = [tuning.agreement_factor, tuning.disagreement_slope, tuning.max_disagreement];
-        let at = |apart: f64| model.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
+        let at = |apart: f64| model.error(&PlaceInBand { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
         assert!((at(0.0) / at(1e9) - least / (least + slope * most)).abs() < 1e-12);
         assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
         // With one surface only, there is one error for all.
         let plain = learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
         assert!(at(0.0) < plain && plain < at(1e9));
-        let contour = Known { apart: Some(1.0), ..between(0.0, 50.0) };
+        let contour = PlaceInBand { apart: Some(1.0), ..between(0.0, 50.0) };
         assert_eq!(model.error(&contour, 1.0), 0.0);
         let usual = learn(&[], Some(1.0), 10.0, 50.0);
-        let of_usual = |apart: f64| usual.error(&Known { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
+        let of_usual = |apart: f64| usual.error(&PlaceInBand { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
         assert_eq!(of_usual(0.0), of_usual(1.0));
     }
 

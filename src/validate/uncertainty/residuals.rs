@@ -8,7 +8,7 @@ use crate::spline::{HyperParameters, spline};
 use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::validate::builder::TrialParams;
-use crate::validate::trial::{LevelSubset, Place, Trial, between, cell, node, parts, trial};
+use crate::validate::trial::{HiddenPlace, LevelSubset, Trial, between, cell, node, parts, trial};
 
 /// The residual at a place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +32,7 @@ impl Residual {
 
 /// Residuals at all places on hidden contours. The odd and the even levels are hidden in turn. `hyper_parameters` are
 /// those of the smooth surface; `None` for the surface of triangles.
-pub fn seen(
+pub fn hidden_residuals(
     extent: &MapExtent<'_>,
     params: &TrialParams<'_>,
     hyper_parameters: Option<HyperParameters>,
@@ -42,8 +42,8 @@ pub fn seen(
     let parts = parts(extent, params, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = LevelSubset { every: 2, phase };
-        Some(of_trial(&trial((map, frame), left, extent.interval, cell, params)?, hyper_parameters, params))
+        let kept = LevelSubset { every: 2, phase };
+        Some(of_trial(&trial((map, frame), kept, extent.interval, cell, params)?, hyper_parameters, params))
     });
     found.collect::<Vec<_>>().concat()
 }
@@ -58,7 +58,7 @@ fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &T
     let smooth = hyper_parameters.map(|hyper_parameters| {
         spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).heights
     });
-    let ask = |place: &Place| {
+    let ask = |place: &HiddenPlace| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());
         if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
