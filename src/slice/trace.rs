@@ -8,9 +8,9 @@
 //! A height that differs from a level only by rounding is set to this level. Otherwise, points around this vertex would
 //! differ by rounding too, in any order.
 //!
-//! A level is traced only in sub-domains whose band has it strictly inside. At the ends of the band there are contours
-//! of the input already. A contour may end inside the map (auxiliary contours, gaps). A new line then goes on from its
-//! end and does not run along it again.
+//! A level is traced only in sub-domains whose band has it strictly inside. At the limits of the band, there are
+//! contours of the input already. A contour may end inside the map (auxiliary contours, gaps). A new line then goes on
+//! from its end and does not run along it again.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -6,8 +6,8 @@
 //! the ground are evenly spread, whatever the terrain. Flat triangles between contour vertices of one level put many
 //! heights on this level.
 //!
-//! A lake, a plain or the sea also puts many heights on one level. Terraces are at most of the levels. So the levels
-//! vote.
+//! A lake, a plain or the sea also puts many heights on one level. Terraces occur at the majority of the levels. So the
+//! levels vote.
 
 use std::collections::BTreeMap;
 

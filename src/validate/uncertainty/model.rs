@@ -8,17 +8,17 @@
 //! how far the ground leaves a surface between lines. On very level ground the error fills the band, so it falls only
 //! in proportion to the band. In between, one law passes into the other.
 //!
-//! **Towards a contour.** The error falls with the product of both distances, to half of that power. A random walk that
-//! is tied at both ends has the same law.
+//! **Towards a contour.** The error falls with the product of both distances, raised to half of that exponent. A random
+//! walk that is tied at both ends follows the same law.
 //!
-//! **On level ground.** Contours much further apart than the mean spacing mean ground that is level for the interval.
-//! There too, the error falls only in proportion to the band.
+//! **On level ground.** Where contours are much further apart than the mean spacing, the ground is level in relation to
+//! the interval. There too, the error falls only in proportion to the band.
 //!
 //! **Two surfaces.** The smooth surface and the reference surface are two guesses from the same contours. Where they
 //! are far apart, the contours leave much open. The error is then larger than the distance between contours suggests.
 //!
 //! **Beyond the last contour.** On a top or in a pit, the height is a guess from the slope. The error is a share of the
-//! climb. This share comes from the tops that the surface from half of the levels missed.
+//! climb. This share comes from the surface from half of the levels, from its errors at tops.
 
 use super::residuals::Residual;
 use crate::tuning::{ErrorTuning, Tuning};
