@@ -1,4 +1,4 @@
-//! How long a map unit is on the ground: what slopes and areas need to know of a map in degrees, feet or Web Mercator.
+//! Length of a map unit on the ground, for slopes and areas on maps in degrees, feet or Web Mercator.
 
 use glam::DVec2;
 
@@ -6,27 +6,29 @@ use super::height_map::Dem;
 use crate::base::Grid;
 use crate::crs::Crs;
 
-/// Metres on the ground in a map unit, east and north.
+/// Metres on the ground per map unit, east and north.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GroundScale {
     /// The same everywhere.
     Uniform(DVec2),
-    /// By latitude: one for each row of the height map.
+    /// It depends on latitude: one value per row of the height map.
     Rows(Vec<DVec2>),
 }
 
-/// The ellipsoid of GRS 80, which JGD2011 stands on; that of WGS 84 differs by a tenth of a millimetre.
+/// The GRS 80 ellipsoid, which JGD2011 uses. That of WGS 84 differs by a tenth of a millimetre.
 const SEMI_MAJOR: f64 = 6_378_137.0;
 const FLATTENING: f64 = 1.0 / 298.257_222_101;
 
-/// The coordinate reference system of web maps.
+/// EPSG code of Web Mercator, the coordinate reference system of web maps.
 const WEB_MERCATOR: u32 = 3857;
 
 impl GroundScale {
-    /// The scale of a height map by its coordinate reference system: degrees and Web Mercator by the latitude of each row,
-    /// other units of length as they are. A system that does not tell is taken as metres.
+    /// The scale of a height map, from its coordinate reference system. With degrees and with Web Mercator, it depends
+    /// on the latitude of each row. With other systems, it depends only on the unit of length. An unknown unit counts
+    /// as the metre.
     ///
-    /// What a projection stretches is left in: less than one part in a thousand in the plane rectangular zones and UTM.
+    /// The scale factor of a projection is not corrected. In the plane rectangular zones and UTM, it is below one part
+    /// in a thousand.
     pub fn of(dem: &Dem) -> Self {
         let rows = |at: fn(f64) -> DVec2| {
             let grid: Grid = dem.grid;
@@ -40,7 +42,7 @@ impl GroundScale {
         }
     }
 
-    /// Metres in a map unit in a row.
+    /// Metres per map unit in a row.
     pub fn row(&self, row: usize) -> DVec2 {
         match self {
             Self::Uniform(scale) => *scale,
@@ -50,7 +52,7 @@ impl GroundScale {
 }
 
 impl Dem {
-    /// Metres on the ground in a map unit, east and north, in the middle row; `None` if the unit is not known.
+    /// Metres on the ground per map unit, east and north, in the middle row. `None` if the unit is not known.
     pub fn metres_per_unit(&self) -> Option<DVec2> {
         let crs = self.crs.as_ref()?;
         let is_known = crs.is_geographic() || crs.length_unit().is_some();
@@ -58,14 +60,14 @@ impl Dem {
     }
 }
 
-/// Whether a height map of unknown system has coordinates and cells that could only be degrees.
+/// Whether a height map without a coordinate reference system can only be in degrees, by its coordinates and cells.
 pub fn looks_like_degrees(grid: &Grid, crs: Option<&Crs>) -> bool {
     let far = grid.corner + DVec2::new(grid.cols as f64, -(grid.rows as f64)) * grid.cell;
     let within = |p: DVec2| p.x.abs() <= 360.0 && p.y.abs() <= 90.0;
     crs.is_none() && within(grid.corner) && within(far) && grid.cell.max_element() < 0.1
 }
 
-/// Radii of curvature at a latitude (radians), metres: along the parallel, times its cosine, and along the meridian.
+/// Radii at a latitude (radians), metres: of the parallel, and of curvature along the meridian.
 fn radii(latitude: f64) -> DVec2 {
     let eccentricity = FLATTENING * (2.0 - FLATTENING);
     let bend = 1.0 - eccentricity * latitude.sin().powi(2);
@@ -74,7 +76,7 @@ fn radii(latitude: f64) -> DVec2 {
 }
 
 fn per_degree(latitude: f64) -> DVec2 {
-    // A row on the pole has no width, and no slope could be told there.
+    // At a pole, a row has no width and its slope would be undefined.
     radii(latitude.clamp(-89.999, 89.999).to_radians()) * 1.0_f64.to_radians()
 }
 
@@ -117,7 +119,7 @@ mod tests {
     fn web_mercator_and_degrees_agree_on_the_ground() {
         let latitude = 36.5_f64;
         let y = SEMI_MAJOR * latitude.to_radians().tan().asinh();
-        // A metre of the map is so many degrees there.
+        // Degrees per metre of the map at this latitude.
         let degrees = DVec2::new(1.0, latitude.to_radians().cos()) / SEMI_MAJOR * 1.0_f64.to_degrees();
         let difference = per_mercator_metre(y) - per_degree(latitude) * degrees;
         assert!(difference.abs().max_element() < 1e-9, "{difference}");

@@ -6,7 +6,7 @@ use crate::crs::Crs;
 /// Heights at the cell centres of a [`Grid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dem {
-    /// Where the cells are.
+    /// The grid of cells.
     pub grid: Grid,
     /// Heights in metres, row by row from the north-west; NaN where there is no data.
     pub values: Vec<f32>,

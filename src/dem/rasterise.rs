@@ -1,4 +1,4 @@
-//! From a triangulation to a height map: triangles are scan-converted in row bands, side by side.
+//! Rasterises a triangulation to a height map. Triangles are scan-converted in bands of rows, in parallel.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -10,19 +10,19 @@ use crate::base::rows::Rows;
 use crate::crs::Crs;
 use crate::tin::{NONE, Tin};
 
-/// Rows that one task fills.
+/// Rows per task.
 const BAND_ROWS: usize = 32;
 
-/// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
+/// Heights of the triangles at the cell centres of `grid`, metres; NaN outside the frame.
 ///
 /// Every height lies between the lowest and the highest corner of its triangle. A centre on an edge or a corner belongs
-/// to the triangle of the lowest number.
+/// to the triangle with the lowest number.
 pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progress) -> Dem {
     let values = heights_at(tin, grid, &locate(tin, grid, progress));
     Dem { grid: *grid, values, crs }
 }
 
-/// Heights of the surface at the cell centres of `grid`, whose triangles are known from [`locate`].
+/// Heights of the triangles at the cell centres of `grid`. [`locate`] gives `triangles`.
 pub(crate) fn heights_at(tin: &Tin, grid: &Grid, triangles: &[u32]) -> Vec<f32> {
     let height = |(i, &t): (usize, &u32)| {
         if t == NONE { f32::NAN } else { height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32 }
@@ -60,15 +60,15 @@ pub(crate) fn height(tin: &Tin, t: u32, p: DVec2) -> f64 {
     (heights[0] + wb * (heights[1] - heights[0]) + wc * (heights[2] - heights[0])).clamp(lowest, highest)
 }
 
-/// Row numbers whose centres lie between two y coordinates (relative to the triangulation's origin), a little widened:
-/// the exact test is each row's own.
+/// Rows whose centres lie between two y coordinates (relative to the origin of the triangulation), with a small margin.
+/// Each row makes the exact test itself.
 fn rows_between(tin: &Tin, grid: &Grid, lo: f64, hi: f64) -> std::ops::Range<usize> {
     let row = |y: f64| (grid.corner.y - (y + tin.origin.y)) / grid.cell.y - 0.5;
     let limit = |r: f64| r.clamp(0.0, grid.rows as f64) as usize;
     limit((row(hi) - 1e-6).ceil())..limit((row(lo) + 1e-6).floor() + 1.0)
 }
 
-/// Which triangles touch each band of rows.
+/// The triangles that touch each band of rows.
 fn triangles_by_band(tin: &Tin, grid: &Grid) -> Rows<u32> {
     let bands: Vec<(u32, u32)> = (0..tin.len() as u32)
         .into_par_iter()
@@ -87,7 +87,7 @@ fn triangles_by_band(tin: &Tin, grid: &Grid) -> Rows<u32> {
     })
 }
 
-/// Fills the cells of one triangle that are still empty.
+/// Fills those cells of a triangle that are still empty.
 fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mut [u32]) {
     let corners = tin.corners(t);
     let heights = tin.corner_heights(t);
@@ -112,7 +112,7 @@ fn fill(tin: &Tin, grid: &Grid, t: u32, rows: std::ops::Range<usize>, cells: &mu
     }
 }
 
-/// The part of the horizontal line at `y` inside a triangle. Common edges give both triangles the same end.
+/// The part of the horizontal line at `y` inside a triangle. Both triangles at a common edge get the same end.
 fn span(corners: &[DVec2; 3], y: f64) -> Option<(f64, f64)> {
     let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
     for i in 0..3 {
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_plane_comes_out_exactly_and_without_holes() {
-        // Many points on cell centres and cell edges: every tie in the scan conversion happens somewhere.
+        // Many points are on cell centres and cell edges. So every tie of the scan conversion occurs somewhere.
         let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(16.0)], 0.0);
         for i in 0..=16 {
             for j in 0..=16 {

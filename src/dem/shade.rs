@@ -1,8 +1,8 @@
 //! Hillshade: how bright each cell of a height map is under one or more distant lights.
 //!
-//! The gradient is Horn's (1981), as in GDAL: the eight neighbours, the nearer ones counted twice. Where a neighbour is
-//! missing, at the border or beside nodata, the ground is carried on in a straight line (at the border as in GDAL), so
-//! that every cell with a height has a brightness.
+//! The gradient is that of Horn (1981), as in GDAL: eight neighbours, the four nearest with double weight. Where a
+//! neighbour is missing, at the border or beside nodata, heights are extrapolated linearly (at the border as in GDAL).
+//! So every cell with a height has a brightness.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -13,11 +13,11 @@ use super::height_map::Dem;
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Where it comes from, degrees clockwise from north.
+    /// Its azimuth, degrees clockwise from north.
     pub azimuth: f64,
-    /// Its height above the horizon, degrees.
+    /// Its altitude above the horizon, degrees.
     pub altitude: f64,
-    /// Its share of the brightness; shares are taken relative to their sum.
+    /// Its share of the brightness, relative to the sum of all shares.
     pub weight: f64,
 }
 
@@ -29,19 +29,19 @@ impl Light {
     }
 }
 
-/// How to shade.
+/// Parameters of the hillshade.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadeParams {
-    /// The lights; none makes everything dark.
+    /// The lights. Without lights everything is dark.
     pub lights: Vec<Light>,
-    /// Factor on the heights.
+    /// Factor on the heights (vertical exaggeration).
     pub exaggeration: f64,
-    /// Metres a map unit in x and y, for maps in feet or degrees.
+    /// Metres per map unit in x and y, for maps in feet or degrees.
     pub metres_per_unit: DVec2,
 }
 
 impl Default for ShadeParams {
-    /// One light from the north-west, half-way up the sky.
+    /// One light from the north-west, 45 degrees above the horizon.
     fn default() -> Self {
         let light = Light { azimuth: 315.0, altitude: 45.0, weight: 1.0 };
         Self { lights: vec![light], exaggeration: 1.0, metres_per_unit: DVec2::ONE }
@@ -49,7 +49,8 @@ impl Default for ShadeParams {
 }
 
 impl ShadeParams {
-    /// A main light from the north-west and two weak ones beside it, which shape slopes that the main light only grazes.
+    /// A main light from the north-west and two weak ones beside it. They show the shape of slopes that the main light
+    /// only grazes.
     pub fn soft() -> Self {
         let light = |azimuth, weight| Light { azimuth, altitude: 45.0, weight };
         Self { lights: vec![light(315.0, 0.6), light(255.0, 0.2), light(15.0, 0.2)], ..Self::default() }
@@ -60,7 +61,7 @@ impl ShadeParams {
         self.sum().z.max(0.0)
     }
 
-    /// Mean direction of the lights by weight.
+    /// Mean direction of the lights, weighted by their shares.
     fn sum(&self) -> DVec3 {
         let total: f64 = self.lights.iter().map(|l| l.weight).sum();
         if total > 0.0 {
@@ -71,14 +72,14 @@ impl ShadeParams {
     }
 }
 
-/// The brightness of every cell, 0 (turned away from all lights) to 1 (facing them), row by row; NaN without a height.
+/// The brightness of every cell, 0 (facing away from all lights) to 1 (facing them), row by row. NaN without a height.
 ///
 /// GDAL's 8-bit hillshade is 1 + 254 times this value for a single light.
 pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
     hillshade_on(dem, params, &GroundScale::Uniform(params.metres_per_unit))
 }
 
-/// The same, the metres of a map unit taken from `scale` and not from `params`.
+/// [`hillshade`] with the metres per map unit from `scale` and not from `params`.
 pub fn hillshade_on(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Vec<f32> {
     let lights = Lights::new(params);
     map_gradients(
@@ -106,13 +107,13 @@ impl Lights {
     }
 }
 
-/// The steepness of every cell as rise over run, row by row; NaN without a height.
+/// The slope of every cell as rise over run, row by row. NaN without a height.
 pub fn steepness(dem: &Dem, metres_per_unit: DVec2) -> Vec<f32> {
     map_gradients(dem, |_| metres_per_unit, |gradient| gradient.length() as f32)
 }
 
-/// Calls `value` with the gradient (per metre east and north) of every cell that has a height; NaN elsewhere. The metres
-/// of a map unit are asked for by row.
+/// Calls `value` with the gradient (per metre east and north) of every cell that has a height. Other cells are NaN.
+/// `metres_per_unit` takes a row.
 pub(super) fn map_gradients(
     dem: &Dem,
     metres_per_unit: impl Fn(usize) -> DVec2 + Sync,
@@ -135,14 +136,14 @@ pub(super) fn map_gradients(
                 let row = row.checked_add_signed(down).filter(|&row| row < rows)?;
                 Some(f64::from(dem.values[row * cols + col])).filter(|height| height.is_finite())
             };
-            // A neighbour across an edge that is missing follows from the one opposite.
+            // A missing neighbour across an edge is extrapolated from the opposite one.
             let across = |right: isize, down: isize| {
                 let opposite = || neighbour(-right, -down).map(|height| 2.0 * center - height);
                 neighbour(right, down).or_else(opposite)
             };
             let [east, north, west, south] = [across(1, 0), across(0, -1), across(-1, 0), across(0, 1)];
-            // One at a corner follows from the two beyond it in its column or in its row, else from the other corners as
-            // on a plane.
+            // A missing corner is extrapolated from two cells in its column or in its row. Otherwise the other corners
+            // give it, as on a plane.
             let corner = |right: isize, down: isize| {
                 let along = |near: Option<f64>, far: Option<f64>| near.zip(far).map(|(near, far)| 2.0 * near - far);
                 let column = || along(neighbour(right, 0), neighbour(right, -down));
@@ -177,7 +178,7 @@ mod tests {
     use super::*;
     use crate::base::Grid;
 
-    /// A plane that rises by `slope` a map unit.
+    /// A plane that rises by `slope` per map unit.
     fn plane(slope: DVec2, cell: DVec2) -> Dem {
         let grid = Grid { corner: DVec2::new(500.0, 900.0), cell, cols: 9, rows: 7 };
         let values = (0..63).map(|i| grid.center(i % 9, i / 9).dot(slope) as f32).collect();

@@ -1,8 +1,9 @@
-//! The surface as a triangle mesh in space: the shell of the terrain ([`mesh`]), or with a base a closed solid.
+//! The surface as a triangle mesh in space: an open shell of the terrain ([`mesh`]), or a closed solid with a flat
+//! bottom.
 //!
-//! Coordinates are double precision relative to [`Mesh::origin`], exactly those of the triangulation, so no triangle
-//! collapses or turns over. Where the ground touches itself at a single point, that point becomes several vertices: the
-//! triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
+//! Coordinates are double precision relative to [`Mesh::origin`], exactly as in the triangulation. So no triangle
+//! collapses or turns over. Where the ground touches itself at a single point, this point becomes several vertices. So
+//! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
 mod validate;
 
@@ -19,22 +20,23 @@ const UNSET: u32 = u32::MAX;
 /// Parameters of [`mesh`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeshParams {
-    /// Height of the flat bottom that closes the mesh to a solid, metres; an open shell if `None`.
+    /// Height of the flat bottom of a solid, metres. `None` gives an open shell.
     pub base: Option<f64>,
 }
 
 /// Triangles in space: x east, y north (map units), z up (metres).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// Added to a vertex it gives map coordinates: whole numbers near the middle, or zero where the map is there anyway.
+    /// Origin of the vertices: origin plus vertex position gives map coordinates. It is in whole numbers, near the
+    /// middle of the map, or zero for a map near zero.
     pub origin: DVec3,
     /// Vertex positions relative to the origin.
     pub vertices: Vec<DVec3>,
-    /// Unit normals, one a vertex: the mean over the triangles around it by their area.
+    /// Unit normals, one per vertex: the mean over the triangles around it, weighted by area.
     pub normals: Vec<Vec3>,
-    /// Corners of the triangles, counter-clockwise seen from above, in a solid from outside.
+    /// Corners of the triangles, counter-clockwise seen from above. In a solid, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Height of the bottom if the mesh is a solid.
+    /// Height of the bottom, metres, if the mesh is a solid.
     pub base: Option<f64>,
     /// The coordinate reference system, if known.
     pub crs: Option<Crs>,
@@ -42,11 +44,11 @@ pub struct Mesh {
 
 /// The triangles of a surface inside its frame, or the solid between them and a flat bottom.
 ///
-/// The bottom mirrors the top; walls go down along every border edge, those of holes included.
+/// The bottom is a copy of the top without relief. Walls go down along every border edge, including the edges of holes.
 ///
 /// # Errors
-/// If nothing lies inside the frame, if the base is not below the lowest height, or if there are more vertices than
-/// 32-bit indices can count.
+/// If there is no ground inside the frame, if the base is not below the lowest height, or if 32-bit indices cannot
+/// count the vertices.
 pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
     let tin = &surface.tin;
     let (vertices, triangles, border) = shell(tin);
@@ -82,10 +84,10 @@ pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Vertices, triangles, and border edges with the ground on their left.
+/// Vertices, triangles, and border edges. The ground lies on the left of the edges.
 type Shell = (Vec<DVec3>, Vec<[u32; 3]>, Vec<[u32; 2]>);
 
-/// The triangles inside the frame with a vertex for each fan of triangles around a point.
+/// The triangles inside the frame. A point has one vertex for each fan of triangles around it.
 fn shell(tin: &Tin) -> Shell {
     let mut corners = vec![[UNSET; 3]; tin.len()];
     let mut vertices = Vec::new();
@@ -102,7 +104,7 @@ fn shell(tin: &Tin) -> Shell {
             corners[t as usize][i] = vertex;
             fan.push((t, i));
             while let Some((t, i)) = fan.pop() {
-                // The two edges of the triangle that meet in this corner lead to the next triangles of the fan.
+                // The two edges of the triangle at this corner lead to the next triangles of the fan.
                 for n in [i, (i + 2) % 3].into_iter().filter_map(|edge| tin.inner_neighbour(t, edge)) {
                     let here = tin.triangles[n as usize].iter().position(|&p| p == point);
                     if let Some(j) = here
@@ -121,7 +123,7 @@ fn shell(tin: &Tin) -> Shell {
     (vertices, triangles, border)
 }
 
-/// Adds the bottom and the walls. The vertex below vertex v has the number v + the number of vertices on top.
+/// Adds the bottom and the walls. The vertex below vertex v has the number v plus the number of vertices on top.
 fn close(mesh: &mut Mesh, base: f64, border: &[[u32; 2]]) {
     let below = mesh.vertices.len() as u32;
     mesh.vertices.extend_from_within(..);
@@ -138,8 +140,8 @@ fn close(mesh: &mut Mesh, base: f64, border: &[[u32; 2]]) {
     }
 }
 
-/// Area-weighted normals; upwards where the triangles around a vertex leave no direction. The first `ground` triangles look up,
-/// though rounding turns slivers far from zero over.
+/// Area-weighted normals. They point upwards where the triangles around a vertex give no direction. The first `ground`
+/// triangles face upwards, even where rounding turns a sliver over.
 fn normals(mesh: &Mesh, ground: usize) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; mesh.vertices.len()];
     for (n, t) in mesh.triangles.iter().enumerate() {
@@ -154,7 +156,7 @@ fn normals(mesh: &Mesh, ground: usize) -> Vec<Vec3> {
 }
 
 impl Mesh {
-    /// The lower and the upper corner of the box around the mesh, in map coordinates.
+    /// The lower and the upper corner of the bounding box of the mesh, in map coordinates.
     pub fn extent(&self) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (lo, hi) = self.vertices.iter().fold(start, |(lo, hi), &v| (lo.min(v), hi.max(v)));
@@ -163,7 +165,7 @@ impl Mesh {
 
     /// Volume of a solid, map units squared times metres.
     pub fn volume(&self) -> f64 {
-        // Seen from the first vertex the products stay small.
+        // Relative to the first vertex, the products stay small.
         let from = self.vertices.first().copied().unwrap_or_default();
         let six = self.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|v| self.vertices[v as usize] - from);
@@ -191,7 +193,7 @@ mod tests {
     use crate::subdomains::Frame;
     use crate::surface::{SurfaceParams, build};
 
-    /// Ground that rises to the east by a metre a unit, cut to the polygons.
+    /// Ground that rises to the east by one metre per map unit, cut to the polygons.
     fn slope(polygons: Vec<Polygon<f64>>) -> Surface {
         let far = DVec2::new(400_000.0, 4_000_000.0);
         let contour = |k: i32| {

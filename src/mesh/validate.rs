@@ -1,4 +1,4 @@
-//! What must hold for every mesh, checked without trust in how it was made.
+//! Checks what must hold for every mesh, however it was made.
 
 use std::collections::HashSet;
 
@@ -7,13 +7,13 @@ use robust::{Coord, orient2d};
 use super::Mesh;
 
 impl Mesh {
-    /// Checks indices, edges, areas and normals; used by tests.
+    /// Checks indices, edges, areas and normals. Tests use it.
     ///
-    /// An edge has at most two triangles, in opposite directions; in a solid exactly two. No triangle has zero area. A
-    /// shell's triangles and normals look up.
+    /// An edge has at most two triangles, in opposite directions. In a solid it has exactly two. No triangle has zero
+    /// area. The triangles and normals of a shell face upwards.
     ///
     /// # Errors
-    /// The first thing that does not hold, in words.
+    /// A description of the first fault.
     pub fn validate(&self) -> Result<(), String> {
         if self.normals.len() != self.vertices.len() {
             return Err(format!("{} normals for {} vertices", self.normals.len(), self.vertices.len()));
@@ -28,7 +28,7 @@ impl Mesh {
                 };
                 *mark = true;
                 if !edges.insert((u, v)) {
-                    return Err(format!("the edge from {u} to {v} is there twice, at last in triangle {t}"));
+                    return Err(format!("the edge from {u} to {v} occurs twice, the second time in triangle {t}"));
                 }
             }
         }
@@ -45,7 +45,7 @@ impl Mesh {
                 return Err(format!("triangle {t} has no area"));
             }
             if self.base.is_none() && plan <= 0.0 {
-                return Err(format!("triangle {t} does not look up"));
+                return Err(format!("triangle {t} does not face upwards"));
             }
         }
         if let Some(v) = used.iter().position(|used| !used) {
@@ -57,11 +57,11 @@ impl Mesh {
             return Err("the solid is open at an edge".into());
         }
         if let Some(v) = self.normals.iter().position(|n| (n.length() - 1.0).abs() > 1e-3) {
-            return Err(format!("the normal of vertex {v} has not the length 1"));
+            return Err(format!("the normal of vertex {v} does not have length 1"));
         }
-        // A cliff's normal may be level in single precision.
+        // In single precision, the normal of a cliff may be horizontal.
         match self.normals.iter().position(|n| self.base.is_none() && n.z < 0.0) {
-            Some(v) => Err(format!("the normal of vertex {v} does not look up")),
+            Some(v) => Err(format!("the normal of vertex {v} does not point upwards")),
             None => Ok(()),
         }
     }

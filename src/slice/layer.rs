@@ -1,4 +1,4 @@
-//! Map layers: the input's contours as they are, and new ones between them.
+//! Map layers: the contours of the input as they are, and new contours between them.
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,17 +16,17 @@ use crate::surface::Surface;
 use crate::tin::Tin;
 use crate::validate::line_error;
 
-/// Bytes that a vertex of a new contour takes: while it is traced, in its layer, and while that is written.
+/// Bytes of memory per vertex of a new contour: while it is traced, in its layer, and while the layer is written.
 const BYTES_PER_VERTEX: f64 = 64.0;
 
 /// Parameters of [`contour_layers`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerParams {
-    /// One layer each.
+    /// The levels of each layer.
     pub targets: Vec<Target>,
-    /// Every so many levels there is an index contour, counted from the base; 0 for none.
+    /// One level in so many is an index contour, counted from the base; 0 for none.
     pub index_every: u32,
-    /// Memory that may be taken, bytes: layers that need more are refused. No limit if `None`.
+    /// Memory that the layers may take, bytes. Layers that need more are an error. No limit if `None`.
     pub memory: Option<u64>,
 }
 
@@ -37,16 +37,17 @@ impl Default for LayerParams {
     }
 }
 
-/// The contour lines of each target: all input contours bit for bit, and traced lines at the other levels.
+/// The contour lines of each target: all input contours unchanged, and new contours at the other levels.
 ///
-/// A target's level that the input has is not traced where the input's contours divide the ground; where one of them
-/// ends in the open, a traced line goes on from its end, and where a gap in it was bridged, the bridge is a line. Traced lines
-/// that would run into a closed contour of their own level are left out and counted. Lines are ordered by elevation, input
-/// before interpolated.
-/// They say how far they are expected to be off if the surface knows.
+/// * A level of the input is not traced again where the input contours are complete.
+/// * Where such a contour ends inside the map, a new line goes on from its end. A gap closure is a line too.
+/// * New lines that would run into a closed contour of their own level are left out and counted (dead ends).
+/// * Lines are ordered by elevation, input before interpolated.
+/// * Lines have an expected error if the surface has one.
 ///
 /// # Errors
-/// When a target's levels are out of range (see [`Target::levels`]).
+/// When the levels of a target are out of range (see [`Target::levels`]), when there is no target, or when the layers
+/// need more memory than they may take.
 pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
     let map = &surface.map;
     let bands = || surface.regions.regions.iter().map(|r| r.band);
@@ -97,12 +98,12 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             artefact_rings += traced[k].artefact_rings;
             let ring = rings.get(&level.to_bits());
             let is_on_ring = |p: DVec2| ring.is_some_and(|vertices| vertices.contains(&bits(p)));
-            let is_stub = |points: &&Vec<DVec2>| {
+            let is_dead_end = |points: &&Vec<DVec2>| {
                 let (first, last) = (points[0], points[points.len() - 1]);
                 first != last && (is_on_ring(first) || is_on_ring(last))
             };
-            dead_ends += traced[k].lines.iter().filter(is_stub).count();
-            let whole = traced[k].lines.iter().filter(|points| !is_stub(points));
+            dead_ends += traced[k].lines.iter().filter(is_dead_end).count();
+            let whole = traced[k].lines.iter().filter(|points| !is_dead_end(points));
             lines.extend(whole.map(|p| line(*level, p.clone(), Source::Interpolated, index(*level))));
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
@@ -119,7 +120,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     Ok(layers.collect())
 }
 
-/// How often levels run through triangles, which is about how many vertices their lines have.
+/// How often levels cross triangles. This is about the number of vertices of their lines.
 fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
     let through = |t: u32| {
         let heights = tin.corner_heights(t);
@@ -132,12 +133,13 @@ fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
 
 fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {
     let mut line = ContourLine { elevation, points, source, index, depression: false, expected: None };
-    // Higher ground is on the right: a counter-clockwise ring has it outside.
+    // Higher ground is on the right. So it lies outside a counter-clockwise ring.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line
 }
 
-/// Whether a level is a whole multiple of `every` steps. A list of levels counts in the input's interval.
+/// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
+/// input.
 fn is_index(target: &Target, interval: f64, every: u32, level: f64) -> bool {
     let (step, base) = match target {
         Target::Interval { step, base } => (*step, *base),

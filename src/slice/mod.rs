@@ -1,5 +1,5 @@
-//! New contour lines: [`slice()`] traces levels on a surface, [`contour_layers`] makes map layers of them and of the
-//! input's own contours.
+//! New contours: [`slice()`] traces levels on a surface. [`contour_layers`] makes map layers of them and of the input
+//! contours.
 
 mod layer;
 mod target;

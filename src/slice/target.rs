@@ -1,9 +1,9 @@
-//! Which levels an output layer asks for.
+//! The levels that an output layer is to have.
 
 use crate::base::error::{Error, Result};
 use crate::contour::Interval;
 
-/// The most levels that one target may ask for.
+/// Largest number of levels per target.
 const MOST_LEVELS: f64 = 1e6;
 
 /// The levels of one output layer.
@@ -40,7 +40,8 @@ impl Target {
                 let (first, last) = (((lowest - base) / step).ceil(), ((highest - base) / step).floor());
                 if last - first >= MOST_LEVELS {
                     return Err(Error::Parameter(format!(
-                        "an interval of {step} m gives {:.0} levels between {lowest} and {highest} m: choose a larger one",
+                        "an interval of {step} m gives {:.0} levels between {lowest} and {highest} m: choose a \
+                         larger one",
                         last - first
                     )));
                 }

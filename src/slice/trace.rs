@@ -1,14 +1,16 @@
-//! Slicing: the lines of given levels on a surface.
+//! Slicing: traces the contour lines of given levels on a surface.
 //!
-//! A level is traced from triangle to triangle. A vertex is above a level when `height >= level`, below otherwise, so a
-//! vertex that lies exactly on the level needs no special case: the line passes through it. Each triangle is crossed by a
-//! level at most once, so the lines of one level never cross, and heights inside a triangle are linear, so lines of
-//! different levels never meet. A height that differs from a level by rounding only is taken for that level: places around
-//! the vertex would differ by rounding too, in any order.
+//! A level is traced from triangle to triangle. A vertex with `height >= level` is above the level, any other vertex is
+//! below. So a vertex exactly on the level is no special case: the line passes through it. A level crosses each
+//! triangle at most once, so lines of one level never cross. Heights inside a triangle are linear, so lines of
+//! different levels never meet.
 //!
-//! A level is traced only in sub-domains whose band it lies strictly inside. On the band's ends there are contours of the
-//! input already. Where a contour of the level ends in the open (auxiliary contours, gaps), the traced line goes on from
-//! its end and does not run along it a second time.
+//! A height that differs from a level only by rounding is set to this level. Otherwise, points around this vertex would
+//! differ by rounding too, in any order.
+//!
+//! A level is traced only in sub-domains whose band has it strictly inside. At the limits of the band, there are
+//! contours of the input already. A contour may end inside the map (auxiliary contours, gaps). A new line then goes on
+//! from its end and does not run along it again.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -22,17 +24,17 @@ use crate::base::rows::Rows;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, VertexKind};
 
-/// Crossings of triangles and levels that are held at a time, to bound memory.
+/// Number of crossings of triangles and levels in memory at a time. It limits memory.
 const BATCH: usize = 1 << 25;
 
-/// Places nearer to each other than this share of their coordinates are one: a few steps between numbers of that size.
+/// Points nearer to each other than this share of their coordinates are the same point: a few units in the last place.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Traces `levels` (ascending) through the triangulation, in map coordinates.
+/// Traces `levels` (ascending, metres) through the triangulation. Lines are in map coordinates.
 ///
-/// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry a level,
-/// lines in a fixed order. Rings around a single computed vertex between two contours are not lines but artefact_rings of the
-/// interpolation along a ridge or a gully; they are counted only.
+/// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry per
+/// level, with lines in a fixed order. A ring around a single computed vertex between two contours is an artefact of
+/// the interpolation along a ridge or a gully. Such rings are only counted.
 pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
     let ranges: Vec<(u32, u32)> =
@@ -62,7 +64,7 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
             })
         });
         lines.par_extend((from..to).into_par_iter().map(|k| {
-            // Levels have different marks, so an array that another level used needs no clearing.
+            // Levels have different marks. So an array that another level used needs no clearing.
             let own = rayon::current_thread_index().unwrap_or(0) % marks.len();
             let mut visited = marks[own].lock().unwrap_or_else(PoisonError::into_inner);
             visited.resize(tin.len(), NONE);
@@ -93,11 +95,11 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
 pub struct Traced {
     /// The lines, map coordinates.
     pub lines: Vec<Vec<DVec2>>,
-    /// Rings around a single computed vertex, left out.
+    /// Number of artefact rings, which are left out: tiny rings around a single computed vertex.
     pub artefact_rings: usize,
 }
 
-/// The heights of the vertices, those that differ from a level by rounding only being that level.
+/// The heights of the vertices. A height that differs from a level only by rounding is set to this level.
 fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
     let is_off = |height: &f64| !height.is_nan() && as_given(levels, *height) != *height;
     if tin.heights.par_iter().any(is_off) {
@@ -107,7 +109,7 @@ fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
     }
 }
 
-/// The one of `given` (ascending) that a number differs from by rounding only, else the number itself.
+/// The one of `given` (ascending) that differs from `level` only by rounding, otherwise `level` itself.
 pub(super) fn as_given(given: &[f64], level: f64) -> f64 {
     let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
     let at = given.partition_point(|&l| l < level);
@@ -115,8 +117,8 @@ pub(super) fn as_given(given: &[f64], level: f64) -> f64 {
     around.copied().find(near).unwrap_or(level)
 }
 
-/// The levels that cross triangle `t`: indices `first..end` of those with lowest < level <= highest corner, and strictly
-/// inside the band of its sub-domain.
+/// The levels that cross triangle `t`, as indices `first..end`. They are above its lowest corner, not above its highest
+/// corner, and strictly inside the band of its sub-domain.
 fn levels_of(tin: &Tin, heights: &[f64], regions: &Regions, levels: &[f64], t: u32) -> (u32, u32) {
     let Some(region) = regions.region(t) else { return (0, 0) };
     if !region.band.lo.is_finite() {
@@ -133,9 +135,9 @@ fn levels_of(tin: &Tin, heights: &[f64], regions: &Regions, levels: &[f64], t: u
 #[derive(Debug, Clone, Copy)]
 struct Step {
     position: DVec2,
-    /// The vertex that the line passes through exactly.
+    /// The vertex, if the line passes exactly through one.
     vertex: Option<u32>,
-    /// The piece that leads here runs along a contour of the input at this level, or along the frame.
+    /// Whether the piece before this point runs along the frame, or along a contour of the input at this level.
     on_border: bool,
 }
 
@@ -147,9 +149,9 @@ struct Trace<'a> {
     ranges: &'a [(u32, u32)],
     k: u32,
     level: f64,
-    /// The last level that each triangle was visited for.
+    /// For each triangle, the last level that visited it.
     visited: &'a mut [u32],
-    /// Rings left out because they are smaller than what the contours can tell.
+    /// Number of rings left out because they are smaller than the detail of the contours.
     artefact_rings: usize,
 }
 
@@ -157,7 +159,7 @@ impl Trace<'_> {
     fn lines(&mut self, triangles: &[u32]) -> Vec<Vec<DVec2>> {
         let mut lines = Vec::new();
         for &t in triangles {
-            // Lines come in through the frame where the way into the triangle is not from another one.
+            // A line comes in through the frame where there is no triangle before.
             let (entry, _) = self.doors(t);
             if self.before(t, entry).is_none() {
                 self.walk(t, entry, &mut lines);
@@ -181,19 +183,19 @@ impl Trace<'_> {
         self.heights[v as usize] >= self.level
     }
 
-    /// The edges of `t` by which a line with higher ground on its right comes in and goes out.
+    /// The edges of `t` at which a line with higher ground on its right enters and leaves.
     fn doors(&self, t: u32) -> (usize, usize) {
         let above = self.tin.triangles[t as usize].map(|v| self.above(v));
         let edge = |from: bool| (0..3).find(|&i| above[i] == from && above[(i + 1) % 3] != from);
         (edge(false).unwrap_or(0), edge(true).unwrap_or(0))
     }
 
-    /// The triangle that a line comes from when it enters `t` by edge `entry`.
+    /// The triangle before `t` on a line that enters `t` by edge `entry`.
     fn before(&self, t: u32, entry: usize) -> Option<u32> {
         self.tin.inner_neighbour(t, entry).filter(|&n| self.crosses(n))
     }
 
-    /// Where the level crosses edge `i` of `t`. The same for both triangles of the edge.
+    /// The point where the level crosses edge `i` of `t`. It is the same for both triangles of the edge.
     fn crossing(&self, t: u32, i: usize, on_border: bool) -> Step {
         let [u, v] = self.tin.edge(t, i);
         let (u, v) = (u.min(v), u.max(v));
@@ -211,7 +213,8 @@ impl Trace<'_> {
         let start = self.crossing(first, entry, false);
         let mut steps = vec![start];
         let mut t = first;
-        // The vertices that are an end of every edge crossed so far: one is left at the end of a ring around it.
+        // The vertices at an end of every edge crossed so far. In a ring around a single vertex, this vertex remains to
+        // the end.
         let mut hub = self.tin.edge(first, entry).map(Some);
         let closed = loop {
             self.visited[t as usize] = self.k;
@@ -222,7 +225,7 @@ impl Trace<'_> {
                 && a != b
             {
                 if let Some(twin) = self.crest_twin(t, a, b) {
-                    // On a crest the line turns back to its own side.
+                    // On a crest, the line turns back to its own side.
                     out = (twin, self.doors(twin).1);
                     step = self.crossing(twin, out.1, false);
                 } else {
@@ -240,22 +243,23 @@ impl Trace<'_> {
             }
         };
         match hub {
-            [Some(v), None] | [None, Some(v)] if closed && self.is_bead(first, v) => self.artefact_rings += 1,
+            [Some(v), None] | [None, Some(v)] if closed && self.is_artefact_ring(first, v) => self.artefact_rings += 1,
             _ => push_pieces(steps, closed, lines),
         }
     }
 
-    /// Whether a ring around nothing but vertex `v`, in the sub-domain of triangle `t`, is smaller than what the contours
-    /// can tell: the vertex is computed, not surveyed, and no top or hollow beyond the last contour.
-    fn is_bead(&self, t: u32, v: u32) -> bool {
+    /// Whether a ring around the single vertex `v`, in the sub-domain of triangle `t`, is an artefact. It is one if the
+    /// vertex is computed, not surveyed, and is no top or hollow beyond the last contour.
+    fn is_artefact_ring(&self, t: u32, v: u32) -> bool {
         let height = self.heights[v as usize];
         let levels = self.regions.region(t).map_or(&[][..], |r| &r.levels);
         let between = |(low, high): (&(f64, Side), &(f64, Side))| low.0 < height && height < high.0;
         self.tin.kinds[v as usize] == VertexKind::Axis && levels.first().zip(levels.last()).is_some_and(between)
     }
 
-    /// The triangle on the other side of a crest: an edge with both ends exactly on the level and lower ground on both its
-    /// sides. The lines of the two sides would both run along it; instead each goes on where the other left it.
+    /// The triangle on the other side of a crest: an edge with both ends exactly on the level and lower ground on both
+    /// sides. The lines of both sides would run along it. Instead, each line goes on where the other one left the
+    /// crest.
     fn crest_twin(&self, t: u32, a: u32, b: u32) -> Option<u32> {
         let i = (0..3).find(|&i| matches!(self.tin.edge(t, i), [u, v] if [u, v] == [a, b] || [u, v] == [b, a]))?;
         let twin = self.tin.across(t, i).filter(|&n| self.crosses(n))?;
@@ -264,8 +268,8 @@ impl Trace<'_> {
         (vertex(entry) == Some(b) && vertex(exit) == Some(a)).then_some(twin)
     }
 
-    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a gate or of the frame. A line may run
-    /// along a shore: there is no other one.
+    /// Whether the vertices `a` and `b` of `t` are the ends of a piece of contour, of a barrier edge or of the frame. A
+    /// line may run along a shore, because no other line does.
     fn along_border(&self, t: u32, a: u32, b: u32) -> bool {
         (0..3).any(|i| {
             let [u, v] = self.tin.edge(t, i);
@@ -276,12 +280,12 @@ impl Trace<'_> {
     }
 }
 
-/// Turns the steps of one walk into lines: cut where they run along a contour of the input or the frame, and taken apart where they
-/// pass a vertex twice, so that no line touches itself.
+/// Turns the steps of one walk into lines. Steps are cut where they run along a contour of the input or along the
+/// frame. They are divided where they pass a vertex twice. So no line touches itself.
 fn push_pieces(mut steps: Vec<Step>, closed: bool, lines: &mut Vec<Vec<DVec2>>) {
     if closed && steps.iter().any(|s| s.on_border) {
-        // The last step closes the ring: it is the first one again, and only it knows the piece that leads there.
-        // Turned to start behind a piece of contour, the ring is a line that ends before that piece.
+        // The last step repeats the first one and closes the ring. Only the last step knows the piece before it. After
+        // rotation, the ring starts behind a piece of contour. So it is a line that ends before this piece.
         let closing = steps.pop().is_some_and(|s| s.on_border);
         steps[0].on_border = closing;
         let at = steps.iter().position(|s| s.on_border).unwrap_or(0);
@@ -305,14 +309,14 @@ fn split_before(steps: &[Step], cut: impl Fn(&Step) -> bool) -> Vec<&[Step]> {
     runs
 }
 
-/// Whether two points are one but for the rounding of their coordinates. On the way from one to the other a line could turn back
-/// and cross itself.
+/// Whether two points differ only by the rounding of their coordinates. Between such points, a line could turn back and
+/// cross itself.
 fn is_one(a: DVec2, b: DVec2) -> bool {
     (b - a).abs().max_element() <= ROUNDING * a.abs().max_element()
 }
 
-/// Takes the loops out of a run that passes a vertex more than once. Points without extent vanish, and of points that are one but
-/// for rounding those are kept that are vertices or ends.
+/// Takes the loops out of a run that passes a vertex more than once. Lines without length are dropped. Of points that
+/// differ only by rounding, vertices and ends are kept.
 fn untangle(run: &[Step], lines: &mut Vec<Vec<DVec2>>) {
     let mut points: Vec<DVec2> = Vec::with_capacity(run.len());
     let mut open: Vec<Option<u32>> = Vec::with_capacity(run.len());
@@ -442,7 +446,7 @@ mod tests {
 
     #[test]
     fn a_ring_of_the_level_is_not_traced_again() {
-        // A hill of 10 whose ground has lost its order: the open line of 20 makes it a sub-domain from 0 to 20.
+        // A hill of 10 m in a sub-domain of wrong extent: the open line of 20 m makes it a sub-domain from 0 to 20 m.
         let ring =
             |half: f64| [(-half, -half), (half, -half), (half, half), (-half, half), (-half, -half)].map(DVec2::from);
         let mut input = TinInput::new([DVec2::splat(-10.0), DVec2::splat(10.0)], 0.0);

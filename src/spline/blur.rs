@@ -2,18 +2,20 @@
 
 use rayon::prelude::*;
 
-/// Rows that are one task, or twice the reach if that is more; sums begin anew with each, so that the means are the same for any
+/// Rows per task, or twice the reach if that is more. Each task begins its sums anew. So the means do not depend on the
 /// number of threads.
 const STRIP: usize = 128;
 
-/// Passes of a mean that leave no edges where a node enters the rectangle: two make a tent of it.
+/// Number of passes of the mean. Two passes weigh the nodes like a tent. A single one would leave a step wherever a
+/// node enters the rectangle.
 pub const PASSES: usize = 2;
 
-/// The mean of the values at most `reach` columns and rows away from each node, as far as there are such.
+/// The mean of the values at most `reach` columns and rows away from each node. At the border only existing nodes
+/// count.
 pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let cols = cols.max(1);
     let rows = values.len() / cols;
-    // However far contours are apart.
+    // A reach beyond the grid changes nothing.
     let [across, down] = [cols, rows].map(|count| reach.min(count));
     let shares: Vec<f64> = (0..cols).map(|i| share(i, across, cols)).collect();
     let mut along = vec![0.0f32; values.len()];
@@ -26,8 +28,8 @@ pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     all
 }
 
-/// The mean of the values at most `reach` away from each in a row. `padded` is room for the row with zeros around it: no place is
-/// special then.
+/// The mean of the values at most `reach` away from each in a row. `padded` is a buffer for the row with zeros at both
+/// ends, so that the ends need no special case.
 fn means_along(row: &[f32], reach: usize, shares: &[f64], padded: &mut Vec<f64>, out: &mut [f32]) {
     padded.clear();
     padded.resize(reach + 1, 0.0);
@@ -41,7 +43,7 @@ fn means_along(row: &[f32], reach: usize, shares: &[f64], padded: &mut Vec<f64>,
     }
 }
 
-/// The mean of the rows at most `reach` away from each, for the rows of a strip from `first` on.
+/// The mean of the rows at most `reach` away from each, for the rows of a strip that starts at row `first`.
 fn means_down(values: &[f32], cols: usize, reach: usize, first: usize, strip: &mut [f32]) {
     let (rows, none) = (values.len() / cols, vec![0.0; cols]);
     let row = |j: Option<usize>| j.filter(|j| *j < rows).map_or(&*none, |j| &values[j * cols..(j + 1) * cols]);
@@ -59,7 +61,7 @@ fn means_down(values: &[f32], cols: usize, reach: usize, first: usize, strip: &m
     }
 }
 
-/// What one of the places at most `reach` from the `i`-th of `count` counts.
+/// Weight of one value in the mean at place `i` of `count`: one over the number of places at most `reach` away.
 fn share(i: usize, reach: usize, count: usize) -> f64 {
     1.0 / ((i + reach).min(count - 1) - i.saturating_sub(reach) + 1) as f64
 }

@@ -1,4 +1,4 @@
-//! What the smooth surface on a grid has to meet, whatever the hyper-parameters.
+//! What the smooth surface on a grid has to meet, whatever the hyper-parameters are.
 
 use glam::{DVec2, DVec3};
 
@@ -8,10 +8,10 @@ use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
 use crate::tuning::SplineTuning;
 
-/// What the smooth surface on a grid has to meet. Arrays have a value per node, row by row from the north-west; NaN marks nodes
-/// outside the frame.
+/// What the smooth surface on a grid has to meet. Arrays have one value per node, row by row from the north-west. NaN
+/// marks nodes outside the frame.
 pub struct Conditions<'a> {
-    /// Its cells' centres are the nodes.
+    /// The working grid. The centres of its cells are the nodes.
     pub grid: Grid,
     /// Level (metres) and vertices (map coordinates) of the contours.
     pub contours: Vec<(f64, &'a [DVec2])>,
@@ -21,19 +21,19 @@ pub struct Conditions<'a> {
     pub creases: Vec<Vec<DVec2>>,
     /// Contour interval, metres.
     pub interval: f64,
-    /// Mean distance between neighbouring contours, map units.
+    /// Mean spacing of neighbouring contours, map units.
     pub spacing: f64,
-    /// Lowest and highest heights, metres.
+    /// Lowest and highest height that each node may have, metres.
     pub bounds: [Vec<f32>; 2],
-    /// Heights of the reference surface, whose slopes the tension draws to, metres.
+    /// Heights of the reference surface, metres. The tension draws the slopes of the smooth surface towards its slopes.
     pub reference: Vec<f32>,
     /// Whether water may stay at a node.
     pub hollows: Vec<bool>,
 }
 
 impl Conditions<'_> {
-    /// What bulges and hollows of a surface on the grid lack ([`curvature_gain::unit_gain`]) if it may be off by a metre half-way between
-    /// contours in the mean.
+    /// Curvature gain at each node ([`curvature_gain::unit_gain`]), for a standard error of one metre half-way between
+    /// contours.
     pub fn unit_curvature_gain(&self, heights: &[f32], tuning: &SplineTuning) -> Vec<f32> {
         let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, .. } = self;
         let lattice = Lattice::of_grid(grid);
@@ -50,7 +50,8 @@ impl Conditions<'_> {
     }
 }
 
-/// Spot heights, carried along the reference surface to the edges north and south of each.
+/// Spot heights as crossings. The slope of the reference surface carries each height to the edges north and south of
+/// it.
 fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f32]) -> Vec<(Crossing, f64)> {
     let mut found = Vec::new();
     for spot in spots {
@@ -67,7 +68,7 @@ fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f32]) -> Vec<
         let south = g(below) * (1.0 - u) + g(below + 1) * u;
         let here = north * (1.0 - v) + south * v;
         if here.is_finite() {
-            // The guide passes through the spot itself; its slope carries the height to the edges north and south.
+            // The reference surface passes through the spot. Its slope carries the height to the edges north and south.
             found.push((Crossing { node: node as u32, along: u, at_vertex: false }, spot.z + north - here));
             found.push((Crossing { node: below as u32, along: u, at_vertex: false }, spot.z + south - here));
         }

@@ -1,9 +1,11 @@
-//! Gives ridges and valleys the height and the depth that a surface of least curvature lacks.
+//! Curvature gain: makes ridges higher and valleys deeper than on a surface of minimum curvature.
 //!
-//! Between two contours such a surface is as flat as they allow. Ground is mostly more than that: where the surface
-//! bulges above its surroundings, the ground is on average higher still, where it is hollow, lower, and more so the further the
-//! surface may be off. By how much differs from map to map; hidden contours tell it, by regression of what they are missed by on
-//! the heights here. What stands out a lot already, single tops and pits, is left as it is.
+//! Between two contours, a surface of minimum curvature is as flat as they allow. The ground is mostly less flat. Where
+//! the surface bulges above its surroundings, the ground is higher still on average. Where the surface is hollow, the
+//! ground is lower. The difference grows with the standard error of the surface.
+//!
+//! The amount differs from map to map. It comes from hidden contours, by a regression of their residuals on
+//! [`unit_gain`]. Nodes that already stand out much, such as single tops and pits, hardly change.
 
 use rayon::prelude::*;
 
@@ -11,14 +13,16 @@ use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
 use crate::tuning::GainTuning;
 
-/// Fewest nodes that the surroundings of a node reach. Where contours are closer, a lattice shows no bulges between them.
+/// Least reach of the surroundings, nodes. Where contours are closer, the lattice shows no bulges between them.
 const FEWEST: usize = 2;
 
-/// What a bulge or hollow at each node would grow by if the ground's lacked half of the standard error at most: upwards where
-/// the surface lies above its surroundings. None at the levels of contours, nor outside the frame, where `heights` are NaN.
+/// Curvature gain at each node, metres, for a gain of 1. It is positive where the surface lies above its surroundings.
 ///
-/// `variances` are those half-way between contours ([`super::shrinkage::variances`]), `spacing` is the mean distance between
-/// contours.
+/// The gain is at most half of the standard error. It is 0 on the levels of contours, and outside the frame, where
+/// `heights` are NaN.
+///
+/// `variances` are the variances half-way between contours ([`super::shrinkage::variances`]). `spacing` is the mean
+/// spacing of the contours, map units.
 pub fn unit_gain(
     heights: &[f32],
     bounds: [&[f32]; 2],
@@ -33,13 +37,13 @@ pub fn unit_gain(
     if reach < FEWEST {
         return vec![0.0; heights.len()];
     }
-    let around = surroundings(heights, lattice.cols, reach);
+    let mean_around = surroundings(heights, lattice.cols, reach);
     let unit = tuning.peak * interval as f32;
     let at = |n: usize| {
         let (z, lo, height) = (heights[n], bounds[0][n], bounds[1][n] - bounds[0][n]);
         let t = ((z - lo) / height).clamp(0.0, 1.0);
-        let bulge = (z - around[n]) / unit;
-        // Level where it begins: the ground would show a notch along every contour.
+        let bulge = (z - mean_around[n]) / unit;
+        // The gain starts with slope 0 at a contour. Otherwise there would be a notch along every contour.
         let open = (4.0 * t * (1.0 - t)).powi(2);
         let by = open * variances[n].sqrt() * bulge / (1.0 + bulge * bulge);
         if by.is_finite() { by } else { 0.0 }
@@ -47,20 +51,19 @@ pub fn unit_gain(
     (0..heights.len()).into_par_iter().map(at).collect()
 }
 
-/// Lets bulges and hollows grow by `amount` times what they lack, within `bounds`.
-pub fn grow(heights: &mut [f32], bounds: [&[f32]; 2], unit_gain: &[f32], amount: f64) {
+/// Adds `amount` times the unit gain to the heights, within `bounds`.
+pub fn add_gain(heights: &mut [f32], bounds: [&[f32]; 2], unit_gain: &[f32], amount: f64) {
     heights.par_iter_mut().enumerate().filter(|(n, _)| unit_gain[*n] != 0.0).for_each(|(n, z)| {
         *z = (*z + amount as f32 * unit_gain[n]).clamp(bounds[0][n], bounds[1][n]);
     });
 }
 
-/// What is left of a standard error where bulges and hollows were let grow by `amount`. `reduction` is
-/// [`GainTuning::error_reduction`].
-pub fn left(error: f64, amount: f64, reduction: f64) -> f64 {
+/// The standard error that remains after a curvature gain of `amount`. `reduction` is [`GainTuning::error_reduction`].
+pub fn remaining_error(error: f64, amount: f64, reduction: f64) -> f64 {
     error * (1.0 - reduction * amount * amount)
 }
 
-/// The mean height around each node, of the nodes inside the frame.
+/// The mean height around each node. Only nodes inside the frame count.
 fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let smooth = |value: fn(f32) -> f32| {
         let mut mean: Vec<f32> = heights.par_iter().map(|z| value(*z)).collect();
@@ -83,8 +86,8 @@ mod tests {
 
     const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 60, rows: 40 };
 
-    /// What heights lack in the band from 100 to 120 m with a standard error of 2 m.
-    fn lack(height: impl Fn(f32, f32) -> f32) -> (Vec<f32>, Vec<f32>) {
+    /// The unit gain of heights in the band from 100 to 120 m, with a standard error of 2 m, and the heights.
+    fn unit_gain_of(height: impl Fn(f32, f32) -> f32) -> (Vec<f32>, Vec<f32>) {
         let heights: Vec<f32> = (0..LATTICE.len()).map(|n| height((n % 60) as f32, (n / 60) as f32)).collect();
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
@@ -96,17 +99,17 @@ mod tests {
 
     #[test]
     fn ridges_rise_valleys_sink_and_planes_and_levels_stay() {
-        let (plane, _) = lack(|i, j| 102.0 + 0.2 * i + 0.1 * j);
+        let (plane, _) = unit_gain_of(|i, j| 102.0 + 0.2 * i + 0.1 * j);
         let inner = |n: usize| (15..45).contains(&(n % 60)) && (15..25).contains(&(n / 60));
         assert!((0..plane.len()).filter(|n| inner(*n)).all(|n| plane[n].abs() < 1e-3));
-        let (waves, _) = lack(|i, _| 110.0 + 2.0 * (i / 60.0 * 6.0 * std::f32::consts::TAU).cos());
-        // Ridges every ten nodes, valleys half-way; the error's half is the most.
+        let (waves, _) = unit_gain_of(|i, _| 110.0 + 2.0 * (i / 60.0 * 6.0 * std::f32::consts::TAU).cos());
+        // There is a ridge every ten nodes and a valley half-way. The gain is at most half of the error.
         let row = &waves[20 * 60..21 * 60];
         assert!(row[20] > 0.5 && row[20] <= 1.0 && row[25] < -0.5 && row[25] >= -1.0, "{row:?}");
-        let (level, _) = lack(|i, _| if i < 30.0 { 100.0 } else { 120.0 });
+        let (level, _) = unit_gain_of(|i, _| if i < 30.0 { 100.0 } else { 120.0 });
         assert!(level.iter().all(|by| *by == 0.0));
         let coarse = Lattice { step: DVec2::splat(6.0), ..LATTICE };
-        let (_, heights) = lack(|i, _| 110.0 + (i * 2.0).sin());
+        let (_, heights) = unit_gain_of(|i, _| 110.0 + (i * 2.0).sin());
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
         let tuning = GainTuning::default();
@@ -116,12 +119,12 @@ mod tests {
 
     #[test]
     fn heights_stay_in_their_band_and_nothing_comes_in_from_outside() {
-        let (by, heights) = lack(|i, j| if i + j < 25.0 { f32::NAN } else { 110.0 });
+        let (by, heights) = unit_gain_of(|i, j| if i + j < 25.0 { f32::NAN } else { 110.0 });
         assert!(by.iter().all(|by| by.abs() < 1e-3), "level ground at the border has no bulge");
         let mut grown = heights.clone();
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
-        grow(&mut grown, [&bounds[0], &bounds[1]], &vec![1.0; heights.len()], 100.0);
-        assert_eq!((left(2.0, 0.0, 0.15), left(2.0, 1.0, 0.15)), (2.0, 2.0 * (1.0 - 0.15)));
+        add_gain(&mut grown, [&bounds[0], &bounds[1]], &vec![1.0; heights.len()], 100.0);
+        assert_eq!((remaining_error(2.0, 0.0, 0.15), remaining_error(2.0, 1.0, 0.15)), (2.0, 2.0 * (1.0 - 0.15)));
         for (z, before) in grown.iter().zip(&heights) {
             assert!(if before.is_nan() { z.is_nan() } else { *z == 120.0 }, "{before} became {z}");
         }

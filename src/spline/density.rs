@@ -1,24 +1,25 @@
-//! How close contours are to each other, node by node, and the tension that follows from it.
+//! The relative contour density at each node, and the tension that follows from it.
 
 use rayon::prelude::*;
 
 use super::slopes::slopes;
 use crate::base::Grid;
 
-/// Limits of the local gap between contours against the mean gap. They keep level ground and cliffs finite.
-const GAP_LIMITS: (f64, f64) = (1e-3, 1e3);
+/// Limits of the relative contour density. They keep it finite on level ground and on cliffs.
+const DENSITY_LIMITS: (f64, f64) = (1e-3, 1e3);
 
-/// Mean gap between contours over the local one at each node, which is the interval over the guide's slope. `rounds` is that of
+/// The relative contour density at each node: mean spacing of the contours over local spacing. The local spacing is the
+/// contour interval over the slope of the reference surface. `rounds` is
 /// [`SplineTuning::density_rounds`](crate::tuning::SplineTuning::density_rounds).
 pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f64, rounds: usize) -> Vec<f32> {
     let slopes = slopes(reference, grid);
     let relative = |s: &f32| {
-        let gaps = f64::from(*s) * spacing / interval;
-        if gaps.is_nan() { 1.0 } else { gaps.clamp(GAP_LIMITS.0, GAP_LIMITS.1) as f32 }
+        let density = f64::from(*s) * spacing / interval;
+        if density.is_nan() { 1.0 } else { density.clamp(DENSITY_LIMITS.0, DENSITY_LIMITS.1) as f32 }
     };
     let mut factor: Vec<f32> = slopes.par_iter().map(relative).collect();
     for _ in 0..rounds {
-        factor = around(&factor, grid, |old, n| {
+        factor = map_inner(&factor, grid, |old, n| {
             (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0
         });
     }
@@ -31,8 +32,8 @@ pub fn tension(contour_density: &[f32], grid: &Grid, spacing: f64, k: f64) -> Ve
     contour_density.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
 }
 
-/// A new value for every node that has all its neighbours.
-fn around(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync) -> Vec<f32> {
+/// Computes a new value for every node that has all four neighbours. Other nodes keep theirs.
+fn map_inner(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync) -> Vec<f32> {
     let at = |n: usize| {
         let (i, j) = (n % grid.cols, n / grid.cols);
         let inner = i > 0 && i + 1 < grid.cols && j > 0 && j + 1 < grid.rows;

@@ -1,8 +1,13 @@
-//! The energy of a surface on a lattice: bending, tension and distance from the contours.
+//! The energy of a surface on a lattice: bending, tension and distance from the contours (minimum curvature: Briggs
+//! 1974, Geophysics 39; with tension: Smith and Wessel 1990, Geophysics 55).
 //!
-//! `Σ w δ²` over second differences δ (eastwards, southwards, and the mixed one twice), `+ Σ t (Δz - Δg)²` over first
-//! differences of the surface z and of a guide g, `+ Σ λ (z at crossing - level)²` over the crossings of contours with
-//! edges of the lattice, where z is linear along the edge, `+ Σ p z²`. It is quadratic in the heights.
+//! It is the sum of four terms, which are quadratic in the heights:
+//!
+//! * Bending, `Σ w δ²`: second differences δ, eastwards, southwards, and the mixed one twice.
+//! * Tension, `Σ t (Δz - Δg)²`: first differences of the surface z against those of the reference surface g.
+//! * Contours, `Σ λ (z at crossing - level)²`: crossings of contours with edges of the lattice. Along an edge, z is
+//!   linear.
+//! * Pull to zero, `Σ p z²`.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,57 +17,58 @@ use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
 
-/// Rows that one task works on.
+/// Rows per task.
 const BLOCK: usize = 32;
-/// So many nodes lie between those whose places among the terms are known.
+/// Every so many nodes, the position of the node's first term is stored.
 const STRIDE: usize = 32;
 
-/// Weight of a crossing against a second difference.
+/// Weight of the square at a crossing, against that of a second difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingWeight {
-    /// Where a vertex of the line lies on the edge.
+    /// At crossings where a vertex of the line lies on the edge.
     pub at_vertex: f64,
-    /// Where a chord between vertices crosses it.
+    /// At crossings where the edge crosses a chord between two vertices.
     pub on_chord: f64,
 }
 
 impl CrossingWeight {
-    /// The same wherever the line crosses.
+    /// One weight for both kinds of crossings.
     pub fn even(weight: f64) -> Self {
         Self { at_vertex: weight, on_chord: weight }
     }
 
-    /// Both, changed alike.
+    /// Applies the same change to both weights.
     pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
         Self { at_vertex: change(self.at_vertex), on_chord: change(self.on_chord) }
     }
 }
 
-/// What the crossings on one edge ask of its ends u and v: `a u² + 2 b u v + c v² - 2 p u - 2 q v`.
+/// All crossings on one edge, summed up. They add `a u² + 2 b u v + c v² - 2 p u - 2 q v` to the energy, where u and v
+/// are the heights at the ends of the edge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EdgeTerm {
-    /// u.
+    /// First node of the edge; its height is u.
     pub node: u32,
-    /// On u².
+    /// Coefficient of u².
     pub a: f32,
-    /// On twice u v.
+    /// Half of the coefficient of u v.
     pub b: f32,
-    /// On v².
+    /// Coefficient of v².
     pub c: f32,
     p: f64,
     q: f64,
 }
 
-/// The terms of all eastward or all southward edges, one an edge, in the order of their first nodes.
+/// The terms of all eastward or of all southward edges, one per edge, ordered by first node.
 #[derive(Debug, Clone, Default)]
 pub struct EdgeTerms {
     terms: Vec<EdgeTerm>,
-    /// How many start before every [`STRIDE`]th node.
+    /// Number of terms before every [`STRIDE`]th node.
     before: Vec<u32>,
 }
 
 impl EdgeTerms {
-    /// Sums up crossings with their levels.
+    /// Sums up crossings and their levels per edge.
     pub fn new(crossings: &[(Crossing, f64)], weight: CrossingWeight, lattice: &Lattice) -> Self {
         let keys = crossings.par_iter().enumerate().map(|(i, (crossing, _))| u64::from(crossing.node) << 32 | i as u64);
         let mut order: Vec<u64> = keys.collect();
@@ -91,12 +97,12 @@ impl EdgeTerms {
         Self { terms, before }
     }
 
-    /// Those of the edges that contours cross, in the order of their first nodes.
+    /// The terms of all edges that contours cross, ordered by first node.
     pub fn all(&self) -> &[EdgeTerm] {
         &self.terms
     }
 
-    /// ... whose first nodes lie in a range.
+    /// The terms of the edges whose first nodes lie in a range.
     pub fn starting_in(&self, nodes: Range<usize>) -> &[EdgeTerm] {
         &self.terms[self.place(nodes.start)..self.place(nodes.end)]
     }
@@ -107,27 +113,29 @@ impl EdgeTerms {
     }
 }
 
-/// The energy's coefficients. A weight of zero switches a difference off.
+/// The coefficients of the energy. A weight of zero switches a difference off.
 #[derive(Debug, Clone)]
 pub struct Energy<'a> {
     /// Columns and rows of the lattice.
     pub size: [usize; 2],
-    /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western one.
+    /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western
+    /// one.
     pub bending: [Vec<f32>; 3],
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],
-    /// Heights whose first differences the surface is drawn to; level ground where NaN.
+    /// Heights of the reference surface, whose first differences the tension draws to. Where they are NaN, it draws to
+    /// level ground.
     pub reference: Cow<'a, [f32]>,
-    /// Crossings on eastward and on southward edges.
+    /// Crossings on eastward and on southward edges, summed up.
     pub contours: [EdgeTerms; 2],
-    /// Weight of the squared height itself at every node: draws the surface to 0.
+    /// Weight of the squared height at every node. It pulls the surface to 0.
     pub pull: f32,
 }
 
 impl Energy<'_> {
-    /// Half the energy's gradient at `z`, downhill.
+    /// Half of the negative gradient of the energy at `z`.
     ///
-    /// Differences come first, so that nothing is lost where large heights nearly cancel.
+    /// Differences are taken first. This keeps precision where large heights nearly cancel.
     pub fn downhill(&self, z: &[f64], out: &mut [f64]) {
         let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
         blocks.for_each(|(k, out)| {
@@ -136,8 +144,9 @@ impl Energy<'_> {
         });
     }
 
-    /// ... for some rows. Differences are formed once a row and kept while a row below needs them; a row of them has a 0 at
-    /// either end, for those beyond the lattice, so that all nodes of a row are alike.
+    /// [`Energy::downhill`] for the rows from `first` on. Differences are formed once per row and kept while a row
+    /// below needs them. Each row of differences has a 0 at both ends, for the differences beyond the lattice. So all
+    /// nodes of a row are alike.
     #[inline(always)]
     fn downhill_block(&self, z: &[f64], first: usize, block: &mut [f64]) {
         let [cols, rows] = self.size;
@@ -147,7 +156,7 @@ impl Energy<'_> {
         let mut yy = [blank(), blank(), blank()];
         let mut mixed = [blank(), blank()];
         let mut south = [blank(), blank()];
-        // Rows are numbered from one here, so that the row above the first can be asked for.
+        // These closures count rows from one, so that the row above the first one can be asked for.
         let fill_yy = |j: usize, out: &mut [f64]| {
             if j < 2 || j > rows - 1 {
                 return out.fill(0.0);
@@ -224,7 +233,7 @@ impl Energy<'_> {
         }
     }
 
-    /// The part of half the gradient, downhill, that no height changes, for the rows from `first` on.
+    /// The constant part of half of the negative gradient, for the rows from `first` on.
     fn constant(&self, first: usize, out: &mut [f64]) {
         let cols = self.size[0];
         let pull = |side: usize, n: usize, step: usize| {
@@ -233,7 +242,7 @@ impl Energy<'_> {
                 if weight > 0.0 { f64::from(self.reference[n]) - f64::from(self.reference[n + step]) } else { 0.0 };
             if fall.is_nan() { 0.0 } else { f64::from(weight) * fall }
         };
-        // A difference that would leave the lattice has no weight, so that neighbours in the row before do no harm.
+        // A difference across the border of the lattice has weight 0. So the neighbour in the row before does no harm.
         let back = |side: usize, n: usize, step: usize| n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
         let of_node = |n: usize| pull(0, n, 1) - back(0, n, 1) + pull(1, n, cols) - back(1, n, cols);
         let start = first * cols;
@@ -252,7 +261,7 @@ impl Energy<'_> {
         }
     }
 
-    /// The second difference of `z` that a bending weight at `node` belongs to; the weight must not be 0.
+    /// The second difference of `z` that belongs to the bending weight of `kind` at `node`. The weight must not be 0.
     pub fn second_difference(&self, kind: usize, node: usize, z: &[f64]) -> f64 {
         let cols = self.size[0];
         match kind {
@@ -263,7 +272,8 @@ impl Energy<'_> {
     }
 }
 
-/// Rows of [`Energy::downhill`]. A closure would not be compiled for the processor's widest instructions.
+/// Arguments of [`Energy::downhill`] for a block of rows. A closure would not be compiled for the processor's widest
+/// instructions.
 struct Block<'a> {
     energy: &'a Energy<'a>,
     z: &'a [f64],
@@ -287,7 +297,7 @@ pub(super) mod tests {
     use super::super::stencil::{LANES, REACH, Stencil};
     use super::*;
 
-    /// Coefficients without pattern on a small lattice; weights are 0 where their difference would leave it.
+    /// Random coefficients on a small lattice. Weights are 0 where their difference would cross the border.
     pub fn energy(cols: usize, rows: usize) -> Energy<'static> {
         let mut state = 7u32;
         let mut random = || {
@@ -355,7 +365,7 @@ pub(super) mod tests {
         let (mut downhill, mut constant) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         e.downhill(&z, &mut downhill);
         e.constant(0, &mut constant);
-        // A window as large as the lattice.
+        // The window is as large as the lattice.
         let mut stencil = Stencil::default();
         let size = [cols + 2 * REACH, rows + 2 * REACH];
         stencil.take(&e, [0, 0], size);

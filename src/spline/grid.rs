@@ -1,4 +1,4 @@
-//! Which working grid to use.
+//! The choice of the working grid.
 
 use glam::DVec2;
 
@@ -8,10 +8,10 @@ use crate::contour::{SourceRaster, source_raster};
 use crate::subdomains::MapExtent;
 use crate::tuning::GridTuning;
 
-/// Most nodes. A limit of memory; the same on all machines, because the surface must not depend on them.
+/// Largest number of nodes. It limits memory. It is the same on all machines, because the surface must not depend on
+/// the machine.
 const MOST_NODES: f64 = 40e6;
-/// Bytes of memory per node while the surface is found, as measured. Crossings of contours are included as long as they are
-/// no more than the nodes.
+/// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.
 const BYTES_PER_NODE: f64 = 120.0;
 /// Bytes of memory per further crossing of a contour with an edge between nodes, as measured.
 const BYTES_PER_CROSSING: f64 = 100.0;
@@ -24,11 +24,14 @@ fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
     length / segments.max(1) as f64
 }
 
-/// The working grid: fine enough for the contours, and sharing its nodes with the grid that heights are wanted on.
+/// The working grid. It is fine enough for the contours, and it shares nodes with the grid that heights are wanted on.
 ///
-/// That grid itself where it is about as fine as the contours ask for or finer; else one with an odd number of nodes for
-/// each of its cells, or with every so many of them. Without one, it is the raster that the contours were cut from that takes
-/// its place, for that is where they tell heights; without that, cells on multiples of their size.
+/// * The wanted grid itself is used where its cells suit the contours.
+/// * Cells that are too large are divided into an odd number of rows and columns. So their centres stay nodes.
+/// * Of cells that are much too small, every n-th row and column is used.
+/// * Without a wanted grid, the raster that the contours were cut from takes its place. The contours give heights at
+///   its cells.
+/// * Without such a raster, cells lie on multiples of their size.
 pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
     let (lo, hi) = extent
         .frame
@@ -60,12 +63,12 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     }
 }
 
-/// About how many bytes the smooth surface takes on a grid. `length` is that of all contours, map units.
+/// About how many bytes the smooth surface takes on a grid. `length` is the length of all contours, map units.
 ///
-/// Where contours are much closer than nodes, it is their crossings with the edges between nodes that count.
+/// Where contours are much closer than nodes, their crossings with the edges between nodes take most of the memory.
 pub fn bytes_on(grid: &Grid, length: f64) -> f64 {
     let nodes = grid.cols as f64 * grid.rows as f64;
-    // A line of any direction crosses so many edges: the mean of |cos| and |sin| is 2/π each.
+    // Crossings of a line of any direction: the mean of |cos| and of |sin| is 2/π each.
     let crossings = 2.0 * std::f64::consts::FRAC_2_PI * length / (grid.cell.x * grid.cell.y).sqrt();
     BYTES_PER_NODE * nodes + BYTES_PER_CROSSING * (crossings - nodes).max(0.0)
 }
@@ -80,13 +83,13 @@ fn cells_of(raster: &SourceRaster, lo: DVec2, hi: DVec2) -> Grid {
     Grid { corner, cell, cols: count.x as usize, rows: count.y as usize }
 }
 
-/// One cell more on each side.
+/// The grid with one cell more on each side.
 fn with_border(grid: &Grid) -> Grid {
     let corner = grid.corner + DVec2::new(-grid.cell.x, grid.cell.y);
     Grid { corner, cols: grid.cols + 2, rows: grid.rows + 2, ..*grid }
 }
 
-/// The part of a grid that covers the box, with a cell around; at least two by two cells.
+/// The part of a grid that covers the box and one cell around it; at least two by two cells.
 fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
     let limit = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
     let west = limit(((lo.x - grid.corner.x) / grid.cell.x).floor() - 1.0, grid.cols.saturating_sub(2));
@@ -97,19 +100,19 @@ fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
     Grid { corner, cols: east - west, rows: south - north, ..*grid }
 }
 
-/// The least odd whole number from `ratio` on that keeps the number of nodes bearable.
+/// The least odd whole number that is not below `ratio`, unless there would be too many nodes.
 fn odd_above(ratio: f64, cells: f64) -> usize {
     let most = (MOST_NODES / cells).sqrt().max(1.0);
     let whole = ratio.min(most).ceil() as usize;
     whole | 1
 }
 
-/// Every cell in `by` times `by` cells, `by` odd: the centres stay nodes.
+/// Divides every cell into `by` times `by` cells. `by` is odd, so the centres stay nodes.
 fn divided(grid: &Grid, by: usize) -> Grid {
     Grid { cell: grid.cell / by as f64, cols: grid.cols * by, rows: grid.rows * by, ..*grid }
 }
 
-/// The centre of every `by`th cell, from the first one on until all are covered.
+/// Every `by`th row and column of cells, from the first on, until all cells are covered.
 fn thinned(grid: &Grid, by: usize) -> Grid {
     let cell = grid.cell * by as f64;
     let first = grid.center(0, 0);

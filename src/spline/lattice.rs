@@ -4,24 +4,25 @@ use glam::DVec2;
 
 use crate::base::Grid;
 
-/// Nearer than this to a node, as a share of the edge, a crossing is at the node: a tolerance of rounding.
+/// A crossing nearer to a node than this is at the node, as a share of the edge: a tolerance of rounding.
 const AT_NODE: f64 = 1e-7;
 
-/// Nearer than this to an edge, in steps between nodes, a vertex is on it.
+/// A vertex nearer to an edge than this is on the edge, in steps between nodes.
 const AT_VERTEX: f64 = 1e-3;
 
-/// A place on an edge between two neighbouring nodes.
+/// A point on an edge between two neighbouring nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossing {
     /// The western or northern node of the edge.
     pub node: u32,
     /// Share of the edge from there, 0 to 1.
     pub along: f64,
-    /// A vertex of the line lies on the edge; elsewhere the line is a chord of what it stands for.
+    /// Whether a vertex of the line lies on the edge. Elsewhere the line is only a chord of the curve that it stands
+    /// for.
     pub at_vertex: bool,
 }
 
-/// Rows of nodes, from the north-west: the centres of a grid's cells, or every 2nd, 4th, ... of them.
+/// Rows of nodes, from the north-west: the centres of a grid's cells, or every 2nd, 4th, ... row and column of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
     /// Map position of the first node.
@@ -40,7 +41,7 @@ impl Lattice {
         Self { first: grid.center(0, 0), step: grid.cell, cols: grid.cols, rows: grid.rows }
     }
 
-    /// Every second node, with a row and a column more where that is needed to reach as far.
+    /// Every second node. There is one more row or column where the extent needs it.
     pub fn coarser(&self) -> Self {
         Self { step: 2.0 * self.step, cols: self.cols / 2 + 1, rows: self.rows / 2 + 1, ..*self }
     }
@@ -50,7 +51,7 @@ impl Lattice {
         self.cols * self.rows
     }
 
-    /// Column and row of a map position, as fractions.
+    /// Column and row of a map position, with fractions.
     pub fn place(&self, p: DVec2) -> DVec2 {
         let from = p - self.first;
         DVec2::new(from.x / self.step.x, -from.y / self.step.y)
@@ -65,9 +66,10 @@ impl Lattice {
         (on_lattice && near).then(|| whole.y as usize * self.cols + whole.x as usize)
     }
 
-    /// Calls `east` for each edge to an eastern neighbour that the line crosses, `south` for each to a southern one.
+    /// Calls `east` for each edge to an eastern neighbour that the line crosses, and `south` for each edge to a
+    /// southern one.
     ///
-    /// A vertex exactly on a row or column of nodes counts as beyond it, so that a line through it crosses once.
+    /// A vertex exactly on a row or column of nodes counts as beyond it. So a line through this vertex crosses once.
     pub fn cross(&self, line: &[DVec2], mut east: impl FnMut(Crossing), mut south: impl FnMut(Crossing)) {
         let Some((&first, rest)) = line.split_first() else { return };
         let is_near = |k: usize, a: f64, b: f64| (k as f64 - a).abs().min((k as f64 - b).abs()) < AT_VERTEX;
@@ -89,8 +91,8 @@ impl Lattice {
     }
 }
 
-/// Calls `each` with the whole numbers between `a` and `b` (the lesser left out, the greater not) below `count`, and with
-/// how far between they are.
+/// Calls `each` with the whole numbers between `a` and `b` that are below `count`, and with their share of the way from
+/// `a` to `b`. The smaller of `a` and `b` is left out, the larger one is not.
 fn for_each_whole(a: f64, b: f64, count: usize, mut each: impl FnMut(usize, f64)) {
     let first = (a.min(b).floor() + 1.0).max(0.0);
     let last = a.max(b).floor().min(count as f64 - 1.0);
@@ -101,7 +103,7 @@ fn for_each_whole(a: f64, b: f64, count: usize, mut each: impl FnMut(usize, f64)
     }
 }
 
-/// The edge of a row or column of `count` nodes that a place lies on: its first node and the share of the edge.
+/// The edge on which a place in a row or column of `count` nodes lies: its first node and the share of the edge.
 fn edge(place: f64, count: usize) -> Option<(usize, f64)> {
     let last = count as f64 - 1.0;
     if count < 2 || place < -AT_NODE || place > last + AT_NODE {
@@ -111,7 +113,7 @@ fn edge(place: f64, count: usize) -> Option<(usize, f64)> {
     if !(AT_NODE..=1.0 - AT_NODE).contains(&along) {
         (node, along) = (place.round(), 0.0);
     }
-    // The last node begins no edge: a place there is the end of the one before.
+    // The last node begins no edge. A place there is the end of the edge before.
     Some(if node < last { (node.max(0.0) as usize, along) } else { (count - 2, 1.0) })
 }
 
@@ -150,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_on_edges_are_told_from_chords() {
+    fn vertices_on_edges_are_distinguished_from_chords() {
         let mut found = Vec::new();
         // Vertices on the column at x = 12 and off all others.
         let line = [(11.0, 19.5), (12.0, 19.7), (15.0, 19.6)].map(DVec2::from);

@@ -1,9 +1,10 @@
 //! Minimises an energy between bounds: conjugate gradients on the nodes that are free, tile by tile.
 //!
-//! A step reads all coefficients, and those of a large lattice come from memory, no faster for two processors than for one.
-//! A tile of it fits into a processor's cache, so that it takes many steps at once while all around it is held. When every
-//! tile has done so, a sweep is over. The tiles of the next lie a third of a tile further both ways: a node is at an edge of a
-//! tile in two of three sweeps at most.
+//! A step reads all coefficients. On a large lattice they come from memory, which is no faster for two processors than
+//! for one. A tile fits into a processor's cache. It takes many steps at once, while the heights around it are held.
+//!
+//! A sweep is over when every tile has taken its steps. The tiles of the next sweep are shifted by a third of a tile in
+//! both directions. So a node is at the edge of a tile in at most two of three sweeps.
 
 use rayon::prelude::*;
 
@@ -12,33 +13,33 @@ use super::tile::{Tile, Whole};
 
 /// Rows and columns of a tile.
 const TILE: usize = 96;
-/// How far the tiles of a sweep lie beyond those of the one before.
+/// Shift of the tiles from one sweep to the next, nodes.
 const SHIFT: usize = TILE / 3;
-/// A lattice with at most so many nodes is one tile.
+/// A lattice with at most this many nodes is one tile.
 const ONE_TILE: usize = 20_000;
-/// Steps that a tile takes in a sweep.
+/// Steps per tile and sweep.
 const SWEEP: usize = 20;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// At most so many steps.
+    /// Largest number of steps.
     pub steps: usize,
-    /// When no height changes by more than this in a sweep, metres.
+    /// Stop when no height changes by more than this in a sweep, metres.
     pub tolerance: f64,
 }
 
 /// Minimises energies on one lattice, one after the other.
 #[derive(Default)]
 pub struct Minimiser {
-    /// Sweeps so far.
+    /// Number of sweeps so far.
     sweeps: usize,
 }
 
 impl Minimiser {
-    /// Goes from `z` towards the heights of least energy with `lo <= z <= hi`; NaN is no bound.
+    /// Moves `z` towards the heights of least energy with `lo <= z <= hi`. NaN is no bound.
     ///
-    /// Heights and gradient are double precision, what a sweep changes is single.
+    /// Heights and gradient have double precision, the changes in a sweep single precision.
     pub fn minimise(&mut self, energy: &Energy<'_>, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
         let limits = lo.par_iter().zip(hi);
         z.par_iter_mut().zip(limits).for_each(|(z, (&lo, &hi))| *z = bounded(*z, lo, hi));
@@ -61,17 +62,17 @@ impl Minimiser {
     }
 }
 
-/// The nearest height between bounds that are not NaN.
+/// The height nearest to `z` between the bounds. NaN is no bound.
 fn bounded(z: f64, lo: f32, hi: f32) -> f64 {
     z.max(f64::from(lo)).min(f64::from(hi))
 }
 
-/// Lets every tile of sweep `number` take so many steps, and gives by how much they change the heights.
+/// Lets every tile of sweep `number` take `steps` steps. `change` receives the changes of the heights.
 fn sweep(whole: &Whole<'_>, number: usize, steps: usize, change: &mut [f32]) {
     let [cols, rows] = whole.energy.size;
     let is_one = cols * rows <= ONE_TILE;
     let side = if is_one { cols.max(rows) } else { TILE };
-    // The first row and column of tiles are as wide as the shift leaves them.
+    // The shift decides the size of the first row and column of tiles.
     let first = if is_one { side } else { TILE - number % 3 * SHIFT };
     let (north, rest) = change.split_at_mut(first.min(rows) * cols);
     let others = rest.par_chunks_mut(side * cols).enumerate().map(|(k, band)| (first + k * side, band));
@@ -115,7 +116,7 @@ mod tests {
         for (i, (&z, &downhill)) in z.iter().zip(&downhill).enumerate() {
             let (lo, hi) = (f64::from(lo[i]), f64::from(hi[i]));
             assert!((lo..=hi).contains(&z), "node {i}: {z}");
-            // Only a bound keeps it from going further.
+            // Only its bound stops the node.
             assert!(downhill < 1e-4 || z == hi, "node {i} at {z} would rise: {downhill}");
             assert!(downhill > -1e-4 || z == lo, "node {i} at {z} would sink: {downhill}");
         }

@@ -1,18 +1,21 @@
 //! The smooth surface: minimum curvature through the contours, on a working grid.
 //!
-//! The surface of least bending energy that passes through the contours, with three things added to the plain one:
+//! It is a minimum-curvature surface (Briggs 1974, Geophysics 39; with tension: Smith and Wessel 1990, Geophysics 55).
+//! It differs from the plain one in three ways:
 //!
-//! * Every node stays inside the band of its sub-domain while the surface is found, not only afterwards.
-//! * Tension draws it to the slopes of the surface with ridge and canyon lines (the paper's), not to level ground: where
-//!   contours are close, the straight way between them is the best guess, and shelves and bulges do not arise.
-//! * It may bend sharply where it must, most of all along ridge and canyon lines.
+//! * Every node stays inside the band of its sub-domain, from the first step on.
+//! * Tension draws its slopes to those of the reference surface, which has the paper's ridge and canyon lines, and not
+//!   to level ground. Where contours are close, the straight way between them is the best guess. So shelves and bulges
+//!   do not arise.
+//! * It may bend sharply where it must, most of all along ridge and canyon lines (iteratively reweighted least squares,
+//!   IRLS).
 //!
-//! How much tension, and whether contours jitter and are to be smoothed, is seen from the data (`choose`, `roughness`).
+//! The hyper-parameters, such as the tension, are chosen from the data ([`validate`](crate::validate)).
 //!
-//! `stages` finds it from coarse to fine lattices (`lattice`), each by conjugate gradients between bounds
-//! (`minimise`, `tile`, `stencil`) for the energy in `energy`, whose weights follow the surface (`reweight`).
-//! Then heights are drawn away from the levels, and ridges and valleys get more relief, as far as hidden contours tell
-//! (`expected`, `relief`), and last, ways out of pits are cut (`pits`).
+//! The steps are in `solve`. First the surface is found on coarse lattices, then on finer ones (`stages`, `lattice`).
+//! On each, conjugate gradients between bounds (`minimise`, `tile`, `stencil`) minimise the energy in `energy`. Its
+//! weights follow the surface (`reweight`). Then heights shrink towards the centre of their band (`shrinkage`), ridges
+//! and valleys get their curvature gain (`curvature_gain`), and pits are breached (`pits`).
 
 mod blur;
 mod conditions;

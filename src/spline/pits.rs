@@ -1,8 +1,8 @@
-//! Ways out of pits: water runs off wherever the contours do not say that it stays.
+//! Breaching of pits: water runs off wherever the contours do not say that it stays.
 //!
-//! A surface through contours dams gullies between one contour and the next: strings of pits that nothing in the input
-//! speaks for. From each pit the way to lower ground is searched on which least has to be cut away, and cut so that it falls
-//! steadily (least-cost breaching, after Lindsay 2016).
+//! A surface through contours dams gullies between one contour and the next. The result is a string of pits that the
+//! contours do not show. From each pit, the path to lower ground is searched along which least ground must be removed.
+//! The path is then cut to a steady fall (least-cost breaching: Lindsay 2016, Hydrol. Process. 30).
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -11,33 +11,33 @@ use rayon::prelude::*;
 
 use super::lattice::Lattice;
 
-/// Nodes that are looked at for one way out; a pit that needs more stays. A limit of time.
+/// Largest number of nodes visited in the search from one pit. It limits time. A pit that needs more stays.
 const MOST_VISITED: usize = 20_000;
-/// Cost of a way's length, as a cut of this share of the deepest one that is allowed. It only decides between ways that cut the
-/// same, so any small value does.
-const LENGTH: f32 = 1e-3;
+/// Cost of the length of a path, as a cut of this share of the largest depth allowed. It only decides between paths
+/// with equal cuts, so any small value will do.
+const LENGTH_COST: f32 = 1e-3;
 
-/// What ways out of pits must not do.
+/// Limits of breaching.
 pub struct Limits<'a> {
-    /// Heights stay here or above.
+    /// Heights stay at or above this.
     pub lo: &'a [f32],
-    /// No way is cut as deep as this: the vertical interval. Between neighbouring contours none has to be, and where
-    /// contours are broken and the ground has no floor, one that is would go through the hills behind them.
+    /// Every cut is less deep than this: the contour interval. Between neighbouring contours no cut needs to be deeper.
+    /// Where contours are broken, a band has no floor, and a deeper cut would go through the hills behind.
     pub depth: f32,
 }
 
-/// Cuts ways out of pits. NaN is outside the frame and drains. `is_bottom` says where ground lies in a hollow by the
-/// contours: pits there stay.
+/// Breaches pits. Nodes outside the frame are NaN; they drain. `is_bottom` marks ground that the contours show as a
+/// hollow; pits there stay.
 pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bottom: impl Fn(usize) -> bool + Sync) {
-    // Lowest first: a way that one pit was given is there for the pits above.
+    // The lowest pits come first. Pits above can then use their paths.
     let is_open_pit = |n: &u32| is_pit(heights, lattice, *n as usize) && !is_bottom(*n as usize);
     let mut pits: Vec<u32> = (0..heights.len() as u32).into_par_iter().filter(is_open_pit).collect();
     pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
     for pit in pits {
         if is_pit(heights, lattice, pit as usize)
-            && let Some(way) = way_out(heights, lattice, limits, pit)
+            && let Some(way) = least_cost_path(heights, lattice, limits, pit)
         {
-            cut(heights, lattice, limits.lo, &way);
+            lower_along(heights, lattice, limits.lo, &way);
         }
     }
 }
@@ -46,7 +46,7 @@ pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bo
 fn is_pit(heights: &[f32], lattice: &Lattice, n: usize) -> bool {
     let here = heights[n];
     let mut count = 0;
-    // A comparison with NaN is false: beside the frame there is no pit.
+    // A comparison with NaN is false, so there is no pit beside the frame.
     neighbours(lattice, n).all(|m| {
         count += 1;
         heights[m] > here
@@ -64,11 +64,11 @@ fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<
         .map(move |(i, j)| (j * cols + i) as usize)
 }
 
-/// The nodes from a pit to lower ground, both included, by the way on which least is to be cut away. None where the floor of
-/// a band is in the way or the search grows too large.
-fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
+/// The nodes of the least-cost path from a pit to lower ground, with both ends. `None` if the floor of a band is in the
+/// way, or if the search visits too many nodes.
+fn least_cost_path(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
     let goal = heights[pit as usize];
-    // What is cut away to reach a node, and the node before it.
+    // Cost to reach a node, and the node before it on the path.
     let mut best: HashMap<u32, (f32, u32)> = HashMap::from([(pit, (0.0, pit))]);
     let mut open = BinaryHeap::from([Reverse((Key(0.0), pit))]);
     while let Some(Reverse((Key(cost), n))) = open.pop() {
@@ -97,7 +97,7 @@ fn way_out(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) ->
                 continue;
             }
             let depth = if lower { 0.0 } else { height - goal };
-            let cost = cost + (depth + LENGTH * limits.depth) * step(lattice, n, m) as f32;
+            let cost = cost + (depth + LENGTH_COST * limits.depth) * step(lattice, n, m) as f32;
             if best.get(&m).is_none_or(|b| cost < b.0) {
                 best.insert(m, (cost, n));
                 open.push(Reverse((Key(cost), m)));
@@ -115,25 +115,25 @@ fn step(lattice: &Lattice, a: u32, b: u32) -> f64 {
     dx.hypot(dy)
 }
 
-/// Lowers the nodes between the ends of a way to a steady fall, where they are above it.
-fn cut(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
+/// Lowers the nodes between the ends of a path to a steady fall, where they are above it.
+fn lower_along(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) {
     let length: f64 = way.windows(2).map(|w| step(lattice, w[0], w[1])).sum();
     let top = heights[way[0] as usize];
     let end = heights[way[way.len() - 1] as usize];
-    // Off the frame: level ground that only just falls.
+    // Outside the frame there is no height. The path then only just falls.
     let end = if end.is_nan() { top - f32::EPSILON * top.abs() * way.len() as f32 } else { end };
-    let mut gone = 0.0;
+    let mut travelled = 0.0;
     for w in way.windows(2) {
-        gone += step(lattice, w[0], w[1]);
+        travelled += step(lattice, w[0], w[1]);
         let n = w[1] as usize;
-        let fall = top + (end - top) * (gone / length) as f32;
+        let fall = top + (end - top) * (travelled / length) as f32;
         if heights[n] > fall {
             heights[n] = fall.max(lo[n]);
         }
     }
 }
 
-/// A height that sorts.
+/// A height that can be sorted.
 #[derive(PartialEq)]
 struct Key(f32);
 
@@ -184,7 +184,7 @@ mod tests {
         breach(&mut heights, &grid, &Limits { lo: &[0.0; 360], depth: 20.0 }, |_| false);
         assert_eq!(pits(&heights, &grid), 0);
         assert!(heights.iter().zip(&before).all(|(now, then)| now <= then));
-        // Most ground is as it was.
+        // Most of the ground is as before.
         assert!(heights.iter().zip(&before).filter(|(now, then)| now != then).count() < 40);
     }
 

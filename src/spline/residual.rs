@@ -1,18 +1,19 @@
-//! Moves a smoothed surface so that it meets the contours.
+//! Moves the surface of noisy contours so that it meets them.
 //!
-//! Contours that jitter would roughen a surface that follows them everywhere. One that was found with little regard for
-//! them misses them by a little; what is missing is spread from the contours over their surroundings by a membrane that
-//! is drawn to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where contours cross the lattice.
+//! A surface that follows noisy contours everywhere is rough. So it is first found with a low weight of the contours,
+//! and misses them by a little. These residuals are then spread from the contours over their surroundings. The
+//! correction r is a membrane that is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where
+//! contours cross the lattice.
 
 use rayon::prelude::*;
 
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::minimise::{Effort, Minimiser};
-use super::stages::{Problem, grown};
+use super::stages::{Problem, with_margin};
 use crate::tuning::SplineTuning;
 
-/// Adds to `heights` what they miss the contours by.
-pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
+/// Adds the residuals at the contours to `heights`, spread over the surroundings.
+pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
     let SplineTuning { residual_reach, residual_weight, residual_steps, convergence, .. } = *problem.tuning;
     let lattice = &problem.lattice;
     let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
@@ -29,7 +30,7 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         );
     }
     east.extend(problem.spots.iter().map(|&(c, level)| (c, level - between(c.node, 1, c.along))));
-    let inside = grown(&problem.bounds[0], cols, rows);
+    let inside = with_margin(&problem.bounds[0], cols, rows);
     let ratio = (lattice.step.y / lattice.step.x) as f32;
     let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
     let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
@@ -43,9 +44,9 @@ pub fn meet(problem: &Problem<'_>, heights: &mut [f32]) {
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (residual_reach * residual_reach),
     };
-    let mut missing = vec![0.0; count];
+    let mut correction = vec![0.0; count];
     let no_bound = vec![f32::NAN; count];
     let effort = Effort { steps: residual_steps, tolerance: convergence * problem.interval };
-    Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut missing, effort);
-    heights.par_iter_mut().zip(&missing).for_each(|(z, m)| *z += *m as f32);
+    Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut correction, effort);
+    heights.par_iter_mut().zip(&correction).for_each(|(z, m)| *z += *m as f32);
 }

@@ -1,25 +1,25 @@
-//! Weights that follow the surface: creases may bend, and a surface that presses against its bounds is drawn to the guide.
+//! Weights that follow the surface: creases may bend, and tension rises where the surface meets its bounds.
 
 use rayon::prelude::*;
 
 use super::energy::Energy;
 use crate::tuning::SplineTuning;
 
-/// Nodes that one task works on. Sums begin anew with each, so that they are the same for any number of threads.
+/// Nodes per task. Each task begins its sums anew. So the sums do not depend on the number of threads.
 const CHUNK: usize = 1 << 14;
-/// Nearer than this to a bound, as a share of the contour interval, is on it: a tolerance of rounding.
+/// A height nearer to a bound than this is at the bound, as a share of the contour interval: a tolerance of rounding.
 const AT_BOUND: f64 = 1e-3;
 
-/// Lowers the bending weights where the surface bends much.
+/// Lowers the bending weights where the surface bends much, by iteratively reweighted least squares (IRLS).
 ///
-/// Curvature of ground has a heavy tail: edges and creases are few and sharp. A square would spread each over its
-/// surroundings. The weight `1 / sqrt(1 + (δ / knee)²)` of a difference δ makes its share grow like |δ| where it is large
-/// (iteratively reweighted least squares). The knee is `threshold` means of |δ|. `creases` marks differences across
-/// ridge and canyon lines, whose knee is `share` of that.
-pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
+/// Curvature of the ground has a heavy tail: edges and creases are few and sharp. Least squares would spread each over
+/// its surroundings. A difference δ gets the weight `1 / sqrt(1 + (δ / limit)²)`. So its part of the energy grows like
+/// |δ| where δ is large. The limit is `threshold` times the mean of |δ|. `creases` marks differences across ridge and
+/// canyon lines. Their limit is `share` times as large.
+pub fn reweight_bending(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
     for (kind, creases) in creases.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
-        // Added up in this order whatever the number of threads.
+        // Sums are added up in a fixed order, whatever the number of threads.
         let sums = energy.bending[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
             let bent = (0..weights.len()).filter(|&i| weights[i] > 0.0).map(|i| difference(k * CHUNK + i));
             bent.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0))
@@ -33,15 +33,15 @@ pub fn let_crease(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: 
         let mut bending = std::mem::take(&mut energy.bending[kind]);
         let bent = bending.par_iter_mut().zip(creases).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
         bent.for_each(|(n, (weight, &crease))| {
-            let knee = mean * if crease { threshold * share } else { threshold };
+            let limit = mean * if crease { threshold * share } else { threshold };
             let difference = energy.second_difference(kind, n, z).abs();
-            *weight /= (1.0 + (difference / knee).powi(2)).sqrt() as f32;
+            *weight /= (1.0 + (difference / limit).powi(2)).sqrt() as f32;
         });
         energy.bending[kind] = bending;
     }
 }
 
-/// The nodes at edges that contours cross, and their neighbours.
+/// The ends of the edges that contours cross, and their neighbours.
 pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
     let [cols, rows] = energy.size;
     let mut near = vec![false; cols * rows];
@@ -59,10 +59,11 @@ pub fn near_contours(energy: &Energy<'_>) -> Vec<bool> {
     near
 }
 
-/// Raises the factor on the tension around nodes that lie at a bound away from the contours.
+/// Raises the factor on the tension around nodes that lie at a bound, away from the contours.
 ///
-/// There slopes are carried over from steep ground that ends, and the surface would be a shelf at the bound.
-pub fn tighten(
+/// There, steep ground beside them carries on its slope. Without more tension, the surface would be a shelf at the
+/// bound.
+pub fn raise_tension_at_bounds(
     factors: &mut [f32],
     near_contours: &[bool],
     [lo, hi]: [&[f32]; 2],
@@ -75,8 +76,8 @@ pub fn tighten(
     let rows = z.len() / cols;
     let slack = AT_BOUND * interval;
     let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
-    let pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
-    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(pressed).collect();
+    let is_pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
+    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(is_pressed).collect();
     if share.iter().all(|&s| s == 0.0) {
         return;
     }

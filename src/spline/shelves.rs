@@ -7,7 +7,8 @@ use super::slopes::slopes;
 use crate::base::Grid;
 use crate::tuning::SplineTuning;
 
-/// How much of the guide to take at each node: where the surface is a shelf or a bulge, less steep than the guide.
+/// Share of the reference surface to take at each node. It is above 0 where the surface is less steep than the
+/// reference surface.
 pub fn shelves(heights: &[f32], reference: &[f32], grid: &Grid, tuning: &SplineTuning) -> Vec<f32> {
     let SplineTuning { shelf_share, shelf_reach, .. } = *tuning;
     let (own, other) = (slopes(heights, grid), slopes(reference, grid));

@@ -1,17 +1,25 @@
-//! Draws heights from the levels of contours towards the middle between them: what is to be expected where the surface may be off.
+//! Shrinkage of heights towards the centre of their band. The shrunken height is the expected one where the surface has
+//! an error.
 //!
-//! Of ground between two levels about as much lies at each height. Where a surface that is off by chance comes close to a
-//! level, it is therefore more often too close than not close enough, for beyond the level there is other ground. With
-//! heights even over a band of height H and errors with the variance s², the mean of the true heights where the surface
-//! has the height z is, to the first order, z + 12 s² / H² · (m - z), m being the middle of the band (linear regression
-//! on z; the variance of even heights is H² / 12).
+//! Between two levels, about the same amount of ground lies at each height. So a surface with random errors that comes
+//! close to a level is more often too close than not close enough. Let heights be uniform over a band of height H, and
+//! errors have the variance s². By linear regression, the mean of the true heights where the surface has the height z
+//! is, to the first order,
 //!
-//! The contours themselves are known. So s² rises from 0 at one level to that half-way and falls to 0 at the other, as
-//! 4 t (1 - t) with t the share of the band below z, which is how it does for a path that is free between fixed ends (a
-//! Brownian bridge). Hidden contours tell it half-way in the mean. It is larger where contours are far apart and where the
-//! ground is uneven; on even slopes the way between contours is hardly open, and heights drawn in would be seen as waves.
-//! Where one height is drawn upwards at a contour, that beyond the contour is drawn downwards as much, so the
-//! surface goes on meeting it.
+//! ```text
+//! z + 12 s² / H² · (m - z)
+//! ```
+//!
+//! where m is the middle of the band. The variance of uniform heights is H² / 12.
+//!
+//! The contours themselves are known. So s² is 0 at both levels and largest half-way. It follows 4 t (1 - t), where t
+//! is the share of the band below z. A random path between two fixed ends has this variance (Brownian bridge). Hidden
+//! contours give its mean half-way.
+//!
+//! The variance is larger where contours are far apart and where the ground is uneven. On even slopes heights shrink
+//! less: the ground between contours is nearly certain there, and shrinkage would show as waves.
+//!
+//! Heights below a contour move down as much as heights above it move up. So the surface still meets the contour.
 
 use rayon::prelude::*;
 
@@ -20,11 +28,12 @@ use super::lattice::{Crossing, Lattice};
 use super::unevenness::unevenness;
 use crate::tuning::ShrinkageTuning;
 
-/// Variance of heights that are even over a band, as a share of the square of its height: a closed form.
+/// Variance of heights that are uniform over a band, as a share of the square of its height: a closed form.
 const EVEN: f32 = 1.0 / 12.0;
 
-/// The variance half-way between two contours at each node, square metres, given that it is the square of `half_way` in the
-/// mean. `contour_density` is `spacing`, the mean distance between contours, over the local one; `heights` are NaN outside the frame.
+/// The variance half-way between two contours at each node, square metres. Its mean is the square of `half_way_error`
+/// (metres). `spacing` is the mean spacing of the contours, map units. `contour_density` is their relative density.
+/// `heights` are NaN outside the frame.
 pub fn variances(
     half_way_error: f64,
     heights: &[f32],
@@ -41,35 +50,36 @@ pub fn variances(
         let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
         (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
     };
-    let mut gaps: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
-    let (sum, count) = of_inside(&gaps);
-    // Outside the frame there are no gaps.
-    gaps.par_iter_mut()
+    let mut spacings: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
+    let (sum, count) = of_inside(&spacings);
+    // Outside the frame there is no spacing; the mean takes its place.
+    spacings
+        .par_iter_mut()
         .zip(heights)
         .filter(|(_, z)| z.is_nan())
         .for_each(|(spacing, _)| *spacing = (sum / count) as f32);
     for _ in 0..PASSES {
-        gaps = blurred(&gaps, lattice.cols, (tuning.spacing_reach * nodes) as usize);
+        spacings = blurred(&spacings, lattice.cols, (tuning.spacing_reach * nodes) as usize);
     }
     let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
+    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
     let sum = of_inside(&variances).0;
     let whole =
         if sum > 0.0 { (half_way_error * half_way_error * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
     let known = |spacing: f32| 1.0 + (half_variance_nodes / (nodes as f32 * spacing)).powi(3);
-    variances.par_iter_mut().zip(&gaps).for_each(|(v, spacing)| *v *= whole / known(*spacing));
-    // No further than they are from each other, in the mean: else many would be much work.
-    let apart = step * (count / spots.len().max(1) as f64).sqrt();
+    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v *= whole / known(*spacing));
+    // At most the mean distance between spot heights. Otherwise many spot heights would take much time.
+    let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
         let node = crossing.node as usize;
-        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(apart);
-        around(lattice, node, reach, |n, share| variances[n] *= share);
+        let reach = (spacing * tuning.spot_reach / f64::from(contour_density[node])).min(mean_distance);
+        for_each_near(lattice, node, reach, |n, share| variances[n] *= share);
     }
     variances
 }
 
-/// Calls `at` for the nodes that are nearer than `reach` to a node, with a share that grows from 0 there to 1.
-fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, f32)) {
+/// Calls `at` for the nodes that are nearer than `reach` to a node. The share grows from 0 at the node to 1 at `reach`.
+fn for_each_near(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, f32)) {
     let (col, row) = (node % lattice.cols, node / lattice.cols);
     let [across, down] = [reach / lattice.step.x, reach / lattice.step.y].map(|nodes| nodes as usize);
     for j in row.saturating_sub(down)..(row + down + 1).min(lattice.rows) {
@@ -83,7 +93,7 @@ fn around(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(usize, 
     }
 }
 
-/// Draws heights between `bounds` towards the middle, by at most `most` of their distance from it
+/// Shrinks heights between `bounds` towards the centre of the band, by at most `most` of their distance from it
 /// ([`ShrinkageTuning::max_share`]).
 pub fn shrink(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most: f32) {
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
@@ -96,13 +106,13 @@ pub fn shrink(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most:
     });
 }
 
-/// The share of their distance from the middle that heights are drawn in by, for a variance against the square of the band.
+/// The shrinkage as a share of the distance from the centre. `variance` is in squares of the height of the band.
 fn share(variance: f32, most: f32) -> f32 {
     (variance / EVEN).min(most)
 }
 
-/// What is left of a standard error where heights were drawn in, in a band of a height.
-pub fn left(error: f64, height: f64, most: f32) -> f64 {
+/// The standard error that remains after shrinkage, in a band of `height`.
+pub fn remaining_error(error: f64, height: f64, most: f32) -> f64 {
     let share = if height > 0.0 { share((error / height).powi(2) as f32, most) } else { 0.0 };
     error * (1.0 - f64::from(share)).sqrt()
 }
@@ -140,8 +150,8 @@ mod tests {
     }
 
     #[test]
-    fn an_estimate_of_even_heights_is_nearer_to_them_when_drawn_in() {
-        // Heights even over a band, and errors that end at its levels.
+    fn an_estimate_of_uniform_heights_is_nearer_to_them_after_shrinkage() {
+        // Heights are uniform over a band, and errors end at its levels.
         let next = |state: &mut u64| {
             *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (*state >> 40) as f32 / (1u64 << 24) as f32
@@ -164,9 +174,9 @@ mod tests {
         let tuning = ShrinkageTuning::default();
         let (count, cols, east) = (LATTICE.len(), LATTICE.cols, 30 * 400 + 300);
         let spot = Crossing { node: east as u32, along: 0.0, at_vertex: false };
-        // Contours thrice as close in the west as in the east.
+        // Contours are three times as close in the west as in the east.
         let contour_density: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
-        // Level ground has no slope to be even.
+        // Level ground counts as uneven everywhere.
         let level = vec![0.0; count];
         let found = |spacing: f64, spots: &[(Crossing, f64)]| {
             variances(2.0, &level, &contour_density, spacing, &LATTICE, spots, &tuning)
@@ -174,9 +184,9 @@ mod tests {
         let free = found(30.0, &[]);
         assert!((free.iter().sum::<f32>() / count as f32 - 4.0).abs() < 0.05);
         assert!((free[east] / free[0] - 3f32.powf(tuning.power)).abs() < 0.05);
-        // From one to the other without a step.
+        // There is no step between the two halves.
         assert!(free.windows(2).take(cols - 1).all(|w| (w[1] - w[0]).abs() < 0.1 * free[east]));
-        // Where hardly a node lies between contours there is hardly an error.
+        // Where there is hardly a node between contours, there is hardly an error.
         assert!(found(1.0, &[])[0] < 0.01 * free[0]);
         let known = found(30.0, &[(spot, 5.0)]);
         assert_eq!((known[east], known[east + 31]), (0.0, free[east + 31]));
@@ -200,8 +210,8 @@ mod tests {
 
     #[test]
     fn less_is_left_of_errors_that_are_large_for_the_band() {
-        assert_eq!((left(0.0, 10.0, MOST), left(1.0, 0.0, MOST)), (0.0, 1.0));
-        assert!((left(1.0, 10.0, MOST) - 0.88f64.sqrt()).abs() < 1e-6);
-        assert!((left(9.0, 10.0, MOST) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
+        assert_eq!((remaining_error(0.0, 10.0, MOST), remaining_error(1.0, 0.0, MOST)), (0.0, 1.0));
+        assert!((remaining_error(1.0, 10.0, MOST) - 0.88f64.sqrt()).abs() < 1e-6);
+        assert!((remaining_error(9.0, 10.0, MOST) - 9.0 * 0.5f64.sqrt()).abs() < 1e-6);
     }
 }

@@ -1,4 +1,4 @@
-//! The smooth surface from its conditions: the solve, shelves, shrinkage, curvature gain and breaching, in that order.
+//! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
 use std::borrow::Cow;
 
@@ -58,7 +58,7 @@ pub fn spline<'a>(
         }
     });
     if hyper_parameters.noise > 0.0 {
-        residual::meet(&problem, &mut heights);
+        residual::add_residuals(&problem, &mut heights);
     }
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
@@ -71,7 +71,7 @@ pub fn spline<'a>(
         if hyper_parameters.curvature_gain > 0.0 {
             let unit_gain =
                 curvature_gain::unit_gain(&heights, [lo, hi], &variances, *spacing, &lattice, interval, &tuning.gain);
-            curvature_gain::grow(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
+            curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
     let limits = Limits { lo, depth: interval as f32 };
@@ -80,9 +80,10 @@ pub fn spline<'a>(
     WorkingGrid { grid: *grid, heights }
 }
 
-/// Weight of a crossing against a second difference. The surface meets the contours within a thousandth of the interval. Vertices
-/// that lie on edges of the lattice, which the contours were cut from then, it meets as exactly as the steps allow. For noisy contours
-/// the weight per length of contour is the same on every grid.
+/// Weight of the square at a crossing, against that of a second difference. The surface meets the contours within a
+/// thousandth of the interval. Vertices on edges of the lattice mean that the contours were cut from its nodes. The
+/// surface meets them as exactly as the steps allow. For noisy contours, the weight per length of contour is the same
+/// on every grid.
 fn contour_weight(noise: f64, grid: &Grid, spacing: f64, tuning: &SplineTuning) -> CrossingWeight {
     let SplineTuning { contour_weight_at_vertex: at_vertex, contour_weight_on_chord: on_chord, .. } = *tuning;
     let cell = (grid.cell.x * grid.cell.y).sqrt();

@@ -9,16 +9,16 @@ use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
-use super::reweight::{let_crease, near_contours, tighten};
+use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::progress::Progress;
 use crate::tuning::SplineTuning;
 
-/// What this step is called where progress is told.
+/// Name of this step in reports of progress.
 pub const STEP: &str = "smooth surface";
 
-/// The coarsest lattice has at most this many rows and columns: one tile that its steps solve completely.
+/// The coarsest lattice has at most this many rows and columns. It is one tile, and its steps solve it completely.
 const COARSEST: usize = 12;
-/// How far beyond the frame the surface goes, nodes. Every place inside then lies between nodes.
+/// Number of nodes beyond the frame that belong to the surface. So every place inside the frame lies between nodes.
 const MARGIN: usize = 2;
 
 /// What the surface has to meet, on the finest lattice. NaN marks nodes outside the frame.
@@ -27,23 +27,23 @@ pub struct Problem<'a> {
     pub lattice: Lattice,
     /// Level and vertices of the contours.
     pub contours: &'a [(f64, &'a [DVec2])],
-    /// Single crossings with heights, for spot heights.
+    /// Spot heights as crossings with heights.
     pub spots: Vec<(Crossing, f64)>,
     /// Ridge and canyon lines.
     pub creases: &'a [Vec<DVec2>],
-    /// Where bending across those begins to count less, as a share of where it does elsewhere.
+    /// IRLS threshold across those lines, as a share of the threshold elsewhere.
     pub crease_threshold: f64,
-    /// Lowest and highest heights.
+    /// Lowest and highest height that each node may have, metres.
     pub bounds: [Cow<'a, [f32]>; 2],
-    /// Heights whose slopes the tension draws to.
+    /// Heights of the reference surface, metres. The tension draws the slopes towards its slopes.
     pub reference: &'a [f32],
     /// Tension at each node, per square of the step eastwards.
     pub tension: Vec<f32>,
-    /// Weight of a crossing against a second difference on the finest lattice.
+    /// Weight of the square at a crossing, against that of a second difference, on the finest lattice.
     pub contour_weight: CrossingWeight,
     /// Contour interval, metres.
     pub interval: f64,
-    /// Mean distance between neighbouring contours, map units.
+    /// Mean spacing of neighbouring contours, map units.
     pub spacing: f64,
     /// Nodes where water may stay.
     pub hollows: &'a [bool],
@@ -52,7 +52,7 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// In the mean over the contours.
+    /// The mean level of the contours, metres.
     fn mean_level(&self) -> f64 {
         let levels = self.contours.iter().map(|c| c.0);
         levels.sum::<f64>() / self.contours.len().max(1) as f64
@@ -62,14 +62,14 @@ impl Problem<'_> {
 /// Values at the nodes of one lattice.
 struct Stage<'a> {
     lattice: Lattice,
-    /// 0 for the finest.
+    /// 0 for the finest lattice, 1 for the next coarser one, and so on.
     depth: i32,
     bounds: [Cow<'a, [f32]>; 2],
     reference: Cow<'a, [f32]>,
     tension: Cow<'a, [f32]>,
 }
 
-/// What was found on a lattice.
+/// The solution on a lattice.
 struct Solved {
     lattice: Lattice,
     z: Vec<f64>,
@@ -77,10 +77,10 @@ struct Solved {
     factors: Vec<f32>,
 }
 
-/// An energy with its first weights, and which second differences are across ridge and canyon lines.
+/// An energy with its first weights. The arrays mark the second differences across ridge and canyon lines.
 type Weighed<'a> = (Energy<'a>, [Vec<bool>; 3]);
 
-/// The heights at the nodes of the finest lattice; those outside the frame mean nothing.
+/// The heights at the nodes of the finest lattice. Those outside the frame are meaningless.
 pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
     let finest = Stage {
         lattice: problem.lattice,
@@ -97,7 +97,7 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
         progress.advance(stage.lattice.len() as u64);
         solved
     };
-    // The coarsest lattices keep one thread busy; meanwhile the finest is made ready, which takes as long.
+    // The coarsest lattices keep only one thread busy. Meanwhile another one prepares the finest, which takes as long.
     let (before, energy) = rayon::join(
         || {
             let stages = coarser.into_iter().rev();
@@ -111,7 +111,7 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
 }
 
 impl Stage<'_> {
-    /// Every second row and column, until there are few.
+    /// The stage with every second row and column; `None` if there are few already.
     fn coarser(&self) -> Option<Stage<'static>> {
         if self.lattice.cols.max(self.lattice.rows) <= COARSEST {
             return None;
@@ -125,7 +125,7 @@ impl Stage<'_> {
             };
             (0..lattice.len()).into_par_iter().map(at).collect::<Vec<f32>>()
         };
-        // Steps are twice as long, so that first differences count four times as much against second ones.
+        // Steps are twice as long. So first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
         let bounds = self.bounds.each_ref().map(|bound| take(bound).into());
         Some(Stage {
@@ -137,12 +137,12 @@ impl Stage<'_> {
         })
     }
 
-    /// Its place in the arrays of [`SplineTuning`].
+    /// Index into the arrays of [`SplineTuning`].
     fn kind(&self) -> usize {
         (self.depth as usize).min(2)
     }
 
-    /// Most steps of the first time. What has no coarser lattice to start from takes them all.
+    /// Largest number of steps of the first solution. A stage without a coarser lattice to start from takes them all.
     fn steps(&self, problem: &Problem<'_>, has_start: bool) -> usize {
         let step = problem.lattice.step;
         let SplineTuning { steps, steps_on_fine_grids, fine_grid_nodes_per_spacing, .. } = problem.tuning;
@@ -150,14 +150,14 @@ impl Stage<'_> {
         (if is_fine && has_start { steps_on_fine_grids } else { steps })[self.kind()]
     }
 
-    /// Starts from the heights and factors of a coarser lattice and improves them. Without rounds the weights follow the heights
-    /// as they are then.
+    /// Starts from the heights and factors of a coarser lattice and improves them. Without further rounds, the weights
+    /// follow the heights of the coarser lattice.
     fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
         let tuning = problem.tuning;
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
         let (mut energy, creases) = energy;
         let steps = self.steps(problem, before.is_some());
-        // The only lattice there is has nothing to start from.
+        // A lattice without a coarser one has nothing to start from. It takes the rounds of the second lattice.
         let rounds = tuning.reweighting_rounds[if before.is_none() { 1 } else { self.kind() }];
         let (mut z, mut factors) = match before {
             None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
@@ -167,31 +167,40 @@ impl Stage<'_> {
         };
         let effort = Effort { steps, tolerance: tuning.convergence * problem.interval };
         let later = Effort { steps: tuning.further_steps[self.kind()], ..effort };
-        // Later rounds go back to these. The finest lattice has none, and there they would be a good part of the memory.
+        // Later rounds start from these weights. The finest lattice has no later rounds; there, the copies would take
+        // much of the memory.
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
         scale(&mut energy, &factors);
         if first.is_none() {
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            let_crease(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
-            tighten(&mut factors, near_contours, [lo, hi], &z, self.lattice.cols, problem.interval, tuning);
+            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            raise_tension_at_bounds(
+                &mut factors,
+                near_contours,
+                [lo, hi],
+                &z,
+                self.lattice.cols,
+                problem.interval,
+                tuning,
+            );
             energy.tension.clone_from(tension);
             scale(&mut energy, &factors);
             minimiser.minimise(&energy, lo, hi, &mut z, later);
         }
         if self.depth == 0 {
-            let upper = self.drained(problem, [lo, hi], &z);
+            let upper = self.breached_bounds(problem, [lo, hi], &z);
             minimiser.minimise(&energy, lo, &upper, &mut z, later);
         }
         Solved { lattice: self.lattice, z, factors }
     }
 
-    /// Upper bounds with ways out of pits cut into them: the ground beside a cut falls towards it.
-    fn drained(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
+    /// Upper bounds with breached pits. Ground beside a cut then falls towards it.
+    fn breached_bounds(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
         let mut after: Vec<f32> =
             z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let limits = Limits { lo, depth: problem.interval as f32 };
@@ -200,7 +209,7 @@ impl Stage<'_> {
         cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
     }
 
-    /// The energy with its first weights, and which second differences are across ridge and canyon lines.
+    /// The energy with its first weights, and the second differences across ridge and canyon lines.
     fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
@@ -214,7 +223,7 @@ impl Stage<'_> {
         let weight =
             problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));
         let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
-        // Those of a line are let go when they were copied: together they are large.
+        // The crossings of a line are freed once they are copied, because all of them together are large.
         let terms = |found: Vec<Vec<_>>, more: &[_]| {
             let mut all = Vec::with_capacity(found.iter().map(Vec::len).sum::<usize>() + more.len());
             found.into_iter().for_each(|of_line| all.extend(of_line));
@@ -229,9 +238,10 @@ impl Stage<'_> {
             let [east, south] = &mut cut;
             lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
         }
-        let inside = grown(&self.bounds[0], cols, rows);
+        let inside = with_margin(&self.bounds[0], cols, rows);
         let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
-        // Cells that are not square: second differences over squared steps, the mixed one over their product.
+        // For cells that are not square: second differences count per squared step, the mixed one per product of both
+        // steps.
         let ratio = (lattice.step.y / lattice.step.x) as f32;
         let is_bent = |kind: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
@@ -280,7 +290,7 @@ impl Stage<'_> {
     }
 }
 
-/// Multiplies the tension by the factors of both ends.
+/// Multiplies the tension of each edge by the factors at both ends.
 fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
     let steps = [1, energy.size[0]];
     for (side, step) in steps.into_iter().enumerate() {
@@ -290,8 +300,8 @@ fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
     }
 }
 
-/// The nodes inside the frame and those around them.
-pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
+/// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
+pub fn with_margin(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
     let mut inside: Vec<bool> = bound.par_iter().map(|v| !v.is_nan()).collect();
     for _ in 0..MARGIN {
         let before = inside.clone();
@@ -308,7 +318,7 @@ pub fn grown(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
     inside
 }
 
-/// Cubic interpolation in the middle between nodes, in a straight line beyond the ends.
+/// Cubic interpolation in the middle between nodes `k` and `k + 1`. Values beyond the ends follow a straight line.
 fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     let at = |i: usize, offset: isize| -> f64 {
         let i = i as isize + offset;
@@ -324,7 +334,7 @@ fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
     (9.0 * (at(k, 0) + at(k, 1)) - at(k, -1) - at(k, 2)) / 16.0
 }
 
-/// Heights on a finer lattice.
+/// Heights on a finer lattice, by cubic interpolation.
 fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
     let mut wide = vec![0.0; coarse.rows * fine.cols];
     wide.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {

@@ -1,42 +1,45 @@
-//! The matrix of an energy: what a height at each node adds to the gradient at the nodes around.
+//! The matrix of an energy: how the height at each node changes the gradient at the nodes around.
 //!
-//! It is symmetric and reaches two nodes far, so that each node has a coefficient of its own and six for the nodes that come
-//! after it. Steps of conjugate gradients multiply by it.
+//! The matrix is symmetric and reaches two nodes far. So each node has seven coefficients: its own, and six for the
+//! nodes that come after it. Steps of conjugate gradients multiply by it.
 
 use std::borrow::Cow;
 
 use super::energy::Energy;
 
-/// Rows and columns that the matrix reaches.
+/// Reach of the matrix, rows and columns.
 pub const REACH: usize = 2;
-/// Numbers that the processor works on side by side; vectors are filled up to a multiple of it with zeros.
+/// Numbers that the processor computes side by side. Vectors are filled up with zeros to a multiple of it.
 pub const LANES: usize = 32;
 
-/// The coefficients of a symmetric matrix in a window of a lattice. Those that would leave the lattice are 0.
+/// The coefficients of a symmetric matrix in a window of a lattice. Those that would cross the border of the lattice
+/// are 0.
 ///
-/// It is made for a window when that is worked on, every time: to keep the matrix of a large lattice takes most of the memory,
-/// and reading it from there about as long as making it.
+/// They are made anew each time that a window is worked on. The matrix of a large lattice would take most of the
+/// memory, and reading it would take about as long as making it.
 #[derive(Default)]
 pub struct Stencil {
     cols: usize,
-    /// Of the node itself and of its neighbours to the E, EE, S, SS, SE and SW, each after [`Stencil::pad`] zeros.
+    /// Coefficients of the node itself and of its neighbours to the E, EE, S, SS, SE and SW. Each array begins with
+    /// [`Stencil::pad`] zeros.
     of: [Vec<f32>; 7],
-    /// Those of nodes that follow one another on the lattice.
+    /// Buffer for the coefficients of nodes that follow one another on the lattice.
     taken: Vec<f32>,
 }
 
 impl Stencil {
-    /// Takes the matrix of an energy in a window, which begins [`REACH`] columns and rows before the node in `col` and `row`.
+    /// Takes the matrix of an energy in a window. The window begins [`REACH`] columns and rows before the node in `col`
+    /// and `row`.
     #[inline(always)]
     pub fn take(&mut self, energy: &Energy<'_>, [col, row]: [usize; 2], [cols, rows]: [usize; 2]) {
         self.cols = cols;
         let first = self.pad();
-        // Columns and rows of the window that lie before the lattice, and how many lie on it.
+        // Columns and rows of the window that lie before the lattice, and the number of those that lie on it.
         let before = [REACH.saturating_sub(col), REACH.saturating_sub(row)];
         let [west, north] = [col + before[0] - REACH, row + before[1] - REACH];
         let width = (cols - before[0]).min(energy.size[0] - west);
         let height = (rows - before[1]).min(energy.size[1] - north);
-        // Rows as wide as the lattice follow one another there: those of a narrow one are many, and taken together.
+        // Rows as wide as the lattice follow one another in memory. So they are taken together.
         let together = if width == energy.size[0] { height } else { 1 };
         self.taken.resize(together * width, 0.0);
         for (k, of) in self.of.iter_mut().enumerate() {
@@ -51,7 +54,7 @@ impl Stencil {
         }
     }
 
-    /// Zeros that vectors have before the first node and after the last: as far as the matrix reaches.
+    /// Number of zeros before the first node and after the last in a vector: as far as the matrix reaches.
     #[inline(always)]
     pub fn pad(&self) -> usize {
         REACH * self.cols + REACH
@@ -62,7 +65,7 @@ impl Stencil {
         &self.of[0][self.pad()..]
     }
 
-    /// Goes over to heights in units of their own.
+    /// Changes to scaled heights: each node has its own unit.
     #[inline(always)]
     pub fn scale(&mut self, unit: &[f32]) {
         let (first, cols) = (self.pad(), self.cols);
@@ -75,7 +78,8 @@ impl Stencil {
         }
     }
 
-    /// Multiplies `direction`, which is padded. All is cut to the same length first: the loop has no branch.
+    /// Multiplies the matrix by `direction`, which is padded. All slices get the same length first, so that the loop
+    /// has no branch.
     #[inline(always)]
     pub fn apply(&self, direction: &[f32], out: &mut [f32]) {
         let (z, n, cols, len) = (direction, self.pad(), self.cols, out.len());
@@ -97,7 +101,7 @@ impl Stencil {
     }
 }
 
-/// The coefficients of kind `k`, in the order of [`Stencil::of`], of nodes from `first` on.
+/// The coefficients of kind `k`, in the order of [`Stencil::of`], for the nodes from `first` on.
 #[inline(always)]
 fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
     let cols = energy.size[0];
@@ -107,7 +111,7 @@ fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
     let next = |weights, by: usize| shifted(weights, (first + by) as isize, len);
     let here = |weights| next(weights, 0);
     out.fill(if k == 0 { energy.pull } else { 0.0 });
-    // Each second difference once for every pair of its nodes, each first one alike.
+    // Each second difference counts once for every pair of its nodes, and so does each first difference.
     match k {
         0 => {
             let along = [(1.0, back(xx, 1)), (4.0, here(xx)), (1.0, next(xx, 1))];
@@ -149,7 +153,7 @@ fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
     }
 }
 
-/// Adds weights times factors.
+/// Adds the weights, each times its factor.
 #[inline(always)]
 fn add<const N: usize>(parts: [(f32, Cow<'_, [f32]>); N], out: &mut [f32]) {
     let parts = parts.each_ref().map(|(factor, weights)| (*factor, &weights[..out.len()]));
@@ -158,7 +162,7 @@ fn add<const N: usize>(parts: [(f32, Cow<'_, [f32]>); N], out: &mut [f32]) {
     }
 }
 
-/// `len` of the weights from `first` on; 0 where there are none.
+/// `len` weights from `first` on. Beyond the ends they are 0.
 fn shifted(weights: &[f32], first: isize, len: usize) -> Cow<'_, [f32]> {
     let at = |k: isize| usize::try_from(k).ok().and_then(|k| weights.get(k)).copied().unwrap_or(0.0);
     match usize::try_from(first).ok().and_then(|first| weights.get(first..first + len)) {

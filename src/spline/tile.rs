@@ -1,8 +1,9 @@
-//! A part of a lattice, small enough for a processor's cache: its heights change while those around it stay.
+//! A part of a lattice that fits into a processor's cache. Its heights change while those around it are held.
 //!
-//! Loops run on the widest vector instructions that the processor has ([`Arch::dispatch`]). What they call is inlined, or it
-//! would be compiled for the instructions that every processor has; closures and the folds of iterators may not be, which is
-//! why there is a [`Descent`] and loops count. The results are the same: multiplications and additions are not fused.
+//! Loops run on the widest vector instructions of the processor ([`Arch::dispatch`]). The functions that they call must
+//! be inlined. Otherwise they would be compiled for the instructions that every processor has. Closures and folds of
+//! iterators may not be inlined, so there is a [`Descent`], and loops count. The results do not depend on the
+//! instructions: multiplications and additions are not fused.
 
 use std::ops::Range;
 
@@ -11,24 +12,24 @@ use pulp::{Arch, Simd, WithSimd};
 use super::energy::Energy;
 use super::stencil::{LANES, REACH, Stencil};
 
-/// A lattice, and the heights there.
+/// A lattice and its heights.
 pub struct Whole<'a> {
-    /// What is to be least.
+    /// The energy to minimise.
     pub energy: &'a Energy<'a>,
-    /// Half the energy's gradient, downhill.
+    /// Half of the negative gradient of the energy.
     pub downhill: &'a [f64],
     /// Heights.
     pub z: &'a [f64],
-    /// The lowest.
+    /// Lower bounds.
     pub lo: &'a [f32],
-    /// The highest.
+    /// Upper bounds.
     pub hi: &'a [f32],
 }
 
-/// What a tile is worked on with. It has a margin as wide as the matrix reaches, whose nodes are held.
+/// The working arrays of a tile. It has a margin as wide as the matrix reaches; the nodes of the margin are held.
 ///
-/// Heights are in units that make the coefficients of the nodes themselves 1: that is the diagonal as preconditioner. The
-/// units of nodes that are held are 0, and with them their coefficients.
+/// Heights are scaled so that the diagonal of the matrix is 1 (diagonal preconditioner). Held nodes have the unit 0, so
+/// their coefficients are 0 too.
 #[derive(Default)]
 pub struct Tile {
     cols: usize,
@@ -36,19 +37,19 @@ pub struct Tile {
     unit: Vec<f32>,
     change: Vec<f32>,
     residual: Vec<f32>,
-    /// The direction of a step, padded.
+    /// Search direction, padded.
     direction: Vec<f32>,
-    /// The matrix times that.
+    /// The matrix times the search direction.
     image: Vec<f32>,
 }
 
 impl Tile {
-    /// Takes up to so many steps of conjugate gradients on a part of a lattice.
+    /// Takes at most `steps` steps of conjugate gradients on a part of a lattice.
     pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
         Arch::new().dispatch(Descent { tile: self, whole, rows, cols, steps });
     }
 
-    /// The steps on the part that was [cut](Self::cut).
+    /// Takes the steps on the part that was [cut](Self::cut).
     #[inline(always)]
     fn steps(&mut self, steps: usize) {
         let Self { stencil, change, residual, direction, image, .. } = self;
@@ -71,14 +72,14 @@ impl Tile {
         }
     }
 
-    /// By how much the heights of the tile's nodes in a row have changed.
+    /// Writes the changes of the heights in a row of the tile.
     pub fn changes(&self, row: usize, out: &mut [f32]) {
         let first = (row + REACH) * self.cols + REACH;
         let changes = self.change[first..].iter().zip(&self.unit[first..]);
         out.iter_mut().zip(changes).for_each(|(out, (change, unit))| *out = change * unit);
     }
 
-    /// Takes a part of a lattice, and sees which nodes are held.
+    /// Takes a part of a lattice and finds the nodes that are held.
     #[inline(always)]
     fn cut(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>) {
         let size = [cols.len() + 2 * REACH, rows.len() + 2 * REACH];
@@ -97,7 +98,7 @@ impl Tile {
             let heights = whole.z[from.clone()].iter().zip(&whole.lo[from.clone()]).zip(&whole.hi[from]);
             let taken = self.residual[to.clone()].iter_mut().zip(&mut self.unit[to]);
             for (((residual, unit), (&r, &diagonal)), ((&z, &lo), &hi)) in taken.zip(given).zip(heights) {
-                // A node at its bound that wants to go beyond it stays.
+                // A node at its bound that would go beyond it is held.
                 let is_held = (z <= f64::from(lo) && r < 0.0) || (z >= f64::from(hi) && r > 0.0);
                 if diagonal > 0.0 && !is_held {
                     *unit = 1.0 / diagonal.sqrt();
@@ -114,7 +115,7 @@ impl Tile {
     }
 }
 
-/// What [`Tile::descend`] does.
+/// Arguments of [`Tile::descend`].
 struct Descent<'a, 'b> {
     tile: &'a mut Tile,
     whole: &'a Whole<'b>,
@@ -133,7 +134,7 @@ impl WithSimd for Descent<'_, '_> {
     }
 }
 
-/// One step of this length. Gives the square of the new residual.
+/// Takes one step of this length. Returns the square of the new residual.
 #[inline(always)]
 fn step(change: &mut [f32], residual: &mut [f32], direction: &[f32], image: &[f32], length: f32) -> f32 {
     let (change, residual) = (lanes_mut(change), lanes_mut(residual));

@@ -1,12 +1,13 @@
-//! How uneven ground is: what share of its slope is not that of the ground around.
+//! Unevenness of the ground: the part of its slope that is not common to the ground around.
 
 use rayon::prelude::*;
 
 use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
 
-/// At each node 1 - |mean slope|² / mean of |slope|², the slopes (vectors, rise over run) being those at most `reach` nodes
-/// around: 0 on a plane, 1 where as much goes up as down in every direction. 1 outside the frame, where heights are NaN.
+/// Unevenness at each node: 1 - |mean slope|² / mean of |slope|², over the slopes at most `reach` nodes away. Slopes
+/// are vectors, rise over run. It is 0 on a plane. It is 1 where slopes cancel each other, and outside the frame, where
+/// heights are NaN.
 pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> {
     let cols = lattice.cols;
     let [east, south] = lattice.step.as_vec2().to_array();
@@ -17,16 +18,16 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
         let slope = [(heights[n + 1] - heights[n]) / east, (heights[n + cols] - heights[n]) / south];
         slope.iter().all(|s| s.is_finite()).then_some(slope)
     };
-    let around = |of: fn([f32; 2]) -> f32| {
+    let local_mean = |of: fn([f32; 2]) -> f32| {
         let mut mean: Vec<f32> = (0..heights.len()).into_par_iter().map(|n| slope(n).map_or(0.0, of)).collect();
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
         mean
     };
-    let (x, y) = (around(|[x, _]| x), around(|[_, y]| y));
-    // Without the share of the nodes that have a slope, ground beside the frame would look uneven.
-    let (square, count) = (around(|[x, y]| x * x + y * y), around(|_| 1.0));
+    let (x, y) = (local_mean(|[x, _]| x), local_mean(|[_, y]| y));
+    // Nodes without a slope must not count. Otherwise ground beside the frame would look uneven.
+    let (square, count) = (local_mean(|[x, y]| x * x + y * y), local_mean(|_| 1.0));
     let at = |n: usize| {
         let common = (x[n] * x[n] + y[n] * y[n]) / (square[n] * count[n]);
         if common.is_nan() { 1.0 } else { (1.0 - common).clamp(0.0, 1.0) }
@@ -52,7 +53,7 @@ mod tests {
         let (cut, z) = find(|i, j| if i + j < 40.0 { f32::NAN } else { 0.4 * i - 0.3 * j });
         assert!(cut.iter().zip(&z).all(|(u, z)| z.is_nan() || *u < 1e-3 || *u == 1.0));
         assert!(cut[0] == 1.0 && cut[25 * 60 + 17] < 1e-3);
-        // Beside the border too little is known here and there; that is not most of the ground.
+        // Beside the border a few nodes have too few neighbours.
         let known = z.iter().filter(|z| !z.is_nan()).count();
         let even = cut.iter().zip(&z).filter(|(u, z)| !z.is_nan() && **u < 1e-3).count();
         assert!(even * 100 > known * 99, "{even} of {known}");

@@ -5,25 +5,24 @@ use rayon::prelude::*;
 
 use crate::base::Grid;
 
-/// Nearer than this to a node, in steps between nodes, is on it: a tolerance of rounding.
+/// A place nearer to a node than this is at the node, in steps between nodes: a tolerance of rounding.
 const ON_NODE: f64 = 1e-6;
 
 /// Heights at the nodes of a working grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkingGrid {
-    /// Nodes are the cells' centres.
+    /// The grid. The centres of its cells are the nodes.
     pub grid: Grid,
     /// Heights, metres, within the band of each node's sub-domain; NaN outside the frame.
     pub heights: Vec<f32>,
 }
 
 impl WorkingGrid {
-    /// The heights on a grid whose centres are nodes, as far as there are any there: nodes cover the frame. `None` for other
-    /// grids.
+    /// The heights on a grid whose cell centres are nodes, NaN beyond the working grid. `None` for other grids.
     pub(crate) fn on_nodes(&self, grid: &Grid) -> Option<Vec<f32>> {
         let from = (grid.center(0, 0) - self.grid.center(0, 0)) / self.grid.cell * DVec2::new(1.0, -1.0);
         let first = from.round();
-        // Farther away they are not counted exactly.
+        // Larger offsets cannot be counted exactly.
         let is_near = first.abs().max_element() < f64::from(u32::MAX);
         if grid.cell != self.grid.cell || !is_near || (from - first).abs().max_element() >= ON_NODE {
             return None;
@@ -38,7 +37,8 @@ impl WorkingGrid {
         Some((0..grid.len()).into_par_iter().map(value).collect())
     }
 
-    /// The height at a position: a node's own within a millionth of a cell, else interpolated; NaN off the grid.
+    /// The height at a position. A node's own height within a millionth of a cell, otherwise interpolated; NaN off the
+    /// grid.
     pub(crate) fn at(&self, p: DVec2) -> f32 {
         let grid = &self.grid;
         let first = grid.center(0, 0);
@@ -69,7 +69,7 @@ impl WorkingGrid {
     }
 }
 
-/// Mean of the four nodes around that have heights, by nearness.
+/// Mean of those of the four nodes around that have heights, weighted by nearness.
 fn nearest(node: &impl Fn(f64, f64) -> f32, x: f64, y: f64) -> f32 {
     let (c, r) = (x.floor(), y.floor());
     let (mut sum, mut weights) = (0.0, 0.0);

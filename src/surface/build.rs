@@ -1,4 +1,4 @@
-//! From a clean map to a surface: subdivision, skeleton, and a triangulation with it.
+//! From a clean map to a surface: subdivision, ridge and canyon lines, smooth surface, and triangles.
 
 use std::collections::HashSet;
 
@@ -25,7 +25,8 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 /// Builds the surface of a clean map (see [`clean`](fn@crate::clean::clean)).
 ///
 /// # Errors
-/// As [`subdivide_with_water`](crate::subdivision::subdivide_with_water), and when the parameters are out of range.
+/// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
+/// is out of range, or when the smooth surface needs more memory than it may take.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
     if !params.resolution.is_finite() || params.resolution < 0.0 {
         return Err(Error::out_of_range("resolution parameter w", params.resolution, "0 or more"));
@@ -42,7 +43,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning };
     let choose = |extent: &MapExtent<'_>| choose(extent, &params.spline, &trials);
     let prepared = prepare(map, &params.frame, &params.water)?;
-    // Triangulating keeps one thread busy for long. The choice needs the lines alone, so it is made beside it.
+    // Triangulating keeps only one thread busy. The choice of hyper-parameters needs only the contours, so it runs
+    // beside it.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
@@ -50,7 +52,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || triangulated(prepared, params, progress),
     );
     let Triangulated { mut subdivision, closures, finer, findings } = found?;
-    // That took all labels for right. Only now it is known which are not.
+    // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
         Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) }),
@@ -93,7 +95,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
 struct Triangulated {
     subdivision: Subdivision,
     closures: Vec<(f64, [DVec2; 2])>,
-    /// Those lines and the triangulation with them, but for the linear surface. Their step is not finished.
+    /// Ridge and canyon lines, and the triangulation with them; `None` for the linear surface. Their progress step is
+    /// not finished yet.
     finer: Option<(Skeleton, Tin)>,
     findings: Vec<Finding>,
 }
@@ -108,7 +111,7 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
         memory::check(bytes_on(&grid, length), params.memory, what, remedy)?;
     }
-    // A good part of the memory, so it goes where it is not needed any more.
+    // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let finer = if params.kind == SurfaceKind::Linear {
@@ -120,7 +123,7 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     Ok(Triangulated { subdivision, closures, finer, findings })
 }
 
-/// The bridges as lines, higher ground on their right.
+/// The gap closures as lines, with higher ground on their right.
 fn closures(tin: &Tin, regions: &Regions, gaps: &GapEdges) -> Vec<(f64, [DVec2; 2])> {
     let mut wanted: HashSet<[u32; 2]> = gaps.closures.iter().map(|&[u, v]| [u.min(v), u.max(v)]).collect();
     let mut found = Vec::new();

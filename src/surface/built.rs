@@ -14,22 +14,24 @@ use crate::validate::{Chosen, ErrorField};
 pub struct Surface {
     /// The map that the surface was built from, cut to the frame.
     pub map: ContourMap,
-    /// The triangulation, contours among its edges, every vertex with a height.
+    /// The triangulation. Its edges include the contours, and every vertex has a height.
     pub tin: Tin,
     /// The sub-domains of its triangles.
     pub regions: Regions,
-    /// Pieces across gaps in contours: level and ends, higher ground on the right.
+    /// Gap closures, which are pieces across gaps in contours: level (metres) and ends (map coordinates), higher ground
+    /// on the right.
     pub closures: Vec<(f64, [DVec2; 2])>,
     /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`](super::SurfaceKind::Linear).
     pub break_lines: Vec<BreakLine>,
-    /// The frame's outline.
+    /// The outline of the frame.
     pub frame: FrameRing,
-    /// The input's vertical interval.
+    /// The contour interval of the input.
     pub interval: Interval,
-    /// The smooth surface; only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
+    /// The smooth surface. Only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
     pub working: Option<WorkingGrid>,
-    /// How the smooth surface was drawn, and how far it may be off; only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
+    /// The hyper-parameters of the smooth surface and its accuracy. Only for
+    /// [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
     pub chosen: Option<Chosen>,
-    /// The expected error, if it was asked for.
+    /// The expected error, if it was requested.
     pub errors: Option<ErrorField>,
 }

@@ -1,4 +1,4 @@
-//! What a subdivision asks of the smooth surface on a grid: bands, reference heights, contours, spot heights and creases.
+//! The conditions of the smooth surface on a grid: bands, reference heights, contours, spot heights and creases.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -12,8 +12,8 @@ use crate::subdivision::Subdivision;
 use crate::subdomains::{Side, line_at, line_starts, local_bands};
 use crate::tin::NONE;
 
-/// Looks up bands and reference heights at the nodes of a grid. `subdivision` is the triangulation with ridge and canyon lines, `triangles` are
-/// those that the nodes lie in.
+/// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
+/// canyon lines. The nodes lie in `triangles`.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
     break_lines: &[BreakLine],
@@ -55,8 +55,8 @@ pub(crate) fn conditions<'a>(
     }
 }
 
-/// The nodes of a grid that vertices of contours lie on, with the level: the band on either side of the contour would be too
-/// wide.
+/// The nodes of a grid at vertices of contours, with the level of the contour. The band on either side of the contour
+/// would be too wide for them.
 pub(crate) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator<Item = (usize, f64)> + 'a {
     let lattice = Lattice::of_grid(grid);
     map.contours.iter().flat_map(move |contour| {
@@ -65,7 +65,8 @@ pub(crate) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator
     })
 }
 
-/// By sub-domain: whether the ground lies in a hollow that contours enclose, or may: all its levels are above it.
+/// For each sub-domain: whether the ground lies, or may lie, in a hollow inside contours. This is so if all its levels
+/// are above it.
 fn is_hollow(subdivision: &Subdivision) -> Vec<bool> {
     let regions = &subdivision.regions.regions;
     regions.iter().map(|r| r.levels.iter().all(|(_, side)| *side == Side::Below)).collect()

@@ -1,4 +1,4 @@
-//! Standard errors of a surface's heights, cell by cell.
+//! Standard errors of the heights of a surface, cell by cell.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -6,14 +6,14 @@ use rayon::prelude::*;
 use super::built::Surface;
 use crate::dem::Dem;
 
-/// Standard errors of the cells of a height map of the surface, metres: no data where it has none. `None` if none were
-/// asked for when the surface was built.
+/// Standard errors of the cells of a height map of the surface, metres. They are NaN where the height map has no data.
+/// `None` if no errors were requested when the surface was built.
 pub fn standard_errors(surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
     standard_errors_on(surface, dem, &Some)
 }
 
-/// [`standard_errors`] for a height map in other coordinates than the surface: `to_surface` gives the place on the surface
-/// of a place in those.
+/// [`standard_errors`] for a height map in other coordinates than the surface. `to_surface` converts a position on the
+/// height map to the coordinates of the surface.
 pub fn standard_errors_on(
     surface: &Surface,
     dem: &Dem,

@@ -1,9 +1,10 @@
 //! The surface over a map: a triangulation with heights everywhere inside the frame.
 //!
-//! [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours as it stands: flat triangles on
-//! ridges, in valleys and on tops. [`SurfaceKind::Skeleton`] is the paper's: ridge and canyon lines go into the
-//! triangulation, so that no triangle with three corners on one level is left where the ground is not level.
-//! [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
+//! * [`SurfaceKind::Linear`] is the constrained Delaunay triangulation of the contours. It has flat triangles on
+//!   ridges, in valleys and on tops.
+//! * [`SurfaceKind::Skeleton`] is the surface of the paper: ridge and canyon lines go into the triangulation. A
+//!   triangle with three corners on one level is left only where the ground is level.
+//! * [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
 
 mod build;
 mod built;

@@ -1,10 +1,11 @@
 //! The smooth surface as triangles, for slicing and meshes.
 //!
-//! Contours keep their levels and stay edges, ridge and canyon lines too; between them go nodes of the working grid, where
-//! contours are further apart than the nodes. A slice of such triangles cannot cross a contour, whatever the surface does.
+//! Contours keep their levels and stay edges, and so do ridge and canyon lines. Between them go nodes of the working
+//! grid, where contours are further apart than the nodes. New contours through such triangles cannot cross an input
+//! contour, whatever the surface is like.
 //!
-//! Nodes near a contour, a ridge or canyon line or the frame are left out, because they would make slivers, and so are
-//! nodes that the straight way between their neighbours meets anyway ([`thinned`]).
+//! Nodes near a contour, near a ridge or canyon line or near the frame are left out, because they would make slivers.
+//! Nodes are also left out where straight lines between their neighbours are close enough ([`thinned`]).
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -20,13 +21,14 @@ use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
 use crate::tuning::Tuning;
 
-/// Sides of the largest square without a node inside, in steps between nodes: a power of two, because squares are halved.
+/// Side of the largest square without a node inside, in steps between nodes. It is a power of two, because squares are
+/// halved.
 const LARGEST: usize = 16;
 
-/// A triangulation of the smooth surface, and the ridge and canyon lines with its heights.
+/// The triangulation of the smooth surface, and the ridge and canyon lines with heights on it.
 ///
-/// `subdivision` is the triangulation with the points and pieces of `axis`; `working` holds the surface, and its nodes lie in
-/// `triangles`.
+/// `subdivision` holds the triangulation with the points and pieces of `axis`. `working` holds the surface; its nodes
+/// lie in `triangles`.
 pub(crate) fn with_nodes(
     mut subdivision: Subdivision,
     mut axis: Axis,
@@ -82,8 +84,8 @@ pub(crate) fn with_nodes(
     Ok((subdivision.retriangulated(tin, &|p| Some(f64::from(working.at(p)))), lines))
 }
 
-/// The vertices of the axis points in `subdivision` and their heights on the smooth surface; `axis` gets the sub-domains and
-/// triangles of `subdivision`, and those points that are no vertex of their own are left out.
+/// The vertices of the axis points in `subdivision`, and their heights on the smooth surface. `axis` gets the
+/// sub-domains and triangles of `subdivision`. It loses the points that have no vertex of their own.
 fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
     let tin = &subdivision.tin;
     let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
@@ -121,7 +123,8 @@ fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingG
         vertices.push(v);
         heights.push(subdivision.regions.regions[point.region as usize].band.strictly_inside(height));
     }
-    // A point that shares its place with another vertex, or lies outside the frame, ends the pieces that lead to it.
+    // Some points share their place with another vertex or lie outside the frame. The pieces that lead to them are
+    // dropped.
     let is_known = |end: &End| !matches!(end, End::Axis(p) if !known[*p as usize]);
     axis.pieces.retain(|piece| piece.iter().all(is_known));
     let mut number = vec![NONE; known.len()];
@@ -153,19 +156,20 @@ impl Strided {
         self.lattice.rows.div_ceil(self.stride)
     }
 
-    /// The number of node `k` in the lattice itself.
+    /// The number of node `k` in the whole lattice.
     fn node(&self, k: usize) -> usize {
         let (col, row) = (k % self.cols(), k / self.cols());
         row * self.stride * self.lattice.cols + col * self.stride
     }
 
-    /// Column and row of a map position, as fractions.
+    /// Column and row of a map position, with fractions.
     fn place(&self, p: DVec2) -> DVec2 {
         self.lattice.place(p) / self.stride as f64
     }
 }
 
-/// The sub-domain of each node, [`NONE`] where there is no height and near edges that the triangulation must hold.
+/// The sub-domain of each node. It is [`NONE`] where there is no height, and near edges that the triangulation must
+/// hold.
 fn clear_nodes(
     subdivision: &Subdivision,
     working: &WorkingGrid,
@@ -199,7 +203,7 @@ fn clear_nodes(
     regions
 }
 
-/// Calls `each` for the nodes nearer to a segment than they may be.
+/// Calls `each` for the nodes that are nearer to a segment than `clearance`.
 fn for_each_near(a: DVec2, b: DVec2, clearance: f64, [cols, rows]: [usize; 2], mut each: impl FnMut(usize)) {
     let (lo, hi) = (a.min(b) - clearance, a.max(b) + clearance);
     let range = |lo: f64, hi: f64, count: usize| {
@@ -209,7 +213,7 @@ fn for_each_near(a: DVec2, b: DVec2, clearance: f64, [cols, rows]: [usize; 2], m
     let length = along.length_squared();
     for row in range(lo.y, hi.y, rows) {
         let y = row as f64;
-        // Only what passes within reach of the row counts: a long slanting segment is near few nodes of each.
+        // Only the part of the segment near this row counts. A long slanting segment is near few nodes of each row.
         let (from, to) = if along.y == 0.0 {
             (lo.x, hi.x)
         } else {
@@ -227,8 +231,8 @@ fn for_each_near(a: DVec2, b: DVec2, clearance: f64, [cols, rows]: [usize; 2], m
     }
 }
 
-/// The nodes that the surface needs, ascending: corners of squares, halved until straight lines between their corners are
-/// within `tolerance` (metres) of all nodes in them.
+/// The nodes that the surface needs, ascending. They are the corners of squares. A square is halved until straight
+/// lines between its corners are within `tolerance` (metres) of all nodes in it.
 fn thinned(regions: &[u32], working: &WorkingGrid, nodes: &Strided, tolerance: f64) -> Vec<usize> {
     let squares = Squares { regions, heights: &working.heights, nodes, tolerance };
     let (across, down) = (nodes.cols().div_ceil(LARGEST), nodes.rows().div_ceil(LARGEST));
@@ -245,7 +249,7 @@ fn thinned(regions: &[u32], working: &WorkingGrid, nodes: &Strided, tolerance: f
     (0..kept.len()).filter(|&k| kept[k]).collect()
 }
 
-/// Squares of nodes.
+/// The squares of nodes that [`thinned`] divides.
 struct Squares<'a> {
     regions: &'a [u32],
     heights: &'a [f32],
@@ -271,8 +275,8 @@ impl Squares<'_> {
         corners.extend(on_grid.filter(|&k| self.regions[k] != NONE));
     }
 
-    /// Whether all nodes of a square are there, in one sub-domain, and near the triangles between its corners, whichever
-    /// way the square is cut.
+    /// Whether all nodes of a square exist, lie in one sub-domain, and are near the triangles between its corners,
+    /// whichever diagonal cuts the square.
     fn is_straight(&self, [col, row]: [usize; 2], side: usize) -> bool {
         let cols = self.nodes.cols();
         if col + side >= cols || row + side >= self.nodes.rows() {
@@ -311,7 +315,7 @@ mod tests {
     #[test]
     fn a_plane_needs_few_nodes_and_a_bump_all_of_its_own() {
         let plane = |i: usize, j: usize| (i + 2 * j) as f32;
-        // Squares that reach beyond the last row and column are divided all the way.
+        // Squares that reach beyond the last row and column are always divided.
         let inner = |kept: Vec<usize>| -> Vec<usize> {
             kept.into_iter().filter(|k| k % SIDE + 1 < SIDE && k / SIDE + 1 < SIDE).collect()
         };

@@ -1,4 +1,4 @@
-//! What a surface is asked to be.
+//! Parameters of a surface.
 
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
@@ -8,39 +8,39 @@ use crate::tuning::Tuning;
 /// How heights between contours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SurfaceKind {
-    /// Linear on the triangulated contours.
+    /// Linear on the triangles between contours.
     Linear,
-    /// The triangulation with ridge and canyon lines.
+    /// Linear on the triangles between contours, ridge lines and canyon lines.
     Skeleton,
-    /// Smooth, of minimum curvature between the contours.
+    /// Smooth: minimum curvature between the contours.
     #[default]
     Spline,
 }
 
-/// Which triangles a surface of [`SurfaceKind::Spline`] has. They are what [`slice`](fn@crate::slice::slice) and
-/// [`mesh`](fn@crate::mesh::mesh) work on; [`heights`](super::heights) asks the working grid.
+/// The triangles of a surface of [`SurfaceKind::Spline`]. [`slice`](fn@crate::slice::slice) and
+/// [`mesh`](fn@crate::mesh::mesh) work on them; [`heights`](super::heights) uses the working grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Triangles {
-    /// Those of the contours and of the ridge and canyon lines, with the heights of [`SurfaceKind::Skeleton`]: enough
-    /// for a height map, and quicker.
+    /// Triangles between contours, ridge lines and canyon lines, with the heights of [`SurfaceKind::Skeleton`]. They
+    /// are enough for a height map, and quicker.
     Reference,
-    /// Of the smooth surface itself: with nodes of the working grid between the lines.
+    /// Triangles of the smooth surface itself, with nodes of the working grid between the lines.
     #[default]
     Smooth,
 }
 
-/// Whether the expected error of the surface is found too.
+/// Whether the expected error of the surface is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Uncertainty {
-    /// It is not.
+    /// No expected error.
     #[default]
     Unknown,
-    /// It is learnt from hidden levels: [`Surface::errors`](super::Surface::errors).
+    /// The expected error is estimated from hidden levels: [`Surface::errors`](super::Surface::errors).
     Learnt,
 }
 
 impl SurfaceKind {
-    /// The word for it.
+    /// The name of the kind: `linear`, `skeleton` or `spline`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -55,21 +55,21 @@ impl SurfaceKind {
 pub struct SurfaceParams {
     /// How heights between contours are found.
     pub kind: SurfaceKind,
-    /// The outermost border.
+    /// The outer border of the surface.
     pub frame: Frame,
-    /// The paper's resolution parameter w: more of it, fewer ridge and canyon lines.
+    /// The paper's resolution parameter w. A larger value gives fewer ridge and canyon lines.
     pub resolution: f64,
     /// Lakes and the sea.
     pub water: Water,
-    /// How the smooth surface is drawn; for [`SurfaceKind::Spline`].
+    /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
-    /// Which triangles are needed; for [`SurfaceKind::Spline`].
+    /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
     pub triangles: Triangles,
-    /// Whether the expected error is found.
+    /// Whether the expected error is estimated.
     pub uncertainty: Uncertainty,
-    /// Memory that may be taken, bytes: a surface that needs more is refused. No limit if `None`.
+    /// Memory that the surface may take, bytes. A surface that needs more is an error. No limit if `None`.
     pub memory: Option<u64>,
-    /// The tuned numbers; only to try other values.
+    /// The tuned numbers. Change them only to try other values.
     pub tuning: Tuning,
 }
 

@@ -1,9 +1,11 @@
-//! Points between the ends of long pieces of ridge and canyon lines, and of long edges of the frame.
+//! Points that divide long pieces of ridge and canyon lines, and long edges of the frame.
 //!
-//! A piece is an edge of the triangulation, straight from one end to the other. Where contours are far apart it is longer
-//! than the nodes are from each other, and the surface beside it is anything but straight: a slice would run along such an
-//! edge and back again on its other side, a needle. So is an edge of the frame, from the end of one contour to that of the
-//! next: the ground would fall from the surface to it as a cliff.
+//! A piece is an edge of the triangulation and straight. Where contours are far apart, it is longer than the spacing of
+//! the nodes. The surface beside it is not straight. A new contour would run along such an edge and back on its other
+//! side, as a needle.
+//!
+//! An edge of the frame runs from the end of one contour to the end of the next. The ground would fall from the surface
+//! to this edge as a cliff.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,19 +19,19 @@ use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
-/// Rounding takes a place between two others no more than this many steps between large numbers off their line.
+/// Rounding moves a point between two others off their line by at most this many units in the last place.
 const MOST_STEPS: usize = 4;
 
-/// An edge of the triangulation and the axis points on it, from its first end to its second.
+/// An edge of the triangulation that is divided, and the axis points on it, from its first end to its second.
 pub(crate) struct PartedPiece {
     pub edge: [u32; 2],
     pub points: Range<usize>,
 }
 
-/// Parts pieces of `axis` that are edges of `subdivision`, at most so that the parts are `spacing` long, map units. Points are added
-/// to `axis`, and their heights on the smooth surface to `heights`.
+/// Divides long pieces of `axis` that are edges of `subdivision`. The parts are at least `spacing` long, map units. The
+/// new points are added to `axis`, and their heights on the smooth surface to `heights`.
 ///
-/// `vertices` are those of the axis points.
+/// `vertices` are the vertices of the axis points.
 pub(crate) fn part_long_pieces(
     subdivision: &Subdivision,
     axis: &mut Axis,
@@ -84,10 +86,11 @@ pub(crate) fn part_long_pieces(
     parted
 }
 
-/// Parts edges of `subdivision` at the outer border that are no contours, at most so that the parts are `spacing` long, map units.
-/// The points are added to `points`; like corners of the frame they have no heights yet.
+/// Divides long edges of `subdivision` at the outer border that are no contours. The parts are at least `spacing` long,
+/// map units. The new points are added to `points`. Like corners of the frame, they have no heights yet.
 ///
-/// Edges with something beyond them stay: a polygon that is not convex, and contours that end beside a straight border.
+/// Edges with a triangle beyond them are not divided. They occur where a polygon is not convex, and where contours end
+/// beside a straight border.
 pub(crate) fn part_long_borders(
     subdivision: &Subdivision,
     spacing: f64,
@@ -115,8 +118,8 @@ pub(crate) fn part_long_borders(
     parted
 }
 
-/// A place between two others that rounding has brought to the left of them, moved back: what lies on the border of the frame
-/// stays in it.
+/// Moves a point between `u` and `v` back if rounding has put it to the left of them. So a point on the border of the
+/// frame stays in the frame.
 fn not_left_of(u: DVec2, v: DVec2, mut place: DVec2) -> DVec2 {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
     let step = -(v - u).perp().normalize_or_zero() * f64::EPSILON * u.abs().max(v.abs()).max_element();
@@ -129,13 +132,13 @@ fn not_left_of(u: DVec2, v: DVec2, mut place: DVec2) -> DVec2 {
     place
 }
 
-/// Into how many parts of `spacing` or more an edge is parted, at most. Points would lie beside the edge by rounding, and
-/// must not come near another one by that.
+/// The number of parts of `spacing` or more that an edge is divided into, at most `most`. By rounding, points may lie
+/// beside the edge; they must not come near another edge.
 fn parts(length: f64, spacing: f64, most: f64) -> usize {
     (length / spacing).min(most) as usize
 }
 
-/// Distance to the nearest corner of two triangles that lies on a contour.
+/// Distance from a position to the nearest corner of two triangles that lies on a contour.
 fn contour_distance(tin: &Tin, triangles: &[u32; 2], position: DVec2) -> f64 {
     let corners = triangles.iter().flat_map(|&t| tin.triangles[t as usize]);
     let on_contours = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour);

@@ -10,14 +10,14 @@ use crate::base::progress::Progress;
 use crate::dem::{Dem, height, locate, rasterise};
 use crate::tin::{NONE, Tin};
 
-/// Rows that one task fills: enough to be worth a task.
+/// Rows per task: enough to be worth a task.
 const BAND_ROWS: usize = 16;
 
-/// Heights of the surface at the cell centres of `grid`, NaN outside the frame.
+/// Heights of the surface at the cell centres of `grid`, metres; NaN outside the frame.
 ///
-/// Those of the smooth surface are the working grid's own where a centre is one of its nodes, else interpolated between
-/// them (cubic convolution) and kept in the band of the sub-domain; a centre that is a vertex of a contour has its level. Other
-/// surfaces are triangles (see [`rasterise`]).
+/// On the smooth surface, a centre at a node of the working grid has the node's height. Other centres are interpolated
+/// by cubic convolution and kept in the band of their sub-domain. A centre at a vertex of a contour has the level of
+/// the contour. Other surfaces are triangles (see [`rasterise`]).
 pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     let Some(working) = &surface.working else {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
@@ -40,11 +40,11 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }
 
-/// Heights of the surface at the cell centres of a grid that lies in other coordinates than the surface, row by row from
-/// the north-west, NaN outside the frame.
+/// Heights of the surface at the cell centres of a grid in other coordinates, metres, row by row from the north-west;
+/// NaN outside the frame.
 ///
-/// `to_surface` gives the place on the surface of a place in the grid's coordinates, or none. The surface is evaluated at
-/// each centre: no raster is resampled.
+/// `to_surface` converts a position on the grid to the coordinates of the surface, if it can. The surface is evaluated
+/// at each centre. No raster is resampled.
 pub fn heights_on(
     surface: &Surface,
     grid: &Grid,
@@ -58,7 +58,8 @@ pub fn heights_on(
     }
     progress.start("evaluating the surface", grid.rows as u64);
     values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
-        // Centres are looked for from the triangle of the centre before, at the start of a row from that of the row before.
+        // The search for the triangle of a centre starts at the triangle of the centre before. At the start of a row,
+        // it starts at that of the row before.
         let mut start_of_row = 0;
         for (k, row) in cells.chunks_mut(grid.cols).enumerate() {
             let mut near = start_of_row;
@@ -80,7 +81,8 @@ pub fn heights_on(
     values
 }
 
-/// The triangle itself or, for a place on its edge, a neighbour, whichever is inside the frame and has heights.
+/// Triangle `t` if it is inside the frame and has heights. Otherwise a neighbour that is, if the place lies on their
+/// common edge.
 fn with_height(tin: &Tin, t: u32, place: DVec2) -> Option<u32> {
     let good = |t: u32| tin.is_inside(t) && tin.corner_heights(t).iter().all(|h| !h.is_nan());
     if good(t) {
@@ -90,13 +92,13 @@ fn with_height(tin: &Tin, t: u32, place: DVec2) -> Option<u32> {
     around.find(|&n| n != NONE && good(n) && tin.holds(n, place))
 }
 
-/// The height of the surface at a place in triangle `t`.
+/// The height of the surface at a position in triangle `t`.
 fn height_in(surface: &Surface, t: u32, p: DVec2) -> f32 {
     match &surface.working {
         None => height(&surface.tin, t, p - surface.tin.origin) as f32,
         Some(working) => surface.regions.region(t).map_or(f32::NAN, |region| {
             let (lo, hi) = (region.band.lo as f32, region.band.hi as f32);
-            // Where the frame is narrower than the working grid's cells, no node may be near.
+            // Where the frame is narrower than the cells of the working grid, there may be no node near.
             let smooth = Some(working.at(p)).filter(|height| !height.is_nan());
             smooth.unwrap_or_else(|| height(&surface.tin, t, p - surface.tin.origin) as f32).clamp(lo, hi)
         }),

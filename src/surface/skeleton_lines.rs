@@ -6,7 +6,7 @@ use crate::subdivision::Subdivision;
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 use crate::tuning::SkeletonTuning;
 
-/// The ridge and canyon lines, and the triangulation with them. `triangulation` is that of `subdivision`.
+/// The ridge and canyon lines, and the triangulation with them. `triangulation` is the one of `subdivision`.
 pub fn finer(
     subdivision: &Subdivision,
     mut triangulation: Triangulation,
@@ -20,7 +20,7 @@ pub fn finer(
     Ok((skeleton, triangulation.into_tin()?))
 }
 
-/// The map with the [`finer`] triangulation, its ridge and canyon lines, and the axis that they follow.
+/// The map with the [`finer`] triangulation, its ridge and canyon lines, and their axis.
 pub fn with_skeleton(
     subdivision: Subdivision,
     (skeleton, tin): (Skeleton, Tin),
@@ -28,8 +28,8 @@ pub fn with_skeleton(
     (subdivision.retriangulated(tin, &|_| None), skeleton.lines, skeleton.axis)
 }
 
-/// Adds axis points with heights, and the pieces between them. `source` is that of the triangulation whose vertices the
-/// pieces lead to.
+/// Adds axis points with heights, and the pieces between them. `source` gives the input point of each vertex that a
+/// piece leads to.
 fn push_axis(input: &mut TinInput, source: &[u32], axis: &Axis, heights: &[f64]) {
     let each = axis.points.iter().zip(heights);
     let points: Vec<u32> = each.map(|(p, &h)| input.push_local(p.position, h, VertexKind::Axis)).collect();

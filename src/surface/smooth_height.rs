@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use crate::spline::WorkingGrid;
 
-/// The height of an axis point on the smooth surface, from the one that it has in the triangulation. The grid does not know
-/// what lies between its nodes: the nearer a point is to a contour, the more it keeps of that.
+/// The height of an axis point on the smooth surface. `before` is its height in the triangulation. The grid does not
+/// know the ground between its nodes. So a point near a contour keeps more of its height before.
 pub fn smooth_height(working: &WorkingGrid, place: DVec2, before: f64, contour_distance: f64) -> f64 {
     let smooth = f64::from(working.at(place));
     let share = (contour_distance / working.grid.cell.max_element()).min(1.0);

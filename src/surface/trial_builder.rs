@@ -1,4 +1,4 @@
-//! The surfaces of trials with hidden levels, built like that of the whole map.
+//! Builds the surfaces of trials with hidden levels in the same way as the surface of the whole map.
 
 use super::conditions::conditions;
 use super::skeleton_lines::{finer, with_skeleton};
@@ -9,11 +9,11 @@ use crate::subdivision::Subdivision;
 use crate::tuning::SkeletonTuning;
 use crate::validate::SurfaceBuilder;
 
-/// Builds surfaces with ridge and canyon lines of this resolution, or without such lines.
+/// Builds surfaces with ridge and canyon lines of this resolution, or without any.
 pub struct TrialBuilder<'t> {
-    /// The paper's resolution parameter w.
+    /// The paper's resolution parameter w. `None`: no ridge and canyon lines.
     pub resolution: Option<f64>,
-    /// The tuned numbers of the lines.
+    /// The tuned numbers of the ridge and canyon lines.
     pub tuning: &'t SkeletonTuning,
 }
 

@@ -3,14 +3,14 @@
 use super::tuned;
 
 tuned! {
-    /// The law of the standard error, as it is learned from hidden contours and carried over to the whole map.
+    /// The error model: how the standard error follows from residuals at hidden contours.
     ErrorTuning {
         /// Classes of distance between contours, of equal area, that each get an error of their own.
         ///
         /// Refit: shares.
         width_classes: usize = 8,
-        /// Weight of the two-sigma figure (95 % of errors, halved) against the one-sigma figure (68 %) in the standard
-        /// error, on a logarithmic scale, where errors have light tails.
+        /// Weight of the two-sigma figure against the one-sigma figure in the standard error, on a logarithmic scale.
+        /// The figures are half of the 95 % quantile and the 68 % quantile. It applies where errors have light tails.
         ///
         /// Refit: shares.
         two_sigma_weight: f64 = 0.6,
@@ -30,28 +30,29 @@ tuned! {
         ///
         /// Refit: shares, with `--surface skeleton`.
         hidden_to_all_triangles: f64 = 0.95,
-        /// Distances between contours, in spacings, from which on ground counts as level, and where it is level altogether.
-        /// The error there is a share of the band, whatever the exponent of the contours.
+        /// Distances between contours, in spacings, where ground begins to count as level, and where it is fully level.
+        /// On level ground the error is a share of the band, whatever the exponent of the contours is.
         ///
         /// Refit: shares of gentle ground.
         level_spacings: [f64; 2] = [2.0, 6.0],
-        /// Power of the product of both distances to contours that the error grows with, in exponents of the contours.
+        /// Power with which the error grows with the product of both distances to contours, in exponents of the
+        /// contours.
         ///
         /// Refit: shares near contours and in the middle of a band.
         profile_power: f64 = 0.55,
-        /// Distance between contours that stands for the distance from a single contour, as a multiple.
+        /// Where there is a single contour: width that stands for the distance from it, as a multiple of this distance.
         ///
         /// Refit: shares of tops and pits.
         lone_contour_width: f64 = 3.0,
-        /// Limits of the share of a climb beyond the last contour that is error.
+        /// Limits of the error beyond the last contour, as a share of the climb.
         ///
         /// Refit: shares of tops and pits.
         climb_share_limits: [f64; 2] = [0.2, 0.8],
-        /// That share where there are too few tops to learn from.
+        /// That share where there are too few tops to estimate it.
         ///
         /// Refit: shares of tops and pits.
         usual_climb_share: f64 = 0.5,
-        /// Fewest places beyond the last contour that this share is learned from.
+        /// Least number of places beyond the last contour to estimate this share.
         ///
         /// Refit: shares of tops and pits.
         min_top_places: usize = 50,
@@ -60,7 +61,7 @@ tuned! {
         ///
         /// Refit: shares, on maps with few levels.
         usual_error: f64 = 0.08,
-        /// Where no levels can be hidden: power of the distance between contours that the standard error grows with.
+        /// Where no levels can be hidden: power with which the standard error grows with the distance between contours.
         ///
         /// Refit: shares, on maps with few levels.
         usual_width_power: f64 = 0.7,
@@ -68,7 +69,7 @@ tuned! {
         ///
         /// Refit: shares of the largest and the smallest errors.
         agreement_factor: f64 = 0.65,
-        /// What that factor grows by per standard error between the two surfaces.
+        /// Growth of that factor per standard error between the two surfaces.
         ///
         /// Refit: shares of the largest and the smallest errors.
         disagreement_slope: f64 = 0.42,
@@ -76,8 +77,8 @@ tuned! {
         ///
         /// Refit: shares of the largest and the smallest errors.
         max_disagreement: f64 = 2.2,
-        /// Contours count as cut from the heights of the nodes if more than this share of their crossings with edges is at
-        /// vertices.
+        /// Contours count as cut from the heights of the nodes if more than this share of their crossings with edges is
+        /// at vertices.
         ///
         /// Refit: shares, on contours that were cut from a raster.
         min_share_at_vertices: f64 = 0.9,
@@ -85,11 +86,11 @@ tuned! {
         ///
         /// Refit: shares, on contours that were cut from a raster.
         fixing_crossings: f64 = 0.765,
-        /// Power of the crossings per node that the error falls with.
+        /// Power with which the error falls with the crossings per node.
         ///
         /// Refit: shares, on contours that were cut from a raster.
         fixing_power: f64 = 5.0,
-        /// Least share of the error that is left there.
+        /// Least share of the error that remains there.
         ///
         /// Refit: shares, on contours that were cut from a raster.
         min_left: f64 = 0.15,

@@ -17,13 +17,13 @@ tuned! {
         ///
         /// Refit: RMSE.
         min_nodes_per_spacing: f64 = 3.0,
-        /// The grid of the height map is the working grid itself where its cells are at most this many times smaller than
-        /// the contours ask for. Otherwise the working grid has every second, third, ... of its rows and columns.
+        /// The grid of the height map is the working grid itself where its cells are at most this many times smaller
+        /// than the contours ask for. Otherwise the working grid has every second, third, ... of its rows and columns.
         ///
         /// Refit: RMSE and time.
         max_times_finer: f64 = 8.0,
-        /// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several contours
-        /// cross the edges between nodes.
+        /// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several
+        /// contours cross the edges between nodes.
         ///
         /// Refit: RMSE and time, on coarse height maps.
         max_spacings_per_cell: f64 = 2.0,

@@ -1,10 +1,10 @@
 //! The tuned numbers of the surface and of its standard error, in one place.
 //!
-//! A tuned number has its value because results were best with it on maps with known heights, or because it is a fair trade
-//! of accuracy against time. It could be a little different. Numbers with a reason of their own stand where they are used:
-//! closed forms, tolerances of rounding, sizes of blocks, limits of memory.
+//! A tuned number has its value for one of two reasons. Results were best with it on maps with known heights, or it is
+//! a good balance of accuracy and time. A slightly different value would do as well. Numbers with another reason stand
+//! where they are used: closed forms, tolerances of rounding, sizes of blocks, limits of memory.
 //!
-//! Each number is documented with its meaning, its unit, the values that were tried with their effect, and what refits it:
+//! Each number is documented with its meaning, its unit, and the measure that refits it:
 //!
 //! | refit | what is wanted | how it is measured |
 //! |---|---|---|
@@ -13,8 +13,8 @@
 //! | time | the least time for an RMSE that hardly rises | `scripts/sweep.py` and `scripts/benchmark_speed.py` |
 //! | contours | the smallest distance of new contours from true ones | `scripts/score_contours.py` |
 //!
-//! The figures "tried" are those of [the guide's page](crate::guide::tuning). A *spacing* is the mean distance between
-//! neighbouring contours of the map; a *node* is one of the working grid.
+//! The values that were tried, and their effect, are on [the guide's page](crate::guide::tuning). A *spacing* is the
+//! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
 mod errors;
 mod grid;
@@ -36,7 +36,7 @@ pub use skeleton::SkeletonTuning;
 pub use spline::SplineTuning;
 pub use trials::TrialTuning;
 
-/// Declares a group of numbers: one line each with type and default value, which its documentation then states.
+/// Declares a group of numbers, each with type and default value. The documentation of each number states its default.
 macro_rules! tuned {
     ($(#[$about:meta])* $group:ident { $($(#[$meaning:meta])* $name:ident: $kind:ty = $value:expr,)+ }) => {
         $(#[$about])*

@@ -4,47 +4,47 @@ use serde_json::Value;
 
 use super::Tuning;
 
-/// A tuned number cannot be set.
+/// The reason why a tuned number cannot be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TuneError {
-    /// There is none with this name.
+    /// There is no number with this name.
     #[error("no tuned number is called {name:?}; the tuned numbers are:\n{known}")]
     Unknown {
         /// The name.
         name: String,
-        /// The names that there are, with their values, one per line.
+        /// The existing names with their values, one per line.
         known: String,
     },
-    /// The value does not suit it.
+    /// The number cannot have this value.
     #[error("the tuned number {name} cannot be {value}: {reason}")]
     Unsuitable {
-        /// Its name.
+        /// The name.
         name: String,
         /// The value.
         value: String,
-        /// What it must be.
+        /// The condition that the value does not meet.
         reason: &'static str,
     },
 }
 
-/// Numbers that something is divided by, or that an array has as many elements as.
+/// Numbers that must be above zero: divisors, and lengths of arrays.
 const ABOVE_ZERO: [&str; 2] = ["spline.grid.", "errors.width_classes"];
 
-/// The end of the name of a pair that is a least and a largest value.
+/// The end of the name of a pair of limits, least and largest.
 const LIMITS: &str = "_limits";
 
 impl Tuning {
-    /// All numbers by name, in alphabetical order.
+    /// All numbers, as text, by name in alphabetical order.
     pub fn numbers(&self) -> Vec<(String, String)> {
         let mut found = Vec::new();
         leaves("", &self.tree(), &mut found);
         found
     }
 
-    /// Sets a number by its name. Text of a whole number suits all of them, that of a fraction those that are no counts.
+    /// Sets a number by its name. Whole numbers suit every number. Fractions do not suit counts.
     ///
     /// # Errors
-    /// When no number has that name, or the value does not suit it. The numbers then stay as they are.
+    /// When no number has this name, or cannot have this value. All numbers then stay as they are.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), TuneError> {
         let mut tree = self.tree();
         let mut place = Some(&mut tree);
@@ -67,16 +67,16 @@ impl Tuning {
         Ok(())
     }
 
-    /// Whether all numbers are ones that can be calculated with.
+    /// Whether the surface can be calculated with these numbers.
     ///
     /// # Errors
-    /// When one is not finite, is negative, is 0 where that makes no sense, or when limits are not in order.
+    /// When one is not finite, is negative, is 0 where it must not be, or when limits are not in order.
     pub fn validate(&self) -> Result<(), TuneError> {
         let numbers = self.numbers();
         let mut least = 0.0;
         for (name, text) in &numbers {
             let unsuitable = |reason| TuneError::Unsuitable { name: name.clone(), value: text.clone(), reason };
-            // What is not finite has no text of a number.
+            // A value that is not finite is not a number in the text.
             let value: f64 = text.parse().map_err(|_| unsuitable("it must be finite"))?;
             if value < 0.0 {
                 return Err(unsuitable("it must be 0 or more"));
@@ -92,7 +92,7 @@ impl Tuning {
         Ok(())
     }
 
-    /// The numbers as a tree. By way of text, because single precision numbers have the fewest digits there.
+    /// The numbers as a tree. They go through text, because it has the fewest digits for numbers in single precision.
     fn tree(&self) -> Value {
         let text = serde_json::to_string(self).unwrap_or_default();
         serde_json::from_str(&text).unwrap_or_default()

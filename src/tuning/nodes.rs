@@ -5,13 +5,13 @@ use super::tuned;
 tuned! {
     /// Which nodes become vertices of the triangles for new contours and meshes. Height maps do not depend on them.
     NodeTuning {
-        /// Least distance of a vertex from an edge that the triangulation must hold, in steps between nodes. Nearer ones
-        /// make slivers.
+        /// Least distance of a vertex from an edge that the triangulation must hold, in steps between nodes. Nearer
+        /// ones make slivers.
         ///
         /// Refit: contours.
         clearance: f64 = 0.6,
-        /// The same where the nodes are the cells that the contours were cut from. Their heights are known as well as the
-        /// contours.
+        /// The same where the nodes are the cells that the contours were cut from. Their heights are known as well as
+        /// the contours.
         ///
         /// Refit: contours, on contours that were cut from a raster.
         clearance_of_source: f64 = 0.1,

@@ -3,7 +3,8 @@
 use super::tuned;
 
 tuned! {
-    /// The exponent that offsets of contours from their chords grow with: about 2 for smooth lines, about 0 for jitter.
+    /// The Hurst-like exponent of contours: the power with which their offsets from chords grow with the length of the
+    /// chords. It is about 2 for smooth lines and about 0 for jitter.
     RoughnessTuning {
         /// Half the length of the chords, a short one and a long one, spacings.
         ///
@@ -18,11 +19,11 @@ tuned! {
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar and on smooth ones.
         noisy_below: f64 = 1.5,
-        /// The exponent where the contours do not tell one.
+        /// The exponent of contours that are too few to estimate it.
         ///
         /// Refit: shares, on small maps.
         usual_exponent: f64 = 1.5,
-        /// Limits of the power of the contour interval that the error is taken to grow with.
+        /// Limits of the power with which the error grows with the contour interval.
         ///
         /// Refit: shares.
         exponent_limits: [f64; 2] = [0.5, 2.0],
@@ -30,7 +31,7 @@ tuned! {
 }
 
 impl RoughnessTuning {
-    /// The power of the contour interval that the error grows with, from the exponent of the contours if it is known.
+    /// The power with which the error grows with the contour interval. It is the exponent of the contours, if known.
     pub fn power(&self, exponent: Option<f64>) -> f64 {
         let [least, most] = self.exponent_limits;
         exponent.unwrap_or(self.usual_exponent).clamp(least, most)

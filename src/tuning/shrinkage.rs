@@ -1,16 +1,16 @@
-//! Shrinkage of heights towards the middle of their band, and the curvature gain that follows.
+//! Shrinkage of heights towards the centre of their band, and the curvature gain that follows.
 
 use super::tuned;
 
 tuned! {
-    /// Shrinkage towards the middle of the band.
+    /// Shrinkage towards the centre of the band.
     ShrinkageTuning {
-        /// Largest shrinkage, as a share of the distance from the middle.
+        /// Largest shrinkage, as a share of the distance from the centre.
         ///
         /// Refit: RMSE.
         max_share: f32 = 0.5,
-        /// Nodes from contour to contour where half of the variance of the error is left, because contours cross so many
-        /// edges between nodes.
+        /// Nodes from contour to contour where half of the variance of the error is left, because contours cross so
+        /// many edges between nodes.
         ///
         /// Refit: RMSE.
         half_variance_nodes: f32 = 5.0,
@@ -18,11 +18,12 @@ tuned! {
         ///
         /// Refit: RMSE; steps in the surface where the density of the contours changes.
         spacing_reach: f64 = 0.5,
-        /// Distance from a node within which ground tells how uneven it is there, spacings.
+        /// Radius around a node within which the unevenness of the ground is measured, spacings.
         ///
         /// Refit: RMSE.
         unevenness_reach: f64 = 1.0,
-        /// Power of distance between contours times unevenness that the variance of the error grows with.
+        /// Power with which the variance of the error grows with the product of distance between contours and
+        /// unevenness.
         ///
         /// Refit: RMSE.
         power: f32 = 0.7,
@@ -36,7 +37,7 @@ tuned! {
 tuned! {
     /// Curvature gain: ridges get higher and valleys deeper than on a surface of minimum curvature.
     GainTuning {
-        /// How far the surroundings of a node reach that its height is compared with, spacings.
+        /// Reach of the surroundings that the height of a node is compared with, spacings.
         ///
         /// Refit: RMSE.
         reach: f64 = 0.75,
@@ -44,8 +45,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         peak: f32 = 0.1,
-        /// Share of the standard error that disappears where all of the gain is applied. It goes with the square of the
-        /// gain. From map to map it is between nothing and a quarter.
+        /// Share of the standard error that disappears where all of the gain is applied. It grows with the square of
+        /// the gain. From map to map it is between nothing and a quarter.
         ///
         /// Refit: shares.
         error_reduction: f64 = 0.15,

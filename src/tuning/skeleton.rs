@@ -18,8 +18,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         plateau_spread: f64 = 0.01,
-        /// Largest distance along the axis, from the tip of a bend, where a line from the other side of the contour is
-        /// joined, in widths of the bend.
+        /// Largest distance from the tip of a bend, along the axis, in widths of the bend. Within it, a line from the
+        /// other side of the contour is joined.
         ///
         /// Refit: RMSE.
         join_reach: f64 = 2.0,

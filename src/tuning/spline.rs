@@ -21,12 +21,13 @@ tuned! {
         ///
         /// Refit: RMSE; share of vertices that the surface meets.
         contour_weight_on_chord: f64 = 500.0,
-        /// Weight of a crossing where the noise of the contours is 1 and the grid has [`GridTuning::nodes_per_spacing`].
+        /// Weight of a crossing where the noise of the contours is 1 and the grid has
+        /// [`GridTuning::nodes_per_spacing`].
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar.
         noisy_contour_weight: f64 = 0.1,
-        /// Largest weight of a crossing on coarse lattices, unless it is larger on the finest one. What lies between their
-        /// nodes is averaged.
+        /// Largest weight of a crossing on coarse lattices, unless it is larger on the finest one. What lies between
+        /// their nodes is averaged.
         ///
         /// Refit: RMSE and time.
         coarse_contour_weight: f64 = 20.0,
@@ -34,8 +35,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         crease_weight: f32 = 0.7,
-        /// IRLS threshold: a second difference counts with its square below it and with its size above it, in means of the
-        /// absolute second differences.
+        /// IRLS threshold: a second difference counts with its square below it and with its size above it, in means of
+        /// the absolute second differences.
         ///
         /// Refit: RMSE.
         irls_threshold: f64 = 2.0,
@@ -101,7 +102,7 @@ tuned! {
         ///
         /// Refit: RMSE and time, on contours of unsmoothed lidar.
         residual_steps: usize = 100,
-        /// Shrinkage towards the middle of the band.
+        /// Shrinkage towards the centre of the band.
         shrinkage: ShrinkageTuning = ShrinkageTuning::default(),
         /// Curvature gain on ridges and in valleys.
         gain: GainTuning = GainTuning::default(),

@@ -1,4 +1,4 @@
-//! How the trials get their surfaces: whoever asks for a trial hands down what builds them.
+//! The builder that trials get their surfaces from. The caller of a trial hands it down.
 
 use crate::base::Grid;
 use crate::skeleton::BreakLine;
@@ -7,13 +7,12 @@ use crate::subdivision::Subdivision;
 use crate::subdomains::Frame;
 use crate::tuning::Tuning;
 
-/// Builds the surfaces of trials, in the same way as that of the whole map.
+/// Builds the surfaces of trials, in the same way as the surface of the whole map.
 pub trait SurfaceBuilder: Sync {
-    /// Adds what the surface has beside the contours: ridge and canyon lines, if it has any. `None` if they cannot be
-    /// triangulated.
+    /// Adds ridge and canyon lines, if the surface has any. `None` if they cannot be triangulated.
     fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)>;
 
-    /// What the smooth surface has to meet at the nodes of `grid`, which lie in `triangles`.
+    /// The conditions of the smooth surface at the nodes of `grid`, which lie in `triangles`.
     fn conditions<'a>(
         &self,
         subdivision: &'a Subdivision,
@@ -23,15 +22,15 @@ pub trait SurfaceBuilder: Sync {
     ) -> Conditions<'a>;
 }
 
-/// What trials know of the surface that is asked for.
+/// Parameters of trials that are the same for all of them.
 #[derive(Clone, Copy)]
 pub struct TrialParams<'a> {
     /// The frame of the whole map.
     pub frame: &'a Frame,
-    /// Where heights are wanted.
+    /// The cells that heights are wanted on.
     pub wanted: Option<Wanted>,
-    /// What builds the surfaces.
+    /// Builds the surfaces.
     pub builder: &'a dyn SurfaceBuilder,
-    /// The tuned numbers, those of the whole map's surface.
+    /// The tuned numbers, which are those of the surface of the whole map.
     pub tuning: &'a Tuning,
 }

@@ -1,21 +1,24 @@
-//! Chooses the tension of the smooth surface from the contours themselves, and tells how far the surface may be off.
+//! Chooses the hyper-parameters of the smooth surface by cross-validation on hidden levels, and estimates its accuracy.
 //!
-//! Every second level is hidden, a surface is drawn from the others, and its heights are compared with the hidden
-//! contours where these still lie between two levels: once with the odd levels hidden, once with the even ones. Three
-//! tensions are tried; the best is where a parabola through the logarithms of the three errors is lowest.
+//! Every second level is hidden, and a surface is built from the others. Its heights are compared with the hidden
+//! contours where these lie between two levels. This is done twice: with the odd levels hidden and with the even ones.
+//! Three tensions are tried. A parabola goes through the logarithms of the three errors. The best tension is where it
+//! is lowest.
 //!
-//! Whether contours jitter is seen from themselves ([`exponent`]). Hidden levels do not tell: between contours twice as far
-//! apart even smooth ground looks rough, and smoothing seems to help where it does not.
+//! The noise of the contours comes from the contours themselves ([`hurst_exponent`]). Hidden levels cannot show it.
+//! Between contours twice as far apart, even smooth ground looks rough, and smoothing seems to help where it does not.
 //!
-//! Two things keep that from misleading. Contours crowd on steep ground, so that every place on a hidden contour counts
-//! for the ground that it stands for: its length of contour times the distance to the next level there. And a surface
-//! from half of the levels bridges twice the distance, over which ground is rougher and wants more tension, while hidden
-//! levels are few and their errors noisy: the choice is half-way, on a logarithmic scale, between the tension that is best
-//! for them and the one that suits most terrain.
-//! Beside places where lines crossed and were mended nothing is asked: a patch of broken lines would decide for all of the map.
+//! Three rules keep this from misleading:
 //!
-//! The error at hidden levels also tells how sharp ridges and canyons are at the distance between contours, how far the
-//! surface may be off half-way between them, and how much relief it lacks.
+//! * Contours are dense on steep ground. So every place on a hidden contour has the weight of the ground that it stands
+//!   for: length of contour times distance to the next level.
+//! * A surface from half of the levels spans twice the distance. Over this distance, ground is rougher and wants more
+//!   tension. Also, hidden levels are few and their errors noisy. So the choice is half-way, on a logarithmic scale,
+//!   between the best tension for them and the one that suits most terrain.
+//! * Places beside repaired crossings are left out. Otherwise one patch of broken lines would decide for the whole map.
+//!
+//! The residuals at hidden levels also give the sharpness of ridges and canyons, the standard error half-way between
+//! contours, and the curvature gain.
 
 use super::builder::TrialParams;
 use super::roughness::hurst_exponent;
@@ -24,62 +27,62 @@ use crate::spline::{HyperParameters, SplineParams};
 use crate::subdomains::MapExtent;
 use crate::tuning::TrialTuning;
 
-/// Tensions that are tried: as many as a parabola has coefficients.
+/// Number of tensions that are tried: as many as a parabola has coefficients.
 const TRIED: usize = 3;
-/// Fewest levels: both halves must have bands with a level hidden in them.
+/// Least number of levels. With fewer, one of the halves has no band with a hidden level in it.
 const FEWEST_LEVELS: usize = 5;
-/// Root mean square over a band of an error that is a parabola from one level to the next, against its height half-way,
-/// where a hidden level lies: a closed form, the square root of 8/15.
+/// Ratio of an error's root mean square over a band to its size half-way, where a hidden level lies. The error is a
+/// parabola from one level to the next. A closed form: the square root of 8/15.
 const OVER_BAND: f64 = 0.730_296_743;
 
-/// How the smooth surface was drawn.
+/// The choice of hyper-parameters, and the accuracy that hidden levels show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
-    /// What was taken.
+    /// The hyper-parameters.
     pub hyper_parameters: HyperParameters,
-    /// Why.
+    /// The reason for the tension.
     pub reason: Reason,
-    /// Whether that was seen on the map without its wrong elevations: with those that are proposed for them, or without the
-    /// lines.
+    /// Whether wrong elevations were mended before the choice: lines got their proposed elevations or were left out.
     pub is_mended: bool,
-    /// How well hidden contours were found; `None` if none were hidden.
+    /// The accuracy at hidden contours; `None` if none were hidden.
     pub hidden: Option<Accuracy>,
-    /// What that implies for the surface from all contours; `None` if none were hidden.
+    /// The accuracy that this implies for the surface from all contours; `None` if none were hidden.
     ///
-    /// Half the interval, less error: by the power of the distance that contours bend with, 2 for smooth ground, less for
-    /// rough. And half-way between two levels, where the hidden ones lie, the error is larger than elsewhere. On known
-    /// terrain of many kinds the true error was mostly between two thirds and one and a half times this figure.
+    /// With half the contour interval, the error is smaller. It falls with a power of the distance, the Hurst-like
+    /// exponent of the contours: 2 for smooth ground, less for rough ground. Also, the error is largest half-way
+    /// between two levels, where the hidden ones lie. On known terrain of many kinds, the true error was mostly between
+    /// two thirds and one and a half times this figure.
     pub implied: Option<Accuracy>,
 }
 
-/// Where the tension came from.
+/// The reason for the tension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
-    /// From hidden levels.
+    /// Chosen by cross-validation on hidden levels.
     Hidden,
-    /// It was a parameter.
+    /// Given as a parameter.
     Given,
-    /// There were so few levels, or so few hidden places, that it is the usual one.
+    /// The usual tension, because there were too few levels or too few places on hidden contours.
     FellBack,
 }
 
-/// How far heights are off.
+/// The accuracy of heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// Root mean square error, metres.
     pub rmse: f64,
-    /// Nine of ten errors are smaller, metres.
+    /// 90 % of the errors are smaller, metres.
     pub le90: f64,
-    /// Contour interval that the surface was drawn from, metres.
+    /// Contour interval of the contours that the surface was built from, metres.
     pub interval: f64,
-    /// Number of places compared.
+    /// Number of places that were compared.
     pub count: usize,
 }
 
-/// Chooses what the `given` parameters leave open.
+/// Chooses the hyper-parameters that `given` leaves open.
 ///
-/// The same for any number of threads. Of large maps some squares are looked at, so that it costs about as much as drawing
-/// the surface itself, or less.
+/// The result does not depend on the number of threads. On large maps, only some squares are tried. So the choice takes
+/// at most about as long as the surface itself.
 pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams<'_>) -> Chosen {
     let SplineParams { tension, noise, .. } = *given;
     let (roughness, tuning) = (&params.tuning.roughness, &params.tuning.trials);
@@ -103,11 +106,11 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     if levels(extent) < FEWEST_LEVELS {
         return fallback;
     }
-    let mut missed = trials(extent, params, tried(tuning).map(hyper_parameters));
-    if missed[0].len() < tuning.min_places {
+    let mut residuals = trials(extent, params, tried(tuning).map(hyper_parameters));
+    if residuals[0].len() < tuning.min_places {
         return fallback;
     }
-    let errors = missed.each_ref().map(|m| rmse(m));
+    let errors = residuals.each_ref().map(|m| rmse(m));
     if !errors.iter().all(|e| e.is_finite()) {
         return fallback;
     }
@@ -117,16 +120,16 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     let step = extent.interval.step;
     let hidden = Accuracy {
         rmse: errors[nearest],
-        le90: le90(&mut missed[nearest]),
+        le90: le90(&mut residuals[nearest]),
         interval: 2.0 * step,
-        count: missed[nearest].len(),
+        count: residuals[nearest].len(),
     };
     let half_way = 0.5f64.powf(roughness.power(exponent));
     let share = OVER_BAND * half_way;
     let implied = Accuracy { rmse: share * hidden.rmse, le90: share * hidden.le90, interval: step, ..hidden };
     let half_way_error = half_way * hidden.rmse;
     let tension = (tuning.usual_tension * best).sqrt();
-    let gain = curvature_gain(&missed, tension, tuning);
+    let gain = curvature_gain(&residuals, tension, tuning);
     let hyper_parameters = HyperParameters {
         crease_threshold: crease_threshold(&hidden, tuning),
         half_way_error,
@@ -136,12 +139,13 @@ pub fn choose(extent: &MapExtent<'_>, given: &SplineParams, params: &TrialParams
     Chosen { hidden: Some(hidden), implied: Some(implied), ..chosen(hyper_parameters, Reason::Hidden) }
 }
 
-/// Ridges and canyons are round where contours are dense enough to show it, and hidden ones are found well; they are sharp where the
-/// ground has more detail than the contours.
+/// The IRLS threshold across ridge and canyon lines. Where surfaces meet the hidden contours well, the contours are
+/// dense enough to show round ridges, and the threshold is high. Where the ground has more detail than the contours,
+/// ridges are sharp, and the threshold is low.
 fn crease_threshold(hidden: &Accuracy, tuning: &TrialTuning) -> f64 {
     let [least, most] = tuning.crease_threshold_limits;
-    let missed = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
-    (tuning.usual_crease_threshold / missed.powi(2)).clamp(least, most)
+    let ratio = hidden.rmse / hidden.interval / tuning.usual_hidden_error;
+    (tuning.usual_crease_threshold / ratio.powi(2)).clamp(least, most)
 }
 
 /// The tensions that are tried.
@@ -150,18 +154,19 @@ fn tried(tuning: &TrialTuning) -> [f64; TRIED] {
     [1.0, factor, factor * factor]
 }
 
-/// The relief that a surface with a tension lacks, as a share of the standard error: the regression of what is missed on
-/// [`TrialResidual::unit_gain`], between the tensions that were tried. Surfaces with more relief than the ground are left as they are.
-fn curvature_gain(missed: &[Vec<TrialResidual>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
-    let lacks = |missed: &Vec<TrialResidual>| {
-        let sum = |value: fn(&TrialResidual) -> f64| missed.iter().map(value).sum::<f64>();
-        -sum(|m| m.weight * m.by * m.unit_gain) / sum(|m| m.weight * m.unit_gain * m.unit_gain) / rmse(missed)
+/// The curvature gain of a surface with a tension, as a share of the standard error. It is the regression of the
+/// residuals on [`TrialResidual::unit_gain`], interpolated between the tensions that were tried. A surface that curves
+/// more than the ground gets none.
+fn curvature_gain(residuals: &[Vec<TrialResidual>; TRIED], tension: f64, tuning: &TrialTuning) -> f64 {
+    let gain_of = |residuals: &Vec<TrialResidual>| {
+        let sum = |value: fn(&TrialResidual) -> f64| residuals.iter().map(value).sum::<f64>();
+        -sum(|m| m.weight * m.by * m.unit_gain) / sum(|m| m.weight * m.unit_gain * m.unit_gain) / rmse(residuals)
     };
     let place = (tension.ln() / tuning.tension_factor.ln()).clamp(0.0, (TRIED - 1) as f64);
     let below = (place as usize).min(TRIED - 2);
-    let [near, far] = [below, below + 1].map(|k| lacks(&missed[k]));
+    let [near, far] = [below, below + 1].map(|k| gain_of(&residuals[k]));
     let share = tuning.gain_share * (near + (place - below as f64) * (far - near));
-    // Where no place tells anything there is no share.
+    // If no place has a unit gain, there is no gain.
     if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
 
@@ -175,7 +180,7 @@ fn levels(extent: &MapExtent<'_>) -> usize {
     numbers.len()
 }
 
-/// Where the parabola through three values at 0, 1 and 2 is lowest, at most `beyond` outside of them.
+/// Where the parabola through three values at 0, 1 and 2 is lowest, at most `beyond` outside their range.
 fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     let (slope, bend) = ((c - a) / 2.0, a - 2.0 * b + c);
     let at = if bend > 0.0 {
@@ -188,17 +193,17 @@ fn lowest([a, b, c]: [f64; TRIED], beyond: f64) -> f64 {
     at.clamp(-beyond, 2.0 + beyond)
 }
 
-fn rmse(missed: &[TrialResidual]) -> f64 {
-    let (sum, weights) = missed.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
+fn rmse(residuals: &[TrialResidual]) -> f64 {
+    let (sum, weights) = residuals.iter().fold((0.0, 0.0), |(s, w), m| (s + m.weight * m.by * m.by, w + m.weight));
     (sum / weights).sqrt()
 }
 
-/// The error that nine tenths of the weight lie below.
-fn le90(missed: &mut [TrialResidual]) -> f64 {
-    missed.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
-    let all: f64 = missed.iter().map(|m| m.weight).sum();
+/// The error below which nine tenths of the weight lie.
+fn le90(residuals: &mut [TrialResidual]) -> f64 {
+    residuals.sort_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
+    let all: f64 = residuals.iter().map(|m| m.weight).sum();
     let mut below = 0.0;
-    let reached = missed.iter().find(|m| {
+    let reached = residuals.iter().find(|m| {
         below += m.weight;
         below >= 0.9 * all
     });
@@ -222,33 +227,33 @@ mod tests {
     fn ridges_are_sharper_where_contours_show_less() {
         const MISSED: f64 = 0.14;
         let hidden = |rmse: f64| Accuracy { rmse, le90: rmse, interval: 20.0, count: 1 };
-        let knee = |rmse: f64| crease_threshold(&hidden(rmse), &TrialTuning::default());
-        assert_eq!(knee(MISSED * 20.0), 0.1);
-        assert!((knee(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
-        assert_eq!([knee(0.0), knee(20.0)], [0.3, 0.03]);
+        let threshold = |rmse: f64| crease_threshold(&hidden(rmse), &TrialTuning::default());
+        assert_eq!(threshold(MISSED * 20.0), 0.1);
+        assert!((threshold(0.7 * MISSED * 20.0) - 0.1 / 0.49).abs() < 1e-12);
+        assert_eq!([threshold(0.0), threshold(20.0)], [0.3, 0.03]);
     }
 
     #[test]
-    fn relief_that_hidden_contours_miss_is_given_back_in_part() {
-        // Errors of two metres, up and down; where the surface bulges it is too low by so much of them.
-        let of = |lack: f64| -> Vec<TrialResidual> {
+    fn a_part_of_the_curvature_gain_at_hidden_contours_is_applied() {
+        // Errors are two metres, up and down. Where the surface bulges, it is too low by a share of them.
+        let of = |share: f64| -> Vec<TrialResidual> {
             let place = |k: i32| {
                 let (error, unit_gain) = (if k % 2 == 0 { 2.0 } else { -2.0 }, f64::from(k % 4 - 2).signum() * 0.5);
-                TrialResidual { by: error - 2.0 * lack * unit_gain, weight: 1.0, unit_gain }
+                TrialResidual { by: error - 2.0 * share * unit_gain, weight: 1.0, unit_gain }
             };
             (0..400).map(place).collect()
         };
-        let rmse_of = |lack: f64| rmse(&of(lack));
+        let rmse_of = |share: f64| rmse(&of(share));
         let tuning = TrialTuning::default();
-        let gain = |missed: &[Vec<TrialResidual>; TRIED], tension: f64| curvature_gain(missed, tension, &tuning);
-        let expected = |lack: f64| tuning.gain_share * 2.0 * lack / rmse_of(lack);
-        let missed = [of(0.2), of(0.4), of(0.8)];
-        assert!((gain(&missed, 1.0) - expected(0.2)).abs() < 1e-9, "{}", gain(&missed, 1.0));
+        let gain = |residuals: &[Vec<TrialResidual>; TRIED], tension: f64| curvature_gain(residuals, tension, &tuning);
+        let expected = |share: f64| tuning.gain_share * 2.0 * share / rmse_of(share);
+        let residuals = [of(0.2), of(0.4), of(0.8)];
+        assert!((gain(&residuals, 1.0) - expected(0.2)).abs() < 1e-9, "{}", gain(&residuals, 1.0));
         assert!(
-            gain(&missed, tuning.tension_factor) > gain(&missed, 1.0)
-                && gain(&missed, 100.0) > gain(&missed, tuning.tension_factor)
+            gain(&residuals, tuning.tension_factor) > gain(&residuals, 1.0)
+                && gain(&residuals, 100.0) > gain(&residuals, tuning.tension_factor)
         );
-        assert_eq!(gain(&missed, 1e9), gain(&missed, tried(&tuning)[2]));
+        assert_eq!(gain(&residuals, 1e9), gain(&residuals, tried(&tuning)[2]));
         assert_eq!(gain(&[of(-0.5), of(-0.5), of(-0.5)], 3.0), 0.0);
         let none = || vec![TrialResidual { by: 1.0, weight: 1.0, unit_gain: 0.0 }];
         assert_eq!(gain(&[none(), none(), none()], 3.0), 0.0);
@@ -257,8 +262,8 @@ mod tests {
     #[test]
     fn errors_count_by_weight() {
         let of = |weight: f64, by: f64| TrialResidual { by, weight, unit_gain: 0.0 };
-        let mut missed = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
-        assert!((rmse(&missed).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
-        assert_eq!(le90(&mut missed), 4.0);
+        let mut residuals = vec![of(8.9, 1.0), of(1.0, -4.0), of(0.1, 9.0)];
+        assert!((rmse(&residuals).powi(2) - (8.9 + 16.0 + 8.1) / 10.0).abs() < 1e-12);
+        assert_eq!(le90(&mut residuals), 4.0);
     }
 }

@@ -1,4 +1,4 @@
-//! What hidden levels tell: the hyper-parameters of the smooth surface and how far it may be off.
+//! Cross-validation on hidden levels: the choice of hyper-parameters, and the expected error of the surface.
 
 mod builder;
 mod choose;

@@ -1,11 +1,13 @@
-//! Whether contours jitter: how their bends grow with the distance that they are looked at over.
+//! The roughness of contours: how their offsets from chords grow with the length of the chords (Hurst-like exponent).
 //!
-//! The middle of a stretch of a smooth line is off the chord by the square of the stretch's length; where a line jitters, the
-//! offset hardly grows with the length. The exponent in between is that of the line's roughness, whatever its scale and
-//! the terrain's. A spline is the best guess for lines whose exponent is 3/2 (integrated random walks); rougher ones are
-//! better smoothed than followed. Looked at over a quarter and half of the mean distance between contours, which is
-//! what the surface between them can tell. Single vertices that stand out of a line are slips, whose long ways there and
-//! back would make a smooth line rough; they are passed by.
+//! On a smooth line, the offset of the middle from the chord grows with the square of the length. On a line with
+//! jitter, it hardly grows. The exponent depends neither on the scale of the line nor on the terrain. A spline is the
+//! best guess for lines with the exponent 3/2 (integrated random walks). Rougher lines are better smoothed than
+//! followed.
+//!
+//! The half-lengths of the chords are a quarter and a half of the mean spacing. The surface between contours can
+//! show detail of this size. Single vertices far off a line are digitising errors and are left out. The long ways there
+//! and back would make a smooth line rough.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -14,10 +16,10 @@ use crate::contour::without_outlying;
 use crate::subdomains::MapExtent;
 use crate::tuning::RoughnessTuning;
 
-/// Most chords of one length, about. Of more contours some are looked at. A limit of time.
+/// About the largest number of chords of one length. It limits time: of more contours, only some are used.
 const MOST: f64 = 1e6;
 
-/// The exponent that offsets of contours from their chords grow with, about 0 to 2; `None` if there are too few to tell.
+/// The Hurst-like exponent of the contours, about 0 to 2. `None` if there are too few chords.
 pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Option<f64> {
     let lines: Vec<Vec<DVec2>> = extent.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
     exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), extent.spacing, tuning)
@@ -30,7 +32,7 @@ fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Optio
     ratio.is_finite().then_some(ratio)
 }
 
-/// Median offset of the middle of stretches from their chords; `None` of fewer than `fewest`.
+/// Median offset of the middle of chords; `None` if there are fewer than `fewest`.
 fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     let length = |line: &[DVec2]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let all: f64 = lines.iter().map(|line| length(line)).sum::<f64>() / reach;
@@ -40,7 +42,7 @@ fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     let every = (all / MOST).ceil().max(1.0) as usize;
     let mut offsets = Vec::new();
     for line in lines.iter().step_by(every) {
-        // Short ones are all bend.
+        // Short lines are one bend only.
         if length(line) < 4.0 * reach {
             continue;
         }
@@ -59,7 +61,7 @@ fn median_offset(lines: &[&[DVec2]], reach: f64, fewest: usize) -> Option<f64> {
     Some(*offsets.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Calls `each` with places along a line, `step` apart, at most so many.
+/// Calls `each` with places along a line that are `step` apart, at most `most` times.
 fn for_each_step(line: &[DVec2], step: f64, most: usize, mut each: impl FnMut(DVec2)) {
     let (mut ahead, mut count) = (0.0, 0);
     for ends in line.windows(2) {
@@ -77,7 +79,7 @@ fn for_each_step(line: &[DVec2], step: f64, most: usize, mut each: impl FnMut(DV
 mod tests {
     use super::*;
 
-    /// Circles around each other whose radii waver by the given amount from vertex to vertex.
+    /// Circles around each other. Their radii change at random by the given amount from vertex to vertex.
     fn rings(jitter: f64) -> Vec<Vec<DVec2>> {
         let mut state = 1u32;
         let mut random = || {

@@ -1,4 +1,5 @@
-//! A part of a map with every second level hidden, and how far a surface from the other levels misses the hidden ones.
+//! A part of a map with every second level hidden, and the residuals of a surface from the other levels at the hidden
+//! ones.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -16,26 +17,26 @@ use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::tuning::TrialTuning;
 
-/// Most nodes of the grid of a trial: a limit of time. Levels that are left may lie in a sliver of the map whose gaps ask for far
-/// smaller cells than the trial's.
+/// Largest number of nodes of a trial's grid. It limits time. The other levels may lie in a sliver of the map, whose
+/// mean spacing asks for very small cells.
 const MOST_TRIAL_NODES: usize = 1_500_000;
-/// The interval of the levels that are left may differ from twice the map's by this share: a tolerance of rounding.
+/// Tolerance of rounding: the contour interval may differ from twice the map's by this share.
 const INTERVAL_SHARE: f64 = 1e-3;
 
-/// A map with a part of its levels hidden.
+/// A part of a map with some of its levels hidden.
 pub struct Trial {
-    /// The map of the levels that are left, with ridge and canyon lines.
+    /// The map of the other levels, with ridge and canyon lines.
     pub subdivision: Subdivision,
     /// Its ridge and canyon lines.
     pub break_lines: Vec<BreakLine>,
-    /// Places whose level is known, though the map that is left does not tell it.
-    pub places: Vec<Place>,
+    /// Places on hidden contours, whose level is known.
+    pub places: Vec<HiddenPlace>,
     /// The working grid.
     pub grid: Grid,
 }
 
 /// The middle of a segment of a hidden contour.
-pub struct Place {
+pub struct HiddenPlace {
     /// Map position.
     pub at: DVec2,
     /// Elevation of the hidden contour.
@@ -44,31 +45,31 @@ pub struct Place {
     pub length: f64,
 }
 
-/// Which levels a trial leaves: every so many, from one of the first on.
+/// The levels that a trial keeps: one in so many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LevelSubset {
-    /// Every so many.
+    /// One level in so many is kept.
     pub every: i64,
-    /// Which of them, 0 to `every - 1`.
+    /// Which one, 0 to `every - 1`.
     pub phase: i64,
 }
 
-/// How far a surface misses a place on a hidden contour.
+/// The residual of a surface at a place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrialResidual {
     /// Height of the surface above the contour, metres.
     pub by: f64,
-    /// Area of ground that the place stands for, square map units.
+    /// Area of the ground that the place stands for, square map units.
     pub weight: f64,
-    /// What a bulge or hollow there would grow by if the standard error half-way between contours were a metre in the mean
+    /// Curvature gain at the place, for a standard error of one metre half-way between contours
     /// ([`unit_gain`](crate::spline::curvature_gain::unit_gain)).
     pub unit_gain: f64,
 }
 
-/// What the surfaces with these knobs miss the hidden contours by, the odd and the even levels hidden in turn. Parts that no
-/// surface can be drawn over are left out.
+/// The residuals of surfaces with these hyper-parameters at hidden contours. The odd and the even levels are hidden in
+/// turn. Parts without a surface are left out.
 ///
-/// The parts are small, so that each is one task.
+/// The parts are small. So each is one task.
 pub fn trials<const N: usize>(
     extent: &MapExtent<'_>,
     params: &TrialParams<'_>,
@@ -78,21 +79,22 @@ pub fn trials<const N: usize>(
     let mut parts = parts(extent, params, cell);
     let shortest = params.tuning.trials.min_ring_cells * cell;
     for (map, _) in &mut parts {
-        // Where level ground has many knolls, their few vertices would decide what the surface around looks like.
+        // Level ground may have many knolls. Their few vertices would decide the shape of the surface around.
         map.contours.retain(|c| !(c.is_closed() && c.length() < shortest));
     }
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
-    let missed = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = LevelSubset { every: 2, phase };
-        Some(trial((map, frame), left, extent.interval, cell, params)?.missed(hyper_parameters, params))
+    let residuals = both.into_par_iter().filter_map(|(map, frame, phase)| {
+        let kept = LevelSubset { every: 2, phase };
+        Some(trial((map, frame), kept, extent.interval, cell, params)?.residuals(hyper_parameters, params))
     });
-    let each: Vec<[Vec<TrialResidual>; N]> = missed.collect();
-    std::array::from_fn(|k| each.iter().flat_map(|missed| missed[k].iter().copied()).collect())
+    let each: Vec<[Vec<TrialResidual>; N]> = residuals.collect();
+    std::array::from_fn(|k| each.iter().flat_map(|residuals| residuals[k].iter().copied()).collect())
 }
 
-/// Size of the cells of a trial, for contours of every so many levels.
+/// Size of the cells of a trial that keeps one level in `every`, map units.
 ///
-/// Contours twice as far apart need cells twice as large, or larger where the grid was finer than contours ask for.
+/// Contours twice as far apart need cells twice as large. Cells are larger still where the grid is finer than the
+/// contours need.
 pub fn cell(extent: &MapExtent<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
     let tuning = &params.tuning.spline.grid;
     let cell = working_grid(extent, params.wanted, tuning).cell;
@@ -113,13 +115,13 @@ pub fn parts(extent: &MapExtent<'_>, params: &TrialParams<'_>, cell: f64) -> Vec
     let side = (square_nodes.sqrt() * cell).min((square_vertices * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
     let step = size / count;
-    // No more of them than vertices, however long and narrow the map.
+    // At most as many squares as vertices, however long and narrow the map is.
     let mut in_square = std::collections::BTreeMap::<[u32; 2], usize>::new();
     for p in points() {
         let place = ((p - lo) / step).floor().min(count - 1.0);
         *in_square.entry([place.x as u32, place.y as u32]).or_default() += 1;
     }
-    // From those with few contours to those with many, so that level ground and steep ground both have their say.
+    // Squares are ordered by their number of vertices. So level and steep ground are both among the chosen ones.
     let mut squares: Vec<(usize, [u32; 2])> = in_square.into_iter().map(|(at, count)| (count, at)).collect();
     squares.sort_unstable();
     let take = squares.len().min(most_squares);
@@ -142,22 +144,22 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     (cut.map, Frame::Polygon(cut.area))
 }
 
-/// A part of a map, in its frame, with levels hidden; `None` if no surface can be drawn over those that are left. `interval` is
-/// the whole map's.
+/// A part of a map with some levels hidden. `None` if the kept levels give no surface. `interval` is that of the whole
+/// map.
 pub fn trial(
     (map, frame): (&ContourMap, &Frame),
-    left: LevelSubset,
+    kept: LevelSubset,
     interval: Interval,
     cell: f64,
     params: &TrialParams<'_>,
 ) -> Option<Trial> {
-    let is_left = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(left.every) == left.phase;
-    // Auxiliary contours are hidden without being asked for: they are where they help most.
+    let is_kept = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(kept.every) == kept.phase;
+    // Auxiliary contours are left out of the map and of the places. They lie where they help most.
     let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
-        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_left);
+        map.contours.iter().filter(|c| interval.is_level(c.elevation)).partition(is_kept);
     let places = hidden.iter().flat_map(|c| c.points.windows(2).map(|ends| (c.elevation, ends)));
     let places = places
-        .map(|(level, ends)| Place { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
+        .map(|(level, ends)| HiddenPlace { at: (ends[0] + ends[1]) / 2.0, level, length: ends[0].distance(ends[1]) })
         .collect();
     let mended = &map.mended;
     let known = |spacing: f64| ContourMap {
@@ -165,13 +167,13 @@ pub fn trial(
         spots: map.spots.clone(),
         ..ContourMap::default()
     };
-    // With fewer vertices, lines that run close beside each other may come to cross.
+    // With fewer vertices, lines that run close to each other may cross.
     let spacings = [cell / params.tuning.trials.vertices_per_cell, 0.0];
     let subdivision = spacings.into_iter().find_map(|spacing| subdivide(known(spacing), frame, &()).ok())?.value;
-    if (subdivision.interval.step / (left.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
+    if (subdivision.interval.step / (kept.every as f64 * interval.step) - 1.0).abs() > INTERVAL_SHARE {
         return None;
     }
-    let places = sound(places, mended, subdivision.extent().spacing);
+    let places = without_mended(places, mended, subdivision.extent().spacing);
     let (subdivision, break_lines) = params.builder.with_lines(subdivision)?;
     let grid = working_grid(&subdivision.extent(), Some(Wanted::Cell(cell)), &params.tuning.spline.grid);
     if grid.len() > MOST_TRIAL_NODES {
@@ -180,7 +182,7 @@ pub fn trial(
     Some(Trial { subdivision, break_lines, places, grid })
 }
 
-/// A contour without the vertices that are nearer than `spacing`, along it, to the one before. Its ends stay.
+/// A contour without the vertices that are nearer than `spacing` to the one before, along the contour. Its ends stay.
 fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
     let Some((last, rest)) = contour.points.split_last() else { return contour.clone() };
     let fewest = if contour.is_closed() { 3 } else { 1 };
@@ -198,11 +200,11 @@ fn with_fewer_vertices(contour: &Contour, spacing: f64) -> Contour {
     Contour { points, ..contour.clone() }
 }
 
-/// Places without those that are nearer to a mended one than contours are to each other in the mean: what lines that were broken
-/// are off by says nothing about ground where they are not. All of them, where only a minority is sound.
-fn sound(places: Vec<Place>, mended: &[DVec2], spacing: f64) -> Vec<Place> {
+/// Places without those that are nearer to a mended place than the mean spacing of the contours. Residuals at broken
+/// lines show nothing about other ground. If only a minority is left, all places are kept.
+fn without_mended(places: Vec<HiddenPlace>, mended: &[DVec2], spacing: f64) -> Vec<HiddenPlace> {
     let mended = RTree::bulk_load(mended.iter().map(|p| p.to_array()).collect());
-    let is_sound = |place: &Place| {
+    let is_sound = |place: &HiddenPlace| {
         mended
             .nearest_neighbor(&place.at.to_array())
             .is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= spacing)
@@ -216,9 +218,9 @@ fn sound(places: Vec<Place>, mended: &[DVec2], spacing: f64) -> Vec<Place> {
 }
 
 impl Trial {
-    /// How far the surfaces with these knobs miss the hidden contours, where those still lie between two levels. The
-    /// places are the same for all.
-    fn missed<const N: usize>(
+    /// The residuals of surfaces with these hyper-parameters at hidden contours that lie between two levels. All
+    /// surfaces have the same places.
+    fn residuals<const N: usize>(
         &self,
         hyper_parameters: [HyperParameters; N],
         params: &TrialParams<'_>,
@@ -230,7 +232,7 @@ impl Trial {
         let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
-        let asked = |place: &Place| {
+        let asked = |place: &HiddenPlace| {
             let (col, row) = node(grid, place.at);
             let (col, row) = (col.round(), row.round());
             if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
@@ -248,28 +250,28 @@ impl Trial {
             let surface = spline(&conditions, &hyper_parameters, tuning, &());
             let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
-            let missed = |(place, weight): (&Place, &Option<f64>)| {
+            let residual = |(place, weight): (&HiddenPlace, &Option<f64>)| {
                 let by = f64::from(bilinear(&surface, place.at)?) - place.level;
                 let unit_gain = f64::from(between(grid, &unit_gain, place.at)?);
                 weight.filter(|w| *w > 0.0 && by.is_finite()).map(|weight| TrialResidual { by, weight, unit_gain })
             };
-            all.filter_map(missed).collect()
+            all.filter_map(residual).collect()
         })
     }
 }
 
-/// Column and row of a map position, as fractions.
+/// Column and row of a map position, with fractions.
 pub fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
     let first = grid.center(0, 0);
     ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y)
 }
 
-/// The height between four nodes; `None` off the grid.
+/// The height at a position, bilinear between four nodes; `None` off the grid.
 fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
     between(&surface.grid, &surface.heights, p)
 }
 
-/// The value between four nodes; `None` off the grid.
+/// The value at a position, bilinear between four nodes; `None` off the grid.
 pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
     let (x, y) = node(grid, p);
     if x < 0.0 || y < 0.0 || x >= grid.cols as f64 - 1.0 || y >= grid.rows as f64 - 1.0 {
@@ -331,7 +333,7 @@ mod tests {
                 line(0.0, [(0.0, -10.0), (40.0, -10.0)]),
                 line(10.0, [(0.0, -5.0), (40.0, -5.0)]),
                 line(20.0, around(0.0, 0.0)),
-                // It begins elsewhere, and so keeps vertices elsewhere.
+                // This line begins elsewhere. So it keeps other vertices.
                 line(40.0, around(1.0, 0.1)),
             ],
             ..ContourMap::default()
@@ -341,10 +343,10 @@ mod tests {
         let thinned = ContourMap { contours: map.contours.iter().map(thin).collect(), ..ContourMap::default() };
         assert!(subdivide(thinned, &Frame::Hull, &()).is_err(), "the case must be one where lines come to cross");
         let interval = Interval { step: 10.0, base: 0.0 };
-        let left = LevelSubset { every: 2, phase: 0 };
+        let kept = LevelSubset { every: 2, phase: 0 };
         let tuning = Tuning::default();
         let params = TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning };
-        let trial = trial((&map, &Frame::Hull), left, interval, cell, &params).expect("all vertices are kept then");
+        let trial = trial((&map, &Frame::Hull), kept, interval, cell, &params).expect("all vertices are kept then");
         assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
     }

@@ -60,7 +60,7 @@ fn all_products_of_a_plane() {
     let properties = &features[0]["properties"];
     assert_eq!(properties["area_m2"].as_f64(), Some(2400.0));
     assert_eq!(properties["height_m"].as_f64(), Some(43.5));
-    assert!(properties["note"].as_str().unwrap().contains("No survey"));
+    assert!(properties["note"].as_str().unwrap().contains("Not a survey"));
     assert!(text.contains("note       From a height map") && text.contains("1 areas"), "{text}");
 }
 

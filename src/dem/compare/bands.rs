@@ -1,4 +1,4 @@
-//! Heights outside the contours' bands: where a height map contradicts the contours for certain.
+//! Heights outside the bands of the contours: there, a height map certainly contradicts the contours.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -8,22 +8,23 @@ use super::statistics::sum;
 use crate::dem::Dem;
 use crate::subdomains::Band;
 
-/// How much of a height map lies outside the bands of the sub-domains that its cells lie in.
+/// The cells of a height map whose heights lie outside the band of their sub-domain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BandShare {
     /// Cells with a height and a band.
     pub cells: usize,
-    /// Those of them whose height is not between the two levels around.
+    /// Number of these cells whose height is outside their band.
     pub outside: usize,
-    /// Their share.
+    /// Their share of the cells.
     pub share: f64,
     /// Mean distance of the heights outside from their band, metres; 0 if there are none.
     pub mean_excess: f64,
-    /// The height furthest outside: how far (less than 0 below the band), metres, and where.
+    /// The height farthest outside its band: distance (metres, below 0 if it is below the band) and position.
     pub furthest: Option<Extreme>,
 }
 
-/// Counts the cells of `dem` outside the band that `band_of` has for them, by their index. None if no cell has one.
+/// Counts the cells of `dem` outside their band. `band_of` gives the band of a cell by its index. `None` if no cell has
+/// a band.
 pub fn outside_bands(dem: &Dem, band_of: impl Fn(usize) -> Option<Band> + Sync) -> Option<BandShare> {
     let excess = |i: usize| {
         let height = f64::from(dem.values[i]);

@@ -7,33 +7,34 @@ use super::statistics::quantile;
 
 /// Bounds of the classes of slope, degrees.
 pub const SLOPE_BOUNDS: [f64; 6] = [0.0, 5.0, 15.0, 30.0, 45.0, 90.0];
-/// Classes of elevation are at most so many.
+/// Largest number of classes of elevation.
 const MOST_CLASSES: f64 = 8.0;
 
-/// Cells whose value is at least `from` and less than `to`, and the figures of their differences.
+/// Cells whose value is at least `from` and less than `to`, and the statistics of their differences.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Class {
     /// Lower bound; it belongs to the class.
     pub from: f64,
-    /// Upper bound, which does not; none if the class is open.
+    /// Upper bound; it does not belong to the class. `None` if the class is open.
     pub to: Option<f64>,
-    /// The figures; none if no cell is in the class.
+    /// The statistics. `None` if no cell is in the class.
     pub statistics: Option<Statistics>,
 }
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below a positive number.
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `value`, which is positive.
 pub(super) fn round_up(value: f64) -> f64 {
     let power = 10f64.powi(value.log10().floor() as i32);
-    // A number such as 0.3 must not be missed by rounding and taken for more than 3 tenths of a unit.
+    // The tolerance keeps rounding from taking a number such as 0.3 for more than 3 tenths.
     [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|r| *r >= value * (1.0 - 1e-12)).unwrap_or(10.0 * power)
 }
 
-/// Bounds on multiples of a round number that cover a range of elevations; at most eight classes, mostly five and more.
+/// Bounds of classes of elevation: multiples of a round number that cover the range. At most eight classes, mostly five
+/// or more.
 pub(super) fn elevation_bounds(lowest: f64, highest: f64) -> Vec<f64> {
     if !(lowest.is_finite() && highest.is_finite()) {
         return Vec::new();
     }
-    // A range on bounds takes one class more than it is wide.
+    // A range whose ends are both on bounds takes one class more.
     let range = if highest > lowest { (highest - lowest).max(1e-2) } else { MOST_CLASSES };
     let mut step = round_up(range / MOST_CLASSES);
     let count = |step: f64| (highest / step).floor() - (lowest / step).floor() + 1.0;
@@ -44,8 +45,8 @@ pub(super) fn elevation_bounds(lowest: f64, highest: f64) -> Vec<f64> {
     (0..=count(step) as u32).map(|k| (first + f64::from(k)) * step).collect()
 }
 
-/// Bounds that double from a round number on, so that about half of the cells are in the first two classes; the last class
-/// is open.
+/// Bounds of classes of distance. They double from a round number on. About half of the cells are in the first two
+/// classes. The last class is open.
 pub(super) fn distance_bounds(distances: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut known: Vec<f64> = distances.filter(|d| d.is_finite()).collect();
     let median = quantile(&mut known, 0.5);

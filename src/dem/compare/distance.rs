@@ -1,4 +1,4 @@
-//! How far cells are from the nearest contour: what was measured is there, what was interpolated is between.
+//! Distance of cells from the nearest contour. Near contours heights are measured, far from them they are interpolated.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -8,8 +8,9 @@ use rstar::{PointDistance, RTree};
 use crate::base::Grid;
 use crate::contour::Contour;
 
-/// Distance of every cell centre that `is_wanted` to the nearest contour line, in units of the contours' map; NaN
-/// for the others, and where there is no contour. `to_map` takes a place of the grid to the contours' coordinates.
+/// Distance of every cell centre to the nearest contour line, in units of the contours' map. NaN for cells that are not
+/// `is_wanted`, and where there is no contour. `to_map` converts a position on the grid to the coordinates of the
+/// contours.
 ///
 /// The distance is to the nearest point of the line, not to its nearest vertex.
 pub fn contour_distances(

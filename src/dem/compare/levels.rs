@@ -1,10 +1,13 @@
-//! Do heights crowd at the levels of contours? A height map that was made from contours often has terraces there, which
-//! ground has not.
+//! Terraces: whether heights crowd at the levels of contours. A height map made from contours often has terraces at the
+//! levels. Natural ground has none there.
 //!
-//! The height modulo the interval is counted in [`BINS`] bins. The two bins at the level, a tenth of the interval
-//! together, are set against the two pairs of bins beside them: heights of ground spread evenly over so short a range, so
-//! their counts are alike whatever the terrain. Flat triangles between contour vertices of one level pile up heights on it.
-//! A lake, a plain or the sea does so at one level; terraces do at most of them, so the levels vote.
+//! The height modulo the contour interval is counted in [`BINS`] bins. The two bins at the level cover a tenth of the
+//! interval. Their count is compared with that of the two pairs of bins beside them. Over so short a range, heights of
+//! the ground are evenly spread, whatever the terrain. Flat triangles between contour vertices of one level put many
+//! heights on this level.
+//!
+//! A lake, a plain or the sea also puts many heights on one level. Terraces occur at the majority of the levels. So the
+//! levels vote.
 
 use std::collections::BTreeMap;
 
@@ -16,25 +19,25 @@ use crate::contour::Interval;
 
 /// Bins of the height modulo the interval.
 pub const BINS: usize = 20;
-/// A level counts as terraced if this many times more heights than expected lie near it. On ground that was measured no level
-/// does, on linear triangulations of its contours most do, on smooth surfaces few.
+/// A level is terraced if there are this many times more heights near it than expected. On measured ground no level is.
+/// On linear triangulations of its contours most levels are, on smooth surfaces few.
 const EXCESS: f64 = 1.4;
-/// Share of the levels that must be terraced for the whole to be called so: linear triangulations reach a half where part
-/// of the ground is steep, smooth surfaces a fifth.
+/// Share of the levels that must be terraced before a height map is said to have terraces. Linear triangulations reach
+/// a half where part of the ground is steep, smooth surfaces a fifth.
 const MANY_LEVELS: f64 = 1.0 / 3.0;
-/// A level is looked at if so many heights lie near it or beside it.
+/// Least number of heights near a level or beside it. With fewer, the level does not vote.
 const FEWEST_HEIGHTS: u64 = 100;
-/// Terraces are told from this many levels upwards.
+/// Least number of levels that vote.
 const FEWEST_LEVELS: usize = 3;
-/// An interval with more levels than this between the lowest and the highest height is none.
+/// Largest number of levels between the lowest and the highest height. With more, the interval is not used.
 const MOST_INTERVALS: f64 = 1e6;
-/// Intervals that are tried where none is known, metres: those of maps, the smallest first.
+/// Contour intervals that are tried if none is known, metres: those usual on maps, the smallest first.
 const USUAL: [f64; 12] = [1.0, 2.0, 2.5, 3.048, 5.0, 6.096, 10.0, 12.192, 20.0, 25.0, 50.0, 100.0];
 
 /// Heights modulo the contour interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelHistogram {
-    /// Height between neighbouring levels, metres.
+    /// Contour interval, metres.
     pub interval: f64,
     /// Height of one of the levels, metres.
     pub base: f64,
@@ -42,18 +45,19 @@ pub struct LevelHistogram {
     pub shares: Vec<f64>,
     /// Share of the heights that are less than 5 % of the interval from a level: the first and the last bin.
     pub near: f64,
-    /// What that share would be if heights were as frequent there as just beside it: half of the next two bins on each side.
+    /// Expected share: half of the share of the next two bins on each side.
     pub expected: f64,
-    /// Levels with enough heights near them.
+    /// Number of levels that have enough heights near them.
     pub levels: usize,
-    /// Those of them where at least 1.4 times as many heights as expected are near.
+    /// Number of these levels with at least 1.4 times as many heights near them as expected.
     pub terraced_levels: usize,
-    /// Whether that are many, a third of the even-numbered levels and of the odd ones: heights crowd at contour levels. None
-    /// where there are fewer than three levels, or where heights are so coarse that they are on levels by rounding.
+    /// Whether the height map has terraces: at least a third of the even-numbered levels and of the odd-numbered ones
+    /// are terraced. `None` if there are fewer than three levels, or if heights are so coarse that rounding puts them
+    /// on levels.
     pub terraced: Option<bool>,
 }
 
-/// Counts heights modulo an interval. None if there are no heights, or the interval is too small for them.
+/// Counts heights modulo an interval. `None` if there are no heights, or if the interval is too small for them.
 pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<Precision>) -> Option<LevelHistogram> {
     let (lowest, highest) = heights
         .par_iter()
@@ -61,7 +65,7 @@ pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<P
         .map(|&h| (h, h))
         .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let count = f64::from(highest - lowest) / interval.step;
-    // Also false for NaN: no heights.
+    // The condition is also false for NaN, when there are no heights.
     if !(interval.step > 0.0 && (0.0..MOST_INTERVALS).contains(&count)) {
         return None;
     }
@@ -69,7 +73,7 @@ pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<P
         if height.is_finite() {
             let height = precision.map_or(f64::from(*height), |p| p.decimal(*height));
             let bin = (BINS as f64 * (height - interval.base) / interval.step).floor() as i64;
-            // The level's own bins lie around it.
+            // Half of the bins of a level are below it.
             let level = (bin + BINS as i64 / 2).div_euclid(BINS as i64);
             levels.entry(level).or_insert([0; BINS])[bin.rem_euclid(BINS as i64) as usize] += 1;
         }
@@ -86,7 +90,7 @@ pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<P
     let mut bins = [0u64; BINS];
     by_level.values().for_each(|level| bins.iter_mut().zip(level).for_each(|(sum, n)| *sum += n));
     let total: u64 = bins.iter().sum();
-    // By parity of the level: how many have enough heights, and how many of those have terraces.
+    // Counts by parity of the level: levels with enough heights, and those of them with terraces.
     let (mut levels, mut terraced) = ([0usize; 2], [0usize; 2]);
     for (level, bins) in &by_level {
         let (near, beside) = near_and_beside(bins);
@@ -113,21 +117,21 @@ pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<P
     })
 }
 
-/// Whether a range is a whole number of steps, so that ranges of this size hold equally many heights on such steps.
+/// Whether a range is a whole number of steps. Only then do ranges of this size hold equally many heights.
 fn divides(step: f64, range: f64) -> bool {
     let count = (range / step).round();
     count >= 1.0 && (range / step - count).abs() < 1e-6
 }
 
-/// Counts within 5 % of the level, and from 5 % to 15 % on both sides.
+/// Number of heights within 5 % of the interval from the level, and from 5 % to 15 % on both sides.
 fn near_and_beside(bins: &[u64; BINS]) -> (u64, u64) {
     (bins[0] + bins[BINS - 1], bins[1] + bins[2] + bins[BINS - 2] + bins[BINS - 3])
 }
 
-/// The smallest of the usual contour intervals at whose levels the heights have terraces, if there is one.
+/// The smallest usual contour interval at whose levels the heights have terraces, if there is one.
 ///
-/// At half the true interval only every second level has terraces, at twice as many all have, so the smallest that passes is
-/// the true one.
+/// At half the true interval, only every second level has terraces. At twice the true interval, all levels have. So the
+/// smallest interval that passes is the true one.
 pub fn find_terraces(heights: &[f32], precision: Option<Precision>) -> Option<LevelHistogram> {
     USUAL.iter().find_map(|&step| {
         level_histogram(heights, &Interval { step, base: 0.0 }, precision).filter(|h| h.terraced == Some(true))

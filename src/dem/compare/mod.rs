@@ -1,11 +1,11 @@
-//! How far two height maps differ, and where: figures over all cells and by class.
+//! Comparison of two height maps: statistics of the differences, over all cells and by class.
 //!
 //! The difference is A − B everywhere; B is the reference. [`compare`] takes heights of both at the same cell centres.
-//! A surface is evaluated there ([`heights`](crate::surface::heights)), a height map on another grid is interpolated
-//! ([`heights_between`]): which of the two stays as it is, is the caller's choice and should be B.
+//! A surface is evaluated there ([`heights`](crate::surface::heights)). A height map on another grid is interpolated
+//! ([`heights_between`]). The caller chooses which of the two stays as it is. It should be B.
 //!
-//! Everything is reckoned in double precision from the heights as they are stored. The figures do not depend on the number of
-//! threads.
+//! All calculations are in double precision, from the heights as they are stored. The results do not depend on the
+//! number of threads.
 
 mod bands;
 mod classes;
@@ -34,17 +34,17 @@ use crate::contour::Interval;
 use classes::{distance_bounds, elevation_bounds, round_up};
 use statistics::sum;
 
-/// Differences of more than so many standard deviations come by chance once in twenty times.
+/// Number of standard deviations that a difference exceeds by chance once in twenty times.
 const SIGNIFICANT: f64 = 1.96;
 
-/// What is known besides the heights.
+/// Parameters of [`compare`].
 #[derive(Debug, Clone, Copy)]
 pub struct CompareParams<'a> {
-    /// Metres a map unit in x and y, for slopes on maps in feet or degrees.
+    /// Metres per map unit in x and y, for slopes on maps in feet or degrees.
     pub metres_per_unit: DVec2,
-    /// Stated accuracy of the heights that A is measured against, as a standard deviation in metres.
+    /// Stated accuracy of the reference heights, as a standard deviation in metres.
     pub sigma: Option<f64>,
-    /// The contour interval, if contours are part of the comparison. Without it the usual intervals are tried.
+    /// The contour interval, if contours are part of the comparison. Without it, the usual intervals are tried.
     pub interval: Option<Interval>,
     /// Distance of every cell to the nearest contour, if there are contours; see [`contour_distances`].
     pub distances: Option<&'a [f64]>,
@@ -56,27 +56,27 @@ impl Default for CompareParams<'_> {
     }
 }
 
-/// What a comparison found. Written as JSON its keys are the names of these fields.
+/// The result of a comparison. In JSON, the keys are the names of these fields.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Figures of all cells with heights in both, metres.
+    /// Statistics of all cells that have heights in both, metres.
     pub overall: Statistics,
-    /// The same by the slope of B, degrees (Horn 1981; at the edge of the data carried on in a straight line).
+    /// The same by the slope of B, degrees (Horn 1981). At the edge of the data, heights are extrapolated linearly.
     pub by_slope: Vec<Class>,
     /// The same by the elevation of B, metres.
     pub by_elevation: Vec<Class>,
-    /// The same by the distance to the nearest contour, map units; empty if there are no contours.
+    /// The same by the distance to the nearest contour, map units. Empty if there are no contours.
     pub by_distance: Vec<Class>,
-    /// The error of slopes; none if no cell has all its neighbours in both.
+    /// The error of the slopes. `None` if no cell has all its neighbours in both.
     pub slope: Option<SlopeError>,
-    /// What the accuracy of the other data says about the differences; none if it is not known.
+    /// Comparison with the stated accuracy of the reference. `None` if it is not known.
     pub significance: Option<Significance>,
-    /// How much of a height map lies outside the contours' bands; none if there are no contours. [`compare`] leaves it to
-    /// its caller, see [`outside_bands`].
+    /// The heights outside the bands of the contours. `None` if there are no contours. [`compare`] does not set it, see
+    /// [`outside_bands`].
     pub bands: Option<BandShare>,
-    /// About the heights of A.
+    /// Properties of the heights of A.
     pub a: HeightFigures,
-    /// About the heights of B.
+    /// Properties of the heights of B.
     pub b: HeightFigures,
 }
 
@@ -87,37 +87,37 @@ pub struct SlopeError {
     pub cells: usize,
     /// Root mean square difference, degrees.
     pub rmse: f64,
-    /// Mean difference, degrees: less than 0 where A is smoother.
+    /// Mean difference, degrees. Below 0 where A is smoother.
     pub bias: f64,
 }
 
-/// How much of the difference is more than the accuracy of the other data accounts for.
+/// The part of the differences that the stated accuracy of the reference does not explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Significance {
-    /// That accuracy, as a standard deviation in metres.
+    /// Stated accuracy, as a standard deviation in metres.
     pub sigma: f64,
-    /// 1.96 times that.
+    /// 1.96 times the stated accuracy, metres.
     pub limit: f64,
-    /// Share of the cells where |d| is more than the limit; 0.05 would come by chance if A were right everywhere.
+    /// Share of the cells where |d| is larger than the limit. If A had no errors, about 0.05 would exceed it by chance.
     pub share: f64,
-    /// Root of rmse² − sigma²: what is left for A if the errors of both are independent; 0 if nothing is.
+    /// Root of rmse² − sigma², metres: the error of A if the errors of both are independent; at least 0.
     pub rmse_beyond: f64,
 }
 
-/// What the heights of one side tell by themselves.
+/// Properties of the heights of one side.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeightFigures {
     /// Cells with a height.
     pub cells: usize,
-    /// What all heights are multiples of, if anything coarse.
+    /// The step that all heights are multiples of, if it is coarse.
     pub precision: Option<Precision>,
-    /// Heights modulo the contour interval; without a given one there is a histogram only where terraces were seen.
+    /// Heights modulo the contour interval. Without a given interval, `None` unless there are terraces.
     pub levels: Option<LevelHistogram>,
-    /// Figures of height − check height at check points; none if there are no check points here.
+    /// Statistics of height − check height at check points. `None` if there are no check points here.
     pub points: Option<Statistics>,
 }
 
-/// Looks at the heights of one side.
+/// Finds the properties of the heights of one side.
 pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFigures {
     let precision = precision(heights);
     let levels = match interval {
@@ -131,8 +131,8 @@ pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFig
 /// Compares two height maps on the same grid.
 ///
 /// # Errors
-/// [`Error::Parameter`] when the grids are not the same, [`Error::OutOfRange`] for a parameter, [`Error::Data`] when no cell
-/// has a height in both.
+/// [`Error::Parameter`] when the grids differ. [`Error::OutOfRange`] when a parameter is out of range. [`Error::Data`] when no
+/// cell has a height in both.
 pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Comparison> {
     let grid = b.grid;
     if a.grid != grid || a.values.len() != grid.len() || b.values.len() != grid.len() {
@@ -182,20 +182,20 @@ pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Compariso
     })
 }
 
-/// The difference A − B of two height maps on one grid; NaN where one has no height.
+/// The difference A − B of two height maps on one grid. NaN where one of them has no height.
 pub fn difference(a: &Dem, b: &Dem) -> Dem {
     let values = differences(a, b).into_iter().map(|d| d as f32).collect();
     Dem { grid: b.grid, values, crs: b.crs.clone() }
 }
 
-/// Figures of height − check height. `heights` are those of a surface or a height map at the check points' places, NaN
-/// where it has none.
+/// Statistics of height − check height. `heights` are the heights of a surface or a height map at the check points, NaN
+/// where there is none.
 pub fn at_check_points(heights: &[f64], points: &[DVec3]) -> Option<Statistics> {
     let differences: Vec<f64> = heights.iter().zip(points).map(|(h, p)| h - p.z).collect();
     statistics(&differences, |i| points[i].truncate(), |_| true)
 }
 
-/// A round number of metres that nearly all differences are within: the limit of a scale of colours.
+/// A round number of metres that nearly all differences are within. It is the limit of a colour scale.
 pub fn round_limit(statistics: &Statistics) -> f64 {
     let most = statistics.le95.max(1e-3);
     round_up(most)
@@ -211,7 +211,7 @@ fn degrees(steepness: f32) -> f64 {
     f64::from(steepness).atan().to_degrees()
 }
 
-/// The slopes' difference where all neighbours are known in both, so that no height is carried on.
+/// The difference of slopes where all neighbours are known in both. So no height is extrapolated.
 fn slope_error(a: &Dem, b: &Dem, steep_a: &[f32], steep_b: &[f32]) -> Option<SlopeError> {
     let (cols, rows) = (b.grid.cols, b.grid.rows);
     let is_whole = |i: usize| {

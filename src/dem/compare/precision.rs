@@ -1,9 +1,9 @@
-//! To how many decimals a height map gives its heights.
+//! The number of decimals in the heights of a height map.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What all heights of a height map are multiples of.
+/// The step that all heights of a height map are multiples of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
@@ -31,7 +31,7 @@ impl Precision {
     }
 }
 
-/// What all heights are multiples of; none if they are finer than tenths, or if there are none.
+/// The step that all heights are multiples of. `None` if it is finer than tenths, or if there are no heights.
 pub fn precision(heights: &[f32]) -> Option<Precision> {
     heights.par_iter().find_any(|h| h.is_finite())?;
     let all = |test: fn(f32) -> bool| heights.par_iter().all(|&h| !h.is_finite() || test(h));

@@ -1,4 +1,4 @@
-//! Heights of a height map between its cell centres.
+//! Heights of a height map at any position.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use crate::base::Grid;
 use crate::dem::Dem;
 
-/// A place so near to a cell centre, in cells, has that cell's height, whatever the cells around have.
+/// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
 const ON_CENTRE: f64 = 1e-6;
 
-/// The height at a place, bilinear between the four cell centres around it; NaN where one that is needed has none.
+/// The height at a position, bilinear between the four cell centres around it. NaN if one that is needed has no height.
 ///
-/// Nothing is carried on beyond the outermost centres.
+/// Heights are not extrapolated beyond the outermost centres.
 pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
     let grid = &dem.grid;
     let settled = |v: f64| if (v - v.round()).abs() < ON_CENTRE { v.round() } else { v };
@@ -34,8 +34,8 @@ pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
     height
 }
 
-/// The heights of `dem` at the cell centres of another grid, see [`height_at`]. `to_dem` takes a place of `grid` to the
-/// coordinates of `dem`.
+/// The heights of `dem` at the cell centres of another grid, see [`height_at`]. `to_dem` converts a position on `grid`
+/// to the coordinates of `dem`.
 pub fn heights_between(dem: &Dem, grid: &Grid, to_dem: &(impl Fn(DVec2) -> Option<DVec2> + Sync)) -> Vec<f32> {
     let height = |i: usize| {
         let place = to_dem(grid.center(i % grid.cols, i / grid.cols));

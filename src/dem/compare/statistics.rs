@@ -1,33 +1,33 @@
-//! The figures of a set of differences. Sums are taken over blocks of a fixed size and then over the blocks in their
-//! order, so that they are the same for any number of threads; quantiles are found by exact selection.
+//! Statistics of a set of differences. Sums are taken over blocks of a fixed size, and then over the blocks in order.
+//! So they do not depend on the number of threads. Quantiles are exact.
 
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Values that are summed one after the other; the sums of such blocks are then added up in their order.
+/// Number of values per block. The sums of blocks are added up in order.
 const BLOCK: usize = 1 << 16;
-/// Makes the median of absolute deviations an estimate of the standard deviation of normally distributed values.
+/// Factor from the median of absolute deviations to the standard deviation of a normal distribution.
 const NORMAL: f64 = 1.4826;
 
-/// A difference with its place.
+/// A difference and its position.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extreme {
     /// The difference, metres.
     pub value: f64,
-    /// Where it is: x and y in map units.
+    /// Its position: x and y in map units.
     pub place: DVec2,
 }
 
-/// Figures of differences d, in metres.
+/// Statistics of differences d, in metres.
 ///
 /// A quantile lies between the two values that surround it by rank, in proportion (the usual definition, number 7 of
 /// Hyndman and Fan 1996).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Statistics {
-    /// How many differences there are.
+    /// Number of differences.
     pub cells: usize,
-    /// Their mean.
+    /// Mean of d.
     pub bias: f64,
     /// Root of the mean of d².
     pub rmse: f64,
@@ -37,20 +37,20 @@ pub struct Statistics {
     pub mae: f64,
     /// Median of d.
     pub median: f64,
-    /// 1.4826 times the median of |d − median|: the standard deviation if the differences were normally distributed, and
-    /// one that outliers hardly change.
+    /// 1.4826 times the median of |d − median|. For normally distributed differences, it is the standard deviation.
+    /// Outliers hardly change it.
     pub nmad: f64,
     /// The 90 % quantile of |d|.
     pub le90: f64,
     /// The 95 % quantile of |d|.
     pub le95: f64,
-    /// The least difference; the first of equal ones.
+    /// The smallest difference; of equal ones, the first.
     pub lowest: Extreme,
-    /// The greatest difference; the first of equal ones.
+    /// The largest difference; of equal ones, the first.
     pub highest: Extreme,
 }
 
-/// The figures of those differences that are numbers and that `is_member` takes, by their index; none if there are none.
+/// The statistics of the differences that are finite and whose index `is_member` accepts. `None` if there are none.
 pub fn statistics(
     differences: &[f64],
     place: impl Fn(usize) -> DVec2,
@@ -79,13 +79,13 @@ pub fn statistics(
     Some(Statistics { cells: values.len(), bias, rmse, rmse_debiased, mae, median, nmad, le90, le95, lowest, highest })
 }
 
-/// The sum of a term over all values, the same for any number of threads.
+/// The sum of a term over all values. It does not depend on the number of threads.
 pub(super) fn sum(values: &[f64], term: impl Fn(f64) -> f64 + Sync) -> f64 {
     let blocks: Vec<f64> = values.par_chunks(BLOCK).map(|block| block.iter().map(|&v| term(v)).sum()).collect();
     blocks.iter().sum()
 }
 
-/// The quantile of values that are numbers, which get another order; NaN if there are none.
+/// The quantile of values, which must be numbers. They are reordered. NaN if there are none.
 pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return f64::NAN;

@@ -1,4 +1,4 @@
-//! What is derived from a height map: how steep it is, where it faces, which places are steep and high enough to slide.
+//! Products of a height map: slope, aspect, hillshade, and places that are steep and high enough to slide.
 
 mod check;
 mod note;

@@ -1,34 +1,34 @@
-//! What is to be kept in mind about steep places, by what the heights come from.
+//! The note about the limits of steep places, which depend on the source of the heights.
 
-/// What heights come from, as far as it is known.
+/// The source of heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeightsFrom {
-    /// Contours with their vertical interval in metres, if they have one.
+    /// Contours, with their contour interval in metres if they have one.
     Contours(Option<f64>),
     /// A height map.
     HeightMap,
 }
 
-/// A sentence about steep places of at least `height` metres from such a source. It is stored with them.
+/// A note about steep places of at least `height` metres from such a source. It is stored with them.
 pub fn steep_note(source: HeightsFrom, height: f64) -> String {
-    // Millimetres, so that the note fits into every format.
+    // The height is rounded to millimetres, so that the note fits into every format.
     let height = (height * 1000.0).round() / 1000.0;
     let known = match source {
         HeightsFrom::Contours(Some(interval)) if interval > height => format!(
-            "From contours {interval} m apart, which cannot show a slope of {height} m: steep places lower than {interval} m \
-             may be missing, and others be wrong in place and size."
+            "From contours {interval} m apart, which cannot show a slope of {height} m. Steep places lower than \
+             {interval} m may be missing. Others may have a wrong position and size."
         ),
         HeightsFrom::Contours(Some(interval)) => {
-            format!("From contours {interval} m apart; what lies between two of them is computed.")
+            format!("From contours {interval} m apart. Heights between them are computed, not measured.")
         }
         HeightsFrom::Contours(None) => format!(
-            "From contours of unknown interval: one larger than {height} m cannot show a slope of {height} m, and steep \
-             places may be missing."
+            "From contours of unknown interval. If it is larger than {height} m, they cannot show a slope of \
+             {height} m, and steep places may be missing."
         ),
         HeightsFrom::HeightMap => format!(
-            "From a height map: if that was made of contours more than {height} m apart, it cannot show a slope of \
+            "From a height map. If it was made from contours more than {height} m apart, it cannot show a slope of \
              {height} m, and steep places may be missing."
         ),
     };
-    format!("{known} No survey.")
+    format!("{known} Not a survey.")
 }

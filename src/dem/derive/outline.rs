@@ -1,27 +1,28 @@
 //! Outlines of sets of cells: polygons along cell edges.
 //!
-//! Cells that meet only at a corner are different polygons, so that every polygon is simple in the sense of the vector
-//! formats: its rings do not cross or touch themselves, and its inside is in one piece.
+//! Cells that meet only at a corner belong to different polygons. So every polygon is simple, as the vector formats
+//! require: its rings do not cross or touch themselves, and its interior is connected.
 
 use std::collections::HashMap;
 
 /// A corner of cells: columns from the west edge, rows from the north edge.
 pub(super) type Corner = (u32, u32);
 
-/// A set of cells that are joined along edges, with its outline.
+/// Cells that are joined along edges, and their outline.
 pub(super) struct Part {
     /// One of its cells.
     pub cell: usize,
     /// Number of its cells.
     pub cells: usize,
-    /// The outer ring, turning left on a map with north up, then the holes, turning right; each ends where it begins.
-    /// Only corners where the ring turns.
+    /// The outer ring, counter-clockwise with north up, then the holes, clockwise. Each ring ends where it begins. It
+    /// has only the corners where it turns.
     pub rings: Vec<Vec<Corner>>,
 }
 
-/// The pieces a cell belongs to, from 0, in the order of their first cells; `None` outside the set.
+/// The number of the piece that each cell belongs to, and the number of pieces. Pieces are numbered from 0 in the order
+/// of their first cells. Cells outside the set have `u32::MAX`.
 ///
-/// Cells are neighbours if they share an edge or, with `diagonal`, a corner.
+/// `joined` says which cells are neighbours.
 pub(super) fn pieces(cols: usize, inside: &[bool], joined: Joined) -> (Vec<u32>, usize) {
     let rows = inside.len() / cols.max(1);
     let mut labels = vec![u32::MAX; inside.len()];
@@ -69,7 +70,7 @@ pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
             part.cells += 1;
         }
     }
-    // Every ring has an edge on the north side of a cell, so the search starts at those.
+    // Every ring has an edge on the north side of a cell. So the search starts at these edges.
     let mut seen = vec![false; inside.len()];
     for cell in 0..inside.len() {
         let is_north_edge = inside[cell] && (cell < cols || !inside[cell - cols]);
@@ -77,7 +78,7 @@ pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
             let ring = trace(cols, inside, cell, &mut seen);
             let part = &mut parts[labels[cell] as usize];
             for ring in split(ring) {
-                // The outer ring is the one that turns left.
+                // The outer ring is the counter-clockwise one.
                 if turns_left(&ring) { part.rings.insert(0, ring) } else { part.rings.push(ring) }
             }
         }
@@ -85,9 +86,10 @@ pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
     parts
 }
 
-/// The ring with the north edge of a cell, the set on its left: corners where it turns, not closed.
+/// The ring that runs along the north edge of a cell, with the set on its left. It has only the corners where it turns,
+/// and is not closed.
 ///
-/// At a corner where only two cells across from each other are inside, it stays with the cell that it follows.
+/// At some corners only two diagonally opposite cells are inside. There, the ring stays with the cell that it follows.
 fn trace(cols: usize, inside: &[bool], start: usize, seen: &mut [bool]) -> Vec<Corner> {
     let rows = inside.len() / cols;
     let is_inside = |col: i64, row: i64| {
@@ -101,12 +103,12 @@ fn trace(cols: usize, inside: &[bool], start: usize, seen: &mut [bool]) -> Vec<C
     let mut ring = Vec::new();
     loop {
         if step == (-1, 0) {
-            // The cell below the edge that is walked.
+            // The cell south of the current edge.
             seen[at.1 as usize * cols + (at.0 - 1) as usize] = true;
         }
         at = (at.0 + step.0, at.1 + step.1);
         let left = (step.1, -step.0);
-        // The cells ahead on the left and on the right: a corner is their north-west one's far corner.
+        // The cells ahead, on the left and on the right.
         let ahead = |side: (i64, i64)| {
             let towards = (step.0 + side.0, step.1 + side.1);
             is_inside(at.0 + (towards.0 - 1) / 2, at.1 + (towards.1 - 1) / 2)
@@ -129,7 +131,7 @@ fn trace(cols: usize, inside: &[bool], start: usize, seen: &mut [bool]) -> Vec<C
     }
 }
 
-/// A ring cut where it touches itself, so that each piece passes a corner once; closed.
+/// Divides a ring where it touches itself. Each part passes a corner once and is closed.
 fn split(ring: Vec<Corner>) -> Vec<Vec<Corner>> {
     let (mut rings, mut path): (Vec<Vec<Corner>>, Vec<Corner>) = (Vec::new(), Vec::new());
     let mut place: HashMap<Corner, usize> = HashMap::new();
@@ -152,7 +154,7 @@ fn split(ring: Vec<Corner>) -> Vec<Vec<Corner>> {
     rings
 }
 
-/// Whether a closed ring turns left on a map with north up, although its rows count southwards.
+/// Whether a closed ring is counter-clockwise on a map with north up. Its rows count southwards.
 fn turns_left(ring: &[Corner]) -> bool {
     let cross = |w: &[Corner]| i128::from(w[0].0) * i128::from(w[1].1) - i128::from(w[1].0) * i128::from(w[0].1);
     ring.windows(2).map(cross).sum::<i128>() < 0
@@ -166,7 +168,7 @@ mod tests {
         (text[0].len(), text.iter().flat_map(|row| row.bytes().map(|b| b == b'#')).collect())
     }
 
-    /// Twice the area of the rings, holes taken off.
+    /// Twice the area of the rings, without the holes.
     fn doubled_area(part: &Part) -> i64 {
         let cross = |w: &[Corner]| i64::from(w[1].0) * i64::from(w[0].1) - i64::from(w[0].0) * i64::from(w[1].1);
         part.rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum()

@@ -1,32 +1,32 @@
 //! Slope, aspect and hillshade as rasters.
 //!
-//! The gradient is Horn's (1981) over the eight neighbours, as in GDAL. At the border and beside cells without data the
-//! ground is carried on in a straight line, so that every cell with a height has a value.
+//! The gradient is that of Horn (1981) over the eight neighbours, as in GDAL. At the border and beside cells without
+//! data, heights are extrapolated linearly. So every cell with a height has a value.
 
 use crate::dem::shade::{ShadeParams, hillshade_on, map_gradients};
 use crate::dem::{Dem, GroundScale};
 
-/// The steepness of every cell, degrees from level (0) to upright (90); NaN without a height.
+/// The slope of every cell, degrees from level (0) to vertical (90). NaN without a height.
 pub fn slope(dem: &Dem, scale: &GroundScale) -> Dem {
     with(dem, map_gradients(dem, |row| scale.row(row), |gradient| gradient.length().atan().to_degrees() as f32))
 }
 
-/// The direction that every cell faces, which is where water runs off: degrees clockwise from north, 0 to less than 360;
-/// NaN on level ground and without a height.
+/// The aspect of every cell: the direction of steepest descent, degrees clockwise from north, 0 to less than 360. NaN
+/// on level ground and without a height.
 pub fn aspect(dem: &Dem, scale: &GroundScale) -> Dem {
     let facing = |gradient: glam::DVec2| {
         if gradient == glam::DVec2::ZERO {
             return f32::NAN;
         }
         let degrees = (-gradient.x).atan2(-gradient.y).to_degrees().rem_euclid(360.0) as f32;
-        // Rounding may reach the full circle, which is north again.
+        // Rounding may give 360, which is north again.
         if degrees >= 360.0 { 0.0 } else { degrees }
     };
     with(dem, map_gradients(dem, |row| scale.row(row), facing))
 }
 
-/// The brightness of every cell under the lights of `params`, 1 (dark) to 255 (bright) as in GDAL; NaN without a height.
-/// The scale takes the place of the metres per unit in `params`.
+/// The hillshade of every cell under the lights of `params`, 1 (dark) to 255 (bright) as in GDAL. NaN without a height.
+/// `scale` replaces the metres per unit in `params`.
 pub fn shade(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Dem {
     let mut values = hillshade_on(dem, params, scale);
     values.iter_mut().for_each(|value| *value = 1.0 + 254.0 * *value);

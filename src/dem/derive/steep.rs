@@ -1,7 +1,7 @@
-//! Steep places: areas that are at least so steep and at least so high, as polygons.
+//! Steep places: areas with at least a given slope and a given height, as polygons.
 //!
-//! The usual values are those by which Japanese law tells a steep slope that may fail (急傾斜地): 30 degrees and 5 metres.
-//! A height map shows what its sources show. Contours 10 m apart cannot show a slope of 5 m, so the result is no survey.
+//! The usual values are those of Japanese law for a steep slope that may fail (急傾斜地): 30 degrees and 5 metres. A height
+//! map shows only what its source shows. Contours 10 m apart cannot show a slope of 5 m. So the result is no survey.
 
 use glam::DVec2;
 
@@ -10,12 +10,12 @@ use super::slope::slope;
 use crate::base::error::{Error, Result};
 use crate::dem::{Dem, GroundScale};
 
-/// Which places are steep.
+/// The limits that make a place steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteepParams {
     /// Least slope of a cell, degrees.
     pub angle: f64,
-    /// Least difference of height in an area, metres.
+    /// Least difference in height within an area, metres.
     pub height: f64,
 }
 
@@ -28,17 +28,17 @@ impl Default for SteepParams {
 /// A part of a steep area. Parts of one area meet at corners of cells only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteepArea {
-    /// The number of the area that this is a part of, from 1.
+    /// The number of the area that this part belongs to, from 1.
     pub area_id: u32,
-    /// The outer ring, then the holes, along cell edges in map units; each ends where it begins.
+    /// The outer ring, then the holes, along cell edges, in map units. Each ring ends where it begins.
     pub rings: Vec<Vec<DVec2>>,
-    /// Size of this part on the map (not along the slope), square metres.
+    /// Area of this part on the map (not along the slope), square metres.
     pub area: f64,
-    /// Highest less lowest height of the whole area and the cells around it, metres.
+    /// Highest minus lowest height of the whole area and the cells around it, metres.
     pub height: f64,
-    /// Mean slope of the whole area's cells, degrees.
+    /// Mean slope of the cells of the whole area, degrees.
     pub slope_mean: f64,
-    /// Greatest slope of the whole area's cells, degrees.
+    /// Largest slope of the cells of the whole area, degrees.
     pub slope_max: f64,
 }
 
@@ -49,18 +49,18 @@ pub struct Steeps {
     pub parts: Vec<SteepArea>,
     /// Number of areas.
     pub areas: usize,
-    /// Areas that are steep enough but not high enough; they are left out.
+    /// Number of areas that are steep enough but not high enough. They are left out.
     pub too_low: usize,
 }
 
-/// Finds the places of at least so much slope and height.
+/// Finds the areas with at least the given slope and height.
 ///
-/// Cells whose slope (Horn's, 3 x 3 cells) reaches the angle form areas where they share an edge or a corner. The height
-/// of an area is the difference between the highest and the lowest of its cells and of those around them, whose heights
-/// the slopes come from.
+/// Cells whose slope (Horn 1981, 3 x 3 cells) reaches the angle form an area where they share an edge or a corner. The
+/// height of an area is the difference between the highest and the lowest height of its cells and the cells around
+/// them. The slopes depend on these cells too.
 ///
 /// # Errors
-/// An angle that is not between 0 and 90 degrees, a height that is negative or not finite.
+/// An angle that is not between 0 and 90 degrees, or a height that is negative or not finite.
 pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Steeps> {
     if !(params.angle > 0.0 && params.angle < 90.0) {
         return Err(Error::out_of_range("angle", params.angle, "between 0 and 90 degrees"));
@@ -83,7 +83,7 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         let (col, row) = (cell % grid.cols, cell / grid.cols);
         for near_row in row.saturating_sub(1)..(row + 2).min(grid.rows) {
             for near_col in col.saturating_sub(1)..(col + 2).min(grid.cols) {
-                // The comparisons pass over NaN.
+                // The comparisons ignore NaN.
                 let height = dem.values[near_row * grid.cols + near_col];
                 measure.low = measure.low.min(height);
                 measure.high = measure.high.max(height);
@@ -94,7 +94,7 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
     for (cell, is_inside) in inside.iter_mut().enumerate() {
         *is_inside &= measures.get(labels[cell] as usize).is_some_and(is_high);
     }
-    // Areas that stay are numbered in order.
+    // Areas that are high enough are numbered in order.
     let mut number = 0;
     let numbers: Vec<u32> = measures
         .iter()
@@ -122,7 +122,7 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
     Ok(Steeps { parts, areas, too_low: count - areas })
 }
 
-/// Square metres within the rings; the cells of a row are as large as the scale of that row says.
+/// Area within the rings, square metres. The scale of each row gives the size of its cells.
 fn part_area(rings: &[Vec<(u32, u32)>], dem: &Dem, scale: &GroundScale) -> f64 {
     let cell = dem.grid.cell;
     if let GroundScale::Uniform(scale) = scale {
@@ -133,7 +133,7 @@ fn part_area(rings: &[Vec<(u32, u32)>], dem: &Dem, scale: &GroundScale) -> f64 {
         let cells: f64 = rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum::<f64>() / 2.0;
         return cells * (cell * *scale).element_product();
     }
-    // An edge that runs south has the area on its east, one that runs north on its west.
+    // An edge that runs south has the area on its east side, one that runs north on its west side.
     let column_to = |w: &[(u32, u32)]| {
         let (top, bottom, sign) = if w[0].1 < w[1].1 { (w[0].1, w[1].1, -1.0) } else { (w[1].1, w[0].1, 1.0) };
         let height = |row: u32| (cell * scale.row(row as usize)).element_product();
@@ -142,7 +142,7 @@ fn part_area(rings: &[Vec<(u32, u32)>], dem: &Dem, scale: &GroundScale) -> f64 {
     rings.iter().flat_map(|ring| ring.windows(2).filter(|w| w[0].0 == w[1].0).map(column_to)).sum()
 }
 
-/// What is measured of an area.
+/// Measurements of an area.
 #[derive(Debug, Clone)]
 struct Measure {
     cells: f64,

@@ -1,10 +1,10 @@
-//! The expected error at the nodes of the working grid, on cells and along lines.
+//! The expected error of a surface at the nodes of the working grid, on cells and along lines.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::model::{ErrorModel, Known, left};
-use super::residuals::seen;
+use super::model::{ErrorModel, PlaceInBand, unfixed_share};
+use super::residuals::hidden_residuals;
 use super::sides::sides;
 use crate::base::Grid;
 use crate::contour::LineError;
@@ -19,22 +19,22 @@ use crate::validate::roughness;
 /// The expected error of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorField {
-    /// The law that it follows.
+    /// The error model that it follows.
     pub model: ErrorModel,
-    /// Where the nodes of the working grid are: the centres of its cells.
+    /// The working grid. The centres of its cells are the nodes.
     pub grid: Grid,
     /// Standard error at each node, metres; NaN outside the frame.
     pub errors: Vec<f32>,
     /// Slope at each node, rise over run.
     slopes: Vec<f32>,
-    /// Distance at each node from the further one of the contours on both sides, map units.
+    /// Distance of each node from the farther one of the contours on both sides, map units.
     reaches: Vec<f32>,
-    /// Nodes whose height the contours hardly tell.
+    /// Nodes whose height the contours hardly determine.
     inferred: Vec<bool>,
 }
 
-/// The expected error of a surface that was built from `subdivision`; `working` and `chosen` are those of the smooth surface.
-/// Contours are hidden of `trusted`, if the labels of some are wrong.
+/// The expected error of a surface that was built from `subdivision`. `working` and `chosen` belong to the smooth
+/// surface. If some labels are wrong, levels of `trusted` are hidden instead.
 pub fn error_field(
     subdivision: &Subdivision,
     trusted: Option<MapExtent<'_>>,
@@ -46,9 +46,9 @@ pub fn error_field(
     let spacing = extent.spacing;
     let tuning = &params.tuning.errors;
     let exponent = roughness::hurst_exponent(&extent, &params.tuning.roughness);
-    let seen = seen(&trusted.unwrap_or(extent), params, chosen.map(|c| c.hyper_parameters));
-    let model = ErrorModel::learn(&seen, exponent, subdivision.interval.step, spacing, params.tuning);
-    drop(seen);
+    let residuals = hidden_residuals(&trusted.unwrap_or(extent), params, chosen.map(|c| c.hyper_parameters));
+    let model = ErrorModel::learn(&residuals, exponent, subdivision.interval.step, spacing, params.tuning);
+    drop(residuals);
     let grid = working.map_or_else(|| working_grid(&extent, params.wanted, &params.tuning.spline.grid), |w| w.grid);
     let triangles = locate(&subdivision.tin, &grid, &());
     let sides = sides(subdivision, &grid, &triangles);
@@ -67,10 +67,15 @@ pub fn error_field(
             return (f32::NAN, f32::NAN, false);
         }
         let between = distances.into_iter().all(f64::is_finite);
-        let fixed = fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| left(f64::from(crossings[n]), tuning));
+        let fixed =
+            fixing.as_ref().filter(|_| between).map_or(1.0, |crossings| unfixed_share(f64::from(crossings[n]), tuning));
         let apart = working.map(|_| (height - f64::from(reference[n])).abs());
-        let place =
-            Known { sides: distances, band: [region.band.lo, region.band.hi], climb: climb(region, height), apart };
+        let place = PlaceInBand {
+            sides: distances,
+            band: [region.band.lo, region.band.hi],
+            climb: climb(region, height),
+            apart,
+        };
         let error = if region.water.is_some() { 0.0 } else { model.error(&place, fixed) };
         let band = region.band.hi - region.band.lo;
         let error = chosen.map_or(error, |c| c.hyper_parameters.error_left(error, band, &params.tuning.spline));
@@ -96,19 +101,20 @@ pub fn error_field(
     all
 }
 
-/// How far a height is from the only level of its sub-domain, and whether that is the lower one.
+/// Height above the only level of a sub-domain, metres (below 0 for below), and whether the ground is above this level.
 fn climb(region: &Region, height: f64) -> Option<(f64, bool)> {
     let [(level, side)] = region.levels[..] else { return None };
     Some((height - level, side == Side::Above))
 }
 
 impl ErrorField {
-    /// The standard error at a map position, metres: a node's own, else between the nodes around; NaN outside the frame.
+    /// The standard error at a map position, metres. A node has its own; elsewhere it is interpolated. NaN outside the
+    /// frame.
     pub fn at(&self, p: DVec2) -> f32 {
         self.between(&self.errors, p)
     }
 
-    /// A value between the nodes around that have one.
+    /// A value interpolated between those of the four nodes around that have one.
     fn between(&self, values: &[f32], p: DVec2) -> f32 {
         let grid = &self.grid;
         let first = grid.center(0, 0);
@@ -122,7 +128,7 @@ impl ErrorField {
             }
             let value = values[node.y as usize * grid.cols + node.x as usize];
             let [x, y] = (1.0 - (place - node).abs()).to_array();
-            // A place at a node, but for rounding, has the node's own value.
+            // A place at a node, but for rounding, has the value of the node.
             let weight = if x * y > 1.0 - 1e-6 { 1e12 } else { x * y };
             if value.is_finite() && weight > 0.0 {
                 sum += weight * f64::from(value);
@@ -132,7 +138,7 @@ impl ErrorField {
         (sum / weights) as f32
     }
 
-    /// Whether the node nearest to a map position has a height that the contours hardly tell.
+    /// Whether the contours hardly determine the height of the node nearest to a map position.
     fn is_inferred(&self, p: DVec2) -> bool {
         let grid = &self.grid;
         let first = grid.center(0, 0);
@@ -142,7 +148,7 @@ impl ErrorField {
     }
 }
 
-/// How far a line on the surface is expected to be off. `None` if the line has no length inside the frame.
+/// The expected error of a line on the surface. `None` if the line has no length inside the frame.
 pub fn line_error(field: &ErrorField, points: &[DVec2]) -> Option<LineError> {
     let (mut vertical, mut horizontal, mut inferred, mut length) = (0.0, 0.0, 0.0, 0.0);
     for ends in points.windows(2) {

@@ -1,8 +1,10 @@
-//! How far the surface is expected to be off, place by place.
+//! The expected error of a surface, place by place.
 //!
-//! Every second level is hidden, a surface drawn from the others, and its errors at the hidden contours are set against
-//! the distance between the contours on both sides ([`residuals`]). What that teaches is carried over to the map with all
-//! its levels ([`model`]) and laid on the nodes of the working grid ([`field`]), with the distances that [`sides`] finds.
+//! * Every second level is hidden, and a surface is built from the others. Its residuals at the hidden contours depend
+//!   on the distance between the contours on both sides ([`residuals`]).
+//! * A model of these residuals is carried over to the map with all its levels ([`model`]).
+//! * The model gives the error at the nodes of the working grid ([`field`]), from the distances to contours
+//!   ([`sides`]).
 
 mod field;
 mod model;

@@ -1,4 +1,4 @@
-//! What a surface from every second level misses the hidden contours by, and how far the contours that are left are.
+//! Residuals at hidden contours of a surface from every second level, with the distances to the contours that are left.
 
 use rayon::prelude::*;
 
@@ -8,42 +8,42 @@ use crate::spline::{HyperParameters, spline};
 use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::validate::builder::TrialParams;
-use crate::validate::trial::{LevelSubset, Place, Trial, between, cell, node, parts, trial};
+use crate::validate::trial::{HiddenPlace, LevelSubset, Trial, between, cell, node, parts, trial};
 
-/// A place on a hidden contour.
+/// The residual at a place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// How far the surface is off, metres, without sign.
+    /// The size of the residual, metres, without sign.
     pub by: f64,
-    /// How far the smooth surface is from that of the triangles there, metres; `None` on the latter.
+    /// Distance between the smooth surface and the reference surface, metres. `None` on the reference surface.
     pub apart: Option<f64>,
-    /// Distances from the contours below and above, map units; one is infinite where there is none.
+    /// Distances to the contours below and above, map units. One of them is infinite where there is no contour.
     pub sides: [f64; 2],
-    /// Length of contour that the place stands for, map units.
+    /// Length of the hidden contour that the place stands for, map units.
     pub length: f64,
 }
 
 impl Residual {
-    /// Distance from the contour below to the one above by way of the place.
+    /// Distance from the contour below to the place, and on to the contour above.
     pub fn width(&self) -> f64 {
         self.sides[0] + self.sides[1]
     }
 }
 
-/// All places that a surface can be asked about, the odd and the even levels hidden in turn. `hyper_parameters` are those of the
-/// smooth surface; without them it is that of the triangles.
-pub fn seen(
+/// Residuals at all places on hidden contours. The odd and the even levels are hidden in turn. `hyper_parameters` are
+/// those of the smooth surface; `None` for the surface of triangles.
+pub fn hidden_residuals(
     extent: &MapExtent<'_>,
     params: &TrialParams<'_>,
     hyper_parameters: Option<HyperParameters>,
 ) -> Vec<Residual> {
-    // As fine as for all levels, so that the error is that of its kind and not that of coarse cells.
+    // Cells are as small as with all levels. So the error is not that of coarse cells.
     let cell = cell(extent, params, 1);
     let parts = parts(extent, params, cell);
     let both: Vec<_> = parts.iter().flat_map(|(map, frame)| [0, 1].map(|phase| (map, frame, phase))).collect();
     let found = both.into_par_iter().filter_map(|(map, frame, phase)| {
-        let left = LevelSubset { every: 2, phase };
-        Some(of_trial(&trial((map, frame), left, extent.interval, cell, params)?, hyper_parameters, params))
+        let kept = LevelSubset { every: 2, phase };
+        Some(of_trial(&trial((map, frame), kept, extent.interval, cell, params)?, hyper_parameters, params))
     });
     found.collect::<Vec<_>>().concat()
 }
@@ -53,12 +53,12 @@ fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &T
     let triangles = locate(&subdivision.tin, grid, &());
     let sides = sides(subdivision, grid, &triangles);
     let conditions = params.builder.conditions(subdivision, break_lines, grid, &triangles);
-    // Hidden contours all lie half-way, where heights are drawn to.
+    // No shrinkage: all hidden contours lie half-way, which is where heights shrink to.
     let tuning = &params.tuning.spline;
     let smooth = hyper_parameters.map(|hyper_parameters| {
         spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).heights
     });
-    let ask = |place: &Place| {
+    let ask = |place: &HiddenPlace| {
         let (col, row) = node(grid, place.at);
         let (col, row) = (col.round(), row.round());
         if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
@@ -75,7 +75,7 @@ fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &T
         };
         let apart = smooth.is_some().then(|| (height - reference).abs());
         let by = (height - place.level).abs();
-        // A contour that a broken one lets through says nothing about ground between two levels.
+        // A band that a broken contour has joined to another is wrong, so only places between two levels count.
         let asked = band.lo < place.level && place.level < band.hi && sides.iter().any(|d| d.is_finite());
         (asked && by.is_finite() && place.length > 0.0).then_some(Residual { by, apart, sides, length: place.length })
     };

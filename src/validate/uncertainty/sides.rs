@@ -1,7 +1,7 @@
-//! How far the nodes of a grid are from the contours on both sides of the ground that they lie on.
+//! Distances from the nodes of a grid to the contours on both sides.
 //!
-//! Nearest places are passed from node to node inside a sub-domain, so that ground beyond a contour does not count. They
-//! start where contours cross the edges between nodes.
+//! The nearest known place is passed from node to node inside a sub-domain. So ground beyond a contour does not count.
+//! The places start where contours cross the edges between nodes.
 
 use glam::DVec2;
 
@@ -11,9 +11,9 @@ use crate::subdivision::Subdivision;
 use crate::subdomains::Band;
 use crate::tin::NONE;
 
-/// Rounds of four sweeps: more than one where sub-domains wind.
+/// Largest number of rounds, each with four sweeps. Sub-domains that wind need more than one.
 const ROUNDS: usize = 4;
-/// No place.
+/// Marks nodes without a known place.
 const NOWHERE: [f32; 2] = [f32::INFINITY; 2];
 
 /// The nearest known places below and above each node.
@@ -22,15 +22,16 @@ pub struct Sides {
     pub lattice: Lattice,
     /// Sub-domain of each node, [`NONE`] outside the frame.
     pub regions: Vec<u32>,
-    /// Column and row of the nearest place on a lower and on a higher contour (or at a spot height), infinite if there is none.
+    /// Column and row of the nearest place on a lower and on a higher contour, or at a spot height. Infinite if there
+    /// is none.
     nearest: [Vec<[f32; 2]>; 2],
-    /// How many times contours cross the eastward and the southward edge of each node.
+    /// Number of crossings of contours with the eastward and the southward edge of each node.
     pub crossings: Vec<f32>,
-    /// Share of the crossings of contours with edges that are at vertices of the contours.
+    /// Share of these crossings that are at vertices of the contours.
     pub share_at_vertices: f64,
 }
 
-/// Finds the sides of the nodes that lie in `triangles`.
+/// Finds the nearest known places for nodes that lie in `triangles`.
 pub fn sides(subdivision: &Subdivision, grid: &Grid, triangles: &[u32]) -> Sides {
     let lattice = Lattice::of_grid(grid);
     let region = |&t: &u32| if t == NONE { NONE } else { subdivision.regions.of_triangle[t as usize] };
@@ -45,7 +46,7 @@ pub fn sides(subdivision: &Subdivision, grid: &Grid, triangles: &[u32]) -> Sides
     sides
 }
 
-/// Passes the nearest places on until no node takes another.
+/// Passes the nearest places on until no node changes.
 fn spread(lattice: &Lattice, regions: &[u32], nearest: &mut [[f32; 2]]) {
     for _ in 0..ROUNDS {
         if !sweep(lattice, regions, nearest) {
@@ -54,7 +55,7 @@ fn spread(lattice: &Lattice, regions: &[u32], nearest: &mut [[f32; 2]]) {
     }
 }
 
-/// Passes places on: southwards and northwards, in each row eastwards and westwards. Whether any was taken.
+/// Passes places southwards and northwards, and in each row eastwards and westwards. Returns whether a node changed.
 fn sweep(lattice: &Lattice, regions: &[u32], nearest: &mut [[f32; 2]]) -> bool {
     let (cols, rows) = (lattice.cols, lattice.rows);
     let mut taken = false;
@@ -85,7 +86,7 @@ fn sweep(lattice: &Lattice, regions: &[u32], nearest: &mut [[f32; 2]]) -> bool {
     taken
 }
 
-/// Takes a place for a node's nearest if it is.
+/// Gives a node a place if it is nearer than the node's present one. Returns whether it was.
 fn nearer(lattice: &Lattice, nearest: &mut [[f32; 2]], node: usize, place: [f32; 2]) -> bool {
     let at = DVec2::new((node % lattice.cols) as f64, (node / lattice.cols) as f64);
     let squared = |[col, row]: [f32; 2]| ((DVec2::new(col.into(), row.into()) - at) * lattice.step).length_squared();
@@ -97,8 +98,8 @@ fn nearer(lattice: &Lattice, nearest: &mut [[f32; 2]], node: usize, place: [f32;
 }
 
 impl Sides {
-    /// Distances of a place from what is known below and above it inside sub-domain `region`, map units; infinite where
-    /// nothing is. `None` where no node around lies in it.
+    /// Distances of a place from the known ground below and above it inside sub-domain `region`, map units. Infinite
+    /// where there is none. `None` where no node around lies in the sub-domain.
     pub fn at(&self, p: DVec2, region: u32) -> Option<[f64; 2]> {
         let place = self.lattice.place(p);
         let (col, row) = (place.x.floor(), place.y.floor());
@@ -119,7 +120,7 @@ impl Sides {
         found
     }
 
-    /// Those of a node.
+    /// These distances for a node.
     pub fn of_node(&self, node: usize) -> [f64; 2] {
         let place = DVec2::new((node % self.lattice.cols) as f64, (node / self.lattice.cols) as f64);
         [0, 1].map(|side| self.distance(self.nearest[side][node], place))
@@ -130,7 +131,7 @@ impl Sides {
         if by.is_finite() { by.length() } else { f64::INFINITY }
     }
 
-    /// Marks the nodes on both ends of every edge that a contour crosses, and those around spot heights.
+    /// Starts at both ends of every edge that a contour crosses, and at the nodes around spot heights.
     fn start(&mut self, subdivision: &Subdivision, bands: &[Band]) {
         let tin = &subdivision.tin;
         let lattice = self.lattice;
@@ -172,7 +173,7 @@ impl Sides {
         }
     }
 
-    /// Lets a node know of a place on a contour.
+    /// Gives a node a place on a contour of `level`, as its nearest one below, above, or both.
     fn mark(&mut self, node: usize, place: [f32; 2], level: f64, bands: &[Band]) {
         let Some(band) = bands.get(self.regions[node] as usize) else { return };
         if level < band.hi {
