@@ -16,7 +16,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Square cells on multiples of their size that cover a box.
+    /// Square cells that cover a box. Their edges lie on multiples of the cell size.
     pub fn on_multiples(lo: DVec2, hi: DVec2, cell: f64) -> Self {
         let (west_south, east_north) = ((lo / cell).floor(), (hi / cell).ceil());
         let count = (east_north - west_south).max(DVec2::ONE);

@@ -1,13 +1,13 @@
-//! Whether there is room for what is asked for: told before the work, not by the system in the middle of it.
+//! Checks the memory that a step needs before the step starts. Otherwise the system would stop it half-way.
 
 use crate::base::error::{Error, Result};
 
 /// Refuses work that needs more memory than the caller's budget, if there is one.
 ///
-/// `bytes` is about what it takes at its largest, `what` names it, `remedy` says what to do.
+/// `bytes` is the estimated peak memory, `what` names the work, `remedy` says what the user can do.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`] if `budget` is less.
+/// [`Error::OutOfMemory`] if `budget` is less than `bytes`.
 pub(crate) fn check(bytes: f64, budget: Option<u64>, what: String, remedy: &'static str) -> Result<()> {
     match budget {
         Some(available) if bytes > available as f64 => {

@@ -1,4 +1,4 @@
-//! Items sorted into rows: what belongs to each sub-domain, to each level, to each band of a raster.
+//! Items grouped into rows, for instance by sub-domain, by level, or by band of a raster.
 
 /// Rows of items in one array, the rows' starts in another ("compressed rows").
 #[derive(Debug, Clone)]
@@ -8,8 +8,8 @@ pub(crate) struct Rows<T> {
 }
 
 impl<T: Copy + Default> Rows<T> {
-    /// Sorts items into `count` rows by counting. `items` is asked twice and gives pairs of row and item; within a row
-    /// their order is kept.
+    /// Groups items into `count` rows by counting. `items` is called twice and gives pairs of row and item. Items of
+    /// one row keep their order.
     pub fn new<I: Iterator<Item = (usize, T)>>(count: usize, items: impl Fn() -> I) -> Self {
         let mut start = vec![0; count + 1];
         for (row, _) in items() {

@@ -1,6 +1,6 @@
 //! Disjoint sets of numbers, kept as trees (union-find).
 
-/// Sets of the numbers below a count. Each set is known by its root, which is one of its members.
+/// Disjoint sets of the numbers below a count. The root of a set, which is one of its members, stands for the set.
 #[derive(Debug, Clone)]
 pub(crate) struct UnionFind {
     parent: Vec<u32>,
@@ -12,7 +12,7 @@ impl UnionFind {
         Self { parent: (0..count as u32).collect() }
     }
 
-    /// The root of a number's set. Halves the way to it.
+    /// The root of a number's set. Halves the path to it for later calls.
     pub fn root(&mut self, mut k: usize) -> usize {
         while self.parent[k] as usize != k {
             self.parent[k] = self.parent[self.parent[k] as usize];
@@ -21,15 +21,15 @@ impl UnionFind {
         k
     }
 
-    /// Unites the sets of two numbers. The smaller root stays a root, so that a root is always its set's smallest number.
-    /// Gives whether there were two sets.
+    /// Unites the sets of two numbers. The smaller root stays a root, so the root of a set is always its smallest
+    /// number. Returns whether the sets were different.
     pub fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         self.hang(a.max(b), a.min(b));
         a != b
     }
 
-    /// Adds the set of one root to that of another, whose root stays.
+    /// Joins the set with root `below` to the set with root `root`, which stays a root.
     pub fn hang(&mut self, root: usize, below: usize) {
         self.parent[root] = below as u32;
     }

@@ -1,9 +1,12 @@
-//! Clips a map to an area, so that its contours end exactly on the area's border.
+//! Clips a map to an area. Its contours then end exactly on the area's border.
 //!
-//! Contours and border must share every vertex where they meet, or a triangulation of both would find them crossing by a
-//! rounding error. So vertices of contours that lie on the border, but for rounding, become vertices of the border;
-//! corners of the border that lie on a contour become vertices of the contour; and where the two then still cross, the
-//! crossing becomes a vertex of both. Coordinates of the contours are never changed.
+//! Where a contour meets the border, both need the same vertex. Otherwise a triangulation of both would find them
+//! crossing because of a rounding error. So three kinds of vertices are added:
+//! - A vertex of a contour that lies on the border, up to rounding, becomes a vertex of the border.
+//! - A corner of the border that lies on a contour becomes a vertex of the contour.
+//! - Where contour and border then still cross, the crossing becomes a vertex of both.
+//!
+//! Coordinates of the contours never change.
 
 use std::collections::HashSet;
 
@@ -16,10 +19,10 @@ use crate::base::bits::bits;
 use crate::geometry::{Border, OnEdge, rings, with_vertices};
 use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
 
-/// How often new vertices are looked for. Three times are nearly always enough.
+/// Largest number of rounds in which new vertices are looked for. Three are nearly always enough.
 const ROUNDS: usize = 16;
 
-/// ... and as long as there are at most so many times the vertices that there were after the first time.
+/// The search also stops when there are more vertices than this many times those after the first round.
 const GROWTH: usize = 2;
 
 /// A map cut to an area, and the area with a vertex wherever a contour meets its border.
@@ -27,14 +30,14 @@ const GROWTH: usize = 2;
 pub struct Clipped {
     /// The pieces of contours inside the area or along its border, and the spot heights there.
     pub map: ContourMap,
-    /// The area. Its border is where it was but for rounding.
+    /// The area. Its border is in the same place, up to rounding.
     pub area: MultiPolygon<f64>,
 }
 
-/// Cuts contours where they meet the border of `area` and keeps what lies inside, its own vertices unchanged. Pieces that
-/// run along the border are kept. A contour that only touches the border from inside stays in one piece.
+/// Cuts contours at the border of `area` and keeps the parts inside. Their own vertices do not change. Pieces that run
+/// along the border are kept. A contour that only touches the border from inside stays in one piece.
 ///
-/// No two polygons of `area` may overlap, and none may cross itself.
+/// The polygons of `area` must not overlap, and none may cross itself.
 pub fn clip(mut map: ContourMap, area: &MultiPolygon<f64>) -> Clipped {
     let border = Border::new(area);
     let on_border: Vec<OnEdge> = map
@@ -75,12 +78,12 @@ struct Node {
     on_border: bool,
 }
 
-/// Lines and area with a vertex wherever they meet, and the area with one wherever it meets itself.
+/// Adds a vertex to lines and area wherever they meet, and to the area wherever it meets itself.
 ///
-/// A new vertex moves what it lies on by a rounding error or by up to the border's tolerance. Where a line and the border,
-/// or two edges of the border, lie beside each other at a small angle, that can make them cross at another place. So the
-/// search goes on until nothing is found; each round moves less than the one before. Where all of a map is hardly larger than
-/// the tolerance, as with one point very far away, new vertices would bring newer ones instead, and it ends.
+/// A new vertex moves its edge by a rounding error, or by up to the border's tolerance. Two edges side by side at a
+/// small angle may then cross at another place. So the search is repeated until it finds nothing. Each round moves less
+/// than the one before. On a map hardly larger than the tolerance (one point may lie very far away), new vertices could
+/// bring newer ones without end. There [`ROUNDS`] and [`GROWTH`] stop the search.
 fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Vec<Vec<DVec2>>, MultiPolygon<f64>) {
     let mut most = usize::MAX;
     for _ in 0..ROUNDS {
@@ -109,8 +112,8 @@ fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Ve
     (lines, area)
 }
 
-/// The vertices of a line with those where it meets the border, if there is any new one, and its crossings with the
-/// border's edges.
+/// The vertices of a line including those where it meets the border, or `None` if no vertex is new. Then its crossings
+/// with the border's edges.
 fn meetings(points: &[DVec2], border: &Border) -> (Option<Vec<DVec2>>, Vec<OnEdge>) {
     let mut all: Vec<DVec2> = points.first().copied().into_iter().collect();
     let mut crossings = Vec::new();
@@ -141,7 +144,7 @@ fn meetings(points: &[DVec2], border: &Border) -> (Option<Vec<DVec2>>, Vec<OnEdg
     ((all.len() > points.len()).then_some(all), crossings)
 }
 
-/// Where edges of the border cross each other, for both of them.
+/// The crossings of the border's edges with each other, given for both edges.
 fn own_crossings(area: &MultiPolygon<f64>, border: &Border) -> Vec<OnEdge> {
     let lines: Vec<geo::Line<f64>> = rings(area).flat_map(|ring| ring.lines()).collect();
     let of = |(id, line): (usize, &geo::Line<f64>)| {
@@ -159,8 +162,8 @@ fn own_crossings(area: &MultiPolygon<f64>, border: &Border) -> Vec<OnEdge> {
     lines.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
-/// The pieces between vertices on the border that lie inside; successive ones are joined again. What runs along an edge of the border
-/// and back, as a spike beside it does once it has the border's vertices, is kept once.
+/// The pieces between vertices on the border that lie inside. Successive pieces are joined again. A spike beside the
+/// border can run along an edge and back once it has the border's vertices: that piece is kept once.
 fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
     let Some(last) = nodes.len().checked_sub(1) else { return Vec::new() };
     let closed = nodes.len() >= 4 && nodes[0].point == nodes[last].point;
@@ -169,7 +172,7 @@ fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
         return if inside { vec![points(&nodes)] } else { Vec::new() };
     };
     if closed {
-        // A ring is cut at the border, not where it happens to start.
+        // A ring is cut at the border, not at its first vertex.
         nodes.pop();
         nodes.rotate_left(first);
         nodes.push(nodes[0]);
@@ -198,7 +201,7 @@ fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
         end = Some(to);
     }
     if closed && kept.len() == 1 && kept[0].len() == nodes.len() {
-        // Nothing was cut off: the ring starts where it did.
+        // Nothing was cut off: the ring keeps its first vertex.
         let ring = &mut kept[0];
         ring.pop();
         ring.rotate_right(first);
@@ -209,7 +212,7 @@ fn kept_pieces(mut nodes: Vec<Node>, border: &Border) -> Vec<Vec<DVec2>> {
             piece.extend(&first[1..]);
         }
     }
-    // Between vertices that are one but for rounding there is nothing.
+    // A piece whose vertices are all within the tolerance exists by rounding only.
     kept.retain(|piece| piece.windows(2).any(|w| w[0].distance(w[1]) > border.tolerance()));
     kept
 }

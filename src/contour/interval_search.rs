@@ -1,13 +1,13 @@
 //! The vertical interval of a map, from the levels of its lines.
 //!
-//! Real maps leave levels out, add auxiliary contours at half or a quarter of the interval where the ground is flat, and
-//! carry some wrong labels. So no greatest common divisor is taken; instead every plausible step is given a mark from
-//! two shares, and the best one wins:
-//! - *explained*: how much of the lines lies on the step's levels. A step too large leaves half of the lines out.
-//! - *filled*: how many of the step's levels have lines, and as many as a level usually has. A step too small, fit for
-//!   the auxiliary contours or a wrong label, leaves its levels empty or nearly so.
+//! Real maps leave levels out. They have auxiliary contours at half or a quarter of the interval where the ground is
+//! flat, and some wrong labels. So a greatest common divisor does not help. Instead each plausible step gets a mark
+//! from two shares, and the best mark wins:
+//! - *explained*: the share of the lines on the step's levels. A step too large leaves half of the lines out.
+//! - *filled*: the share of the step's levels that have lines, and as many as a level usually has. A step too small,
+//!   fit for the auxiliary contours or a wrong label, leaves its levels empty or nearly so.
 //!
-//! Steps that maps are drawn with have a better mark than others.
+//! Steps that maps usually have get a better mark than others.
 //!
 //! Lines count by their vertices, so that a short auxiliary contour or one wrong label does not count for a whole level.
 
@@ -21,29 +21,29 @@ const DAMPING: f64 = 0.75;
 /// feet converted to metres and rounded to a decimetre.
 const OFF_LEVEL: f64 = 0.02;
 /// Weight of *filled* against *explained* (the square of beta in the F measure). Below one: a level that has lines is
-/// stronger evidence than one that has none. At one half, auxiliary contours at a quarter of all levels are still told
-/// from main ones.
+/// stronger evidence than one that has none. At one half, main contours can still be distinguished from auxiliary
+/// contours at a quarter of all levels.
 const FILLED_WEIGHT: f64 = 0.5;
-/// Empty levels in a row that count at most, so that one absurd label does not spoil the true step's mark.
+/// Empty levels in a row count at most this many times. So one absurd label does not spoil the true step's mark.
 const MAX_GAP: f64 = 4.0;
-/// Mark of a step whose levels do not contain zero, against one whose do: nearly all maps count from zero.
+/// Factor on the mark of a step whose levels do not contain zero. Nearly all maps count from zero.
 const OFFSET_MARK: f64 = 0.9;
-/// Mark of a step that maps are not drawn with, against one that they are: where few levels leave it open, 30 m is a poorer
+/// Factor on the mark of a step that maps do not usually have. If few levels leave the choice open, 30 m is a poorer
 /// guess than 10 m with levels left out.
 const ODD_MARK: f64 = 0.9;
-/// First digits of the steps that maps are drawn with, in metres or feet.
+/// First digits of the steps that maps usually have, in metres or feet.
 const USUAL_DIGITS: [f64; 6] = [1.0, 2.0, 2.5, 4.0, 5.0, 8.0];
-/// How far a step may be off those, as a share of it: a survey foot is a foot.
+/// Largest deviation from those steps, as a share of them: a survey foot is a foot.
 const SAME_DIGITS: f64 = 1e-5;
 /// A foot, metres.
 const FOOT: f64 = 0.3048;
-/// Levels looked at, the heaviest ones, so that elevations without any step cost little.
+/// Largest number of levels examined, the heaviest first. So elevations without any step cost little time.
 const MAX_LEVELS: usize = 4096;
-/// Differences of levels that are tried as steps, the heaviest ones.
+/// Largest number of level differences that are tried as steps, the heaviest first.
 const MAX_DIFFERENCES: usize = 24;
-/// Differences whose common divisors are tried too.
+/// Largest number of differences whose common divisors are tried too.
 const MAX_DIVIDED: usize = 10;
-/// Levels closer than this, as a share of the largest elevation, are one level that was rounded in two ways.
+/// Levels closer than this share of the largest elevation are one level, rounded in two ways.
 const SAME_LEVEL: f64 = 1e-9;
 
 /// A level and how much it counts.
@@ -55,9 +55,9 @@ struct Weighted {
 
 /// Finds the vertical (contour) interval from the levels that the lines have.
 ///
-/// Auxiliary contours in places, missing levels, some wrong labels, levels that are no whole numbers (feet in metres) and
-/// levels that do not start from zero are all taken into account. `None` if there are fewer than two different levels.
-/// With very few levels the answer can be ambiguous: 0, 20 and 50 may be 10 m or 20 m and a half.
+/// It allows for auxiliary contours in places, missing levels, some wrong labels, levels that are no whole numbers
+/// (feet in metres) and levels that do not start from zero. `None` if there are fewer than two different levels. With
+/// very few levels the answer can be ambiguous: 0, 20 and 50 may mean 10 m, or 20 m and a half level.
 pub fn find_interval(contours: &[Contour]) -> Option<Interval> {
     let levels = weighted_levels(contours);
     if levels.len() < 2 {
@@ -71,7 +71,7 @@ pub fn find_interval(contours: &[Contour]) -> Option<Interval> {
         .map(|(_, interval)| interval)
 }
 
-/// The levels from low to high with their weights, those that differ by rounding only taken together.
+/// The levels from low to high with their weights. Levels that differ only by rounding are combined.
 fn weighted_levels(contours: &[Contour]) -> Vec<Weighted> {
     let mut all: Vec<Weighted> = contours
         .iter()
@@ -128,12 +128,12 @@ fn candidate_steps(levels: &[Weighted]) -> Vec<f64> {
     steps
 }
 
-/// Euclid's algorithm on lengths that carry rounding.
+/// Euclid's algorithm on lengths with rounding errors.
 fn common_divisor(a: f64, b: f64) -> f64 {
     let tolerance = 1e-3 * a.min(b);
     let (mut a, mut b) = (a.max(b), a.min(b));
     while b > tolerance {
-        // The remainder next to b is as near to zero as the one next to zero.
+        // With rounding errors, a remainder just below b is as good as one just above zero.
         let remainder = a % b;
         (a, b) = (b, remainder.min(b - remainder));
     }
@@ -145,7 +145,7 @@ fn fit(levels: &[Weighted], step: f64) -> Option<Interval> {
     let base = heaviest_base(levels, step)?;
     let mut interval = Interval { step, base };
     let mut precision = 0.0;
-    // A step from one pair of rounded levels is good for the levels near by only; each round reaches further.
+    // A step from one pair of rounded levels is accurate only near them. Each round reaches further.
     let anchor = levels
         .iter()
         .filter(|l| off_level(&interval, l.z) <= OFF_LEVEL)
@@ -174,12 +174,12 @@ fn off_level(interval: &Interval, z: f64) -> f64 {
     (k - k.round()).abs()
 }
 
-/// The remainder, on division by the step, that most of the weight has.
+/// The remainder on division by the step that has the largest weight.
 fn heaviest_base(levels: &[Weighted], step: f64) -> Option<f64> {
     let mut remainders: Vec<(f64, f64)> = levels.iter().map(|l| ((l.z / step).rem_euclid(1.0), l.weight)).collect();
     remainders.retain(|(r, _)| r.is_finite());
     remainders.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    // The circle of remainders once more, so that a window can run over its seam.
+    // Remainders lie on a circle. They are appended once more, so that a window can run across its start.
     let n = remainders.len();
     let at = |i: usize| if i < n { remainders[i] } else { (remainders[i - n].0 + 1.0, remainders[i - n].1) };
     let (mut best, mut sum, mut end) = (None, 0.0, 0);
@@ -196,10 +196,10 @@ fn heaviest_base(levels: &[Weighted], step: f64) -> Option<f64> {
     best.map(|(_, start, end)| 0.5 * (at(start).0 + at(end - 1).0) * step)
 }
 
-/// The line through (k, z), and how far its slope may be off (three standard errors).
+/// The straight line through (k, z), and three standard errors of its slope.
 ///
-/// Least squares over the levels that fit, and those are found with medians: a wrong label far away that happens to lie
-/// near a level of the step would otherwise tilt the line.
+/// Least squares over the levels that fit. Medians find these levels first. Otherwise a wrong label far away that
+/// happens to lie near a level of the step would tilt the line.
 fn straight_line<'a>(levels: impl Iterator<Item = &'a Weighted>, guess: &Interval) -> Option<(Interval, f64)> {
     let mut pairs: Vec<(f64, f64)> =
         levels.map(|l| (((l.z - guess.base) / guess.step).round(), l.z - guess.base)).collect();
@@ -229,7 +229,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-/// The number of fewest decimals within `tolerance`.
+/// The number with the fewest decimals within `tolerance`.
 fn short_decimal(value: f64, tolerance: f64) -> f64 {
     (-2..=9)
         .map(|decimals| {
@@ -240,7 +240,7 @@ fn short_decimal(value: f64, tolerance: f64) -> f64 {
         .unwrap_or(value)
 }
 
-/// The base from 0 to below the step, as the middle one of the levels' remainders.
+/// The base, at least 0 and less than the step: the middle one of the levels' remainders.
 fn short_base(levels: &[&Weighted], step: f64) -> f64 {
     let Some(first) = levels.first() else { return 0.0 };
     let off = |l: &&Weighted| l.z - first.z - ((l.z - first.z) / step).round() * step;
@@ -254,8 +254,8 @@ fn short_base(levels: &[&Weighted], step: f64) -> f64 {
 /// The interval's mark, from 0 to 1.
 fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
     let total: f64 = levels.iter().map(|l| l.weight).sum();
-    // Of several levels at one of the interval's only the heaviest is explained: they would all be the same to a step
-    // as large as the map is high.
+    // Of several levels at one level of the interval, only the heaviest is explained. Otherwise a step as large as the
+    // map is high would explain them all.
     let mut on: Vec<(f64, f64)> = Vec::new();
     for level in levels.iter().filter(|l| off_level(interval, l.z) <= OFF_LEVEL) {
         let k = ((level.z - interval.base) / interval.step).round();
@@ -268,9 +268,10 @@ fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
     if on.len() < 2 {
         return 0.0;
     }
-    // The mean over the vertices, not over the levels: what a level with many lines has.
+    // The usual weight of a level: the mean over the vertices, not over the levels.
     let usual = on.iter().map(|l| l.1 * l.1).sum::<f64>() / weight;
-    // Empty levels count as much as the lighter level beside them: those next to one wrong label tell nothing.
+    // An empty level counts as much as the lighter level beside it. So empty levels beside one wrong label hardly
+    // count.
     let empty = |w: &[(f64, f64)]| (w[1].0 - w[0].0 - 1.0).clamp(0.0, MAX_GAP) * (w[0].1.min(w[1].1) / usual).min(1.0);
     let slots = on.len() as f64 + on.windows(2).map(empty).sum::<f64>();
     let filled = on.iter().map(|l| (l.1 / usual).min(1.0)).sum::<f64>() / slots;
@@ -279,7 +280,7 @@ fn mark(levels: &[Weighted], interval: &Interval) -> f64 {
     f * if interval.base == 0.0 { 1.0 } else { OFFSET_MARK } * if is_usual(interval.step) { 1.0 } else { ODD_MARK }
 }
 
-/// Whether maps are drawn with such a step.
+/// Whether maps usually have such a step.
 fn is_usual(step: f64) -> bool {
     [1.0, FOOT].iter().any(|unit| {
         let steps = step / unit;

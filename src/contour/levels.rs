@@ -1,16 +1,16 @@
 //! Levels: the elevations that lines are drawn at.
 //!
-//! Levels are `base + k * step` with a whole number k. Elevations come as decimal text, so a level is made as the
-//! nearest number to its decimal value (0.3, not 0.1 + 0.1 + 0.1): that is the number that a reader of the text gets,
-//! and levels can then be compared without a tolerance.
+//! Levels are `base + k * step` with a whole number k. Elevations come as decimal text. So a level is the
+//! floating-point number nearest to its decimal value (0.3, not 0.1 + 0.1 + 0.1). A reader of the text gets the same
+//! number, so levels can be compared without a tolerance.
 
 use super::map::Contour;
 
-/// How near to a level a height must be to count as lying on it, as a share of the step. Far above the rounding
-/// of any elevation, far below the last digit that people write.
+/// A height counts as lying on a level within this share of the step. It is far above the rounding of any elevation,
+/// and far below the last digit that people write.
 const ON_LEVEL: f64 = 1e-6;
 
-/// Most decimals that a step or base is taken to have when levels are made as decimal numbers.
+/// Levels are made as decimal numbers if step and base have at most this many decimals.
 const MAX_DECIMALS: i32 = 9;
 
 /// The vertical (contour) interval of a map: its levels are `base + k * step` for whole numbers k.
@@ -43,7 +43,7 @@ impl Interval {
         self.base + k * self.step
     }
 
-    /// The level number `k` as it stands in the sorted list `levels` if it is there to within rounding, else as
+    /// The level number `k`: as it stands in the sorted list `levels`, if it is there up to rounding; otherwise as
     /// [`Interval::level`] makes it.
     pub fn level_among(&self, k: i64, levels: &[f64]) -> f64 {
         let made = self.level(k);
@@ -62,20 +62,20 @@ impl Interval {
         ((z - self.base) / self.step).round() as i64
     }
 
-    /// Whether the height `z` is a level, to within rounding.
+    /// Whether the height `z` is a level, up to rounding.
     pub fn is_level(&self, z: f64) -> bool {
         let k = (z - self.base) / self.step;
         (k - k.round()).abs() <= ON_LEVEL
     }
 
-    /// The lowest level strictly above the height `z`; from a height on a level (to within rounding), the next one.
+    /// The lowest level strictly above the height `z`. For a height on a level (up to rounding), the next level.
     pub fn next_above(&self, z: f64) -> f64 {
         let k = (z - self.base) / self.step;
         let nearest = k.round();
         self.level(if (k - nearest).abs() <= ON_LEVEL { nearest + 1.0 } else { k.ceil() } as i64)
     }
 
-    /// The highest level strictly below the height `z`; from a height on a level (to within rounding), the one before.
+    /// The highest level strictly below the height `z`. For a height on a level (up to rounding), the level before.
     pub fn next_below(&self, z: f64) -> f64 {
         let k = (z - self.base) / self.step;
         let nearest = k.round();
@@ -83,7 +83,7 @@ impl Interval {
     }
 }
 
-/// The elevations that the contours have, each once, from low to high. Elevations that are no number are left out.
+/// The elevations of the contours, each once, from low to high. Elevations that are not finite are left out.
 pub fn distinct_levels(contours: &[Contour]) -> Vec<f64> {
     let mut levels: Vec<f64> = contours.iter().map(|c| c.elevation + 0.0).filter(|z| z.is_finite()).collect();
     levels.sort_unstable_by(f64::total_cmp);

@@ -2,15 +2,15 @@
 
 use glam::DVec2;
 
-/// How far a line is expected to be off.
+/// The expected error of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineError {
-    /// Root mean square of the standard error of the heights along it, metres.
+    /// Root mean square of the standard errors of the heights along the line, metres.
     pub vertical: f64,
-    /// The same of its place: height error over slope, no more than the distance from the contours around, map units.
+    /// The same for its position: height error over slope, at most the distance to the contours around, map units.
     pub horizontal: f64,
-    /// Whether most of it lies where the contours hardly tell the height: on a top, in a pit, on a wide flat, or along
-    /// the frame beyond the last contour.
+    /// Whether the contours hardly determine the height along most of the line: on a top, in a pit, on a wide flat, or
+    /// between the last contour and the frame.
     pub inferred: bool,
 }
 
@@ -38,7 +38,7 @@ pub struct ContourLine {
     pub index: bool,
     /// Whether it closes around lower ground.
     pub depression: bool,
-    /// How far the line is expected to be off; `None` if that was not asked for. An input line is off by nothing.
+    /// The expected error; `None` if it was not asked for. An input line has no error.
     pub expected: Option<LineError>,
 }
 
@@ -56,9 +56,9 @@ pub struct ContourLayer {
     pub name: String,
     /// The lines, by elevation and then in a fixed order.
     pub lines: Vec<ContourLine>,
-    /// New rings that were left out because they are smaller than what the contours can tell.
+    /// Number of artefact rings left out: new rings too small for the contours to determine.
     pub artefact_rings: usize,
-    /// New lines that were left out because they ran into a closed contour of their own level: contours are missing around
-    /// it, so that the ground outside it is higher on one part and lower on another.
+    /// Number of dead ends left out: new lines that ran into a closed contour of their own level. Contours are missing
+    /// around such a contour: the ground outside it is higher on one part and lower on another.
     pub dead_ends: usize,
 }

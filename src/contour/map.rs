@@ -38,11 +38,11 @@ pub struct ContourMap {
     pub contours: Vec<Contour>,
     /// Single points of known height (x, y, elevation).
     pub spots: Vec<DVec3>,
-    /// Features, by their number, that the input marks as depression contours (true) or as none (false). Only checked
-    /// against what the contours tell.
+    /// Features, by number, that the input marks as depression contours (true) or as ordinary contours (false). The
+    /// marks are only compared with the contours.
     pub depressions: BTreeMap<u64, bool>,
-    /// Places where cleaning left a piece of a line out because it met another line or itself: what is left there need not
-    /// be where the line was meant to be, and nothing is learnt from the ground around.
+    /// Positions where cleaning removed a piece of a line that met another line or itself. The rest of the line may be
+    /// wrong there. So nothing is learnt from the ground around.
     pub mended: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
@@ -54,14 +54,14 @@ impl ContourMap {
         self.contours.iter().map(|c| c.points.len()).sum()
     }
 
-    /// Whether all coordinates fit in ±180 and ±90, as degrees do. For maps whose coordinate reference system is not known;
-    /// a map without lines does not look like degrees.
+    /// Whether all coordinates lie within ±180 and ±90, as degrees do. For maps whose coordinate reference system is
+    /// not known. False for a map without lines.
     pub fn looks_like_degrees(&self) -> bool {
         let mut points = self.contours.iter().flat_map(|contour| &contour.points).peekable();
         points.peek().is_some() && points.all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0)
     }
 
-    /// Where the vertices of all contours and the spot heights lie.
+    /// The positions of all contour vertices and spot heights.
     pub(crate) fn places(&self) -> impl Iterator<Item = DVec2> {
         let vertices = self.contours.iter().flat_map(|c| c.points.iter().copied());
         vertices.chain(self.spots.iter().map(|s| s.truncate()))

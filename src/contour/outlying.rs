@@ -1,23 +1,23 @@
-//! Vertices that stand out of a line which is even and smooth otherwise: the line runs to them and nearly straight back.
+//! Vertices that stick out of an otherwise even and smooth line: the line runs to them and nearly straight back.
 //!
-//! A vertex that was moved by a slip makes two long segments with a sharp turn between, and without it the line goes on as if
-//! nothing had been. In a narrow valley a line turns as sharply, but comes and goes along the valley. Lines traced on
-//! triangles have some long segments among many short ones; uneven lines are not judged.
+//! A vertex moved by mistake has two long segments with a sharp turn between them. Without it the line continues
+//! smoothly. In a narrow valley a line turns as sharply, but it follows the valley to the turn and back. Lines traced
+//! on triangles have some long segments among many short ones. Such uneven lines are not judged.
 
 use glam::DVec2;
 
-/// The way over such a vertex is so many times the straight way past it: the line turns back to within 39 degrees.
+/// Least ratio of the way over such a vertex to the straight way past it. The line turns back to within 39 degrees.
 const SHARP: f64 = 3.0;
-/// Both segments at it are so many times as long as three quarters of the line's are.
+/// Least ratio of both segments at the vertex to the upper quartile of the line's segment lengths.
 const LONG: f64 = 2.0;
-/// Three quarters of an even line's segments are no longer than so many times a quarter of them.
+/// Largest ratio of the upper to the lower quartile of segment lengths in an even line.
 const EVEN: f64 = 3.0;
-/// Past it the line turns by less than 45 degrees at the vertices before and after.
+/// Least cosine of the turn at the vertices before and after, once the vertex is left out: less than 45 degrees.
 const COS_ON: f64 = 0.7;
-/// Fewest segments that tell how long a line's are.
+/// Fewest segments from which the quartiles are taken.
 const FEWEST: usize = 12;
 
-/// Numbers of a line's vertices that stand out, ascending. Those next to the ends of an open line are not judged.
+/// Numbers of a line's vertices that stick out, ascending. Vertices next to the ends of an open line are not judged.
 pub(crate) fn outlying_vertices(points: &[DVec2]) -> Vec<usize> {
     let lengths = points.windows(2).map(|w| w[0].distance(w[1]));
     let mut lengths: Vec<f64> = lengths.filter(|d| *d > 0.0).collect();
@@ -47,14 +47,14 @@ pub(crate) fn outlying_vertices(points: &[DVec2]) -> Vec<usize> {
     }
 }
 
-/// The line without vertices that stand out.
+/// The line without the vertices that stick out.
 pub(crate) fn without_outlying(points: &[DVec2]) -> Vec<DVec2> {
     let mut outlying = outlying_vertices(points).into_iter().peekable();
     let starts_outlying = outlying.peek() == Some(&0);
     let stays = |&(k, _): &(usize, &DVec2)| outlying.next_if_eq(&k).is_none();
     let mut rest: Vec<DVec2> = points.iter().enumerate().filter(stays).map(|(_, p)| *p).collect();
     if starts_outlying {
-        // The ring's end is the vertex that it started with.
+        // The ring ends with the vertex that it started with, which is left out.
         rest.pop();
         rest.extend(rest.first().copied());
     }

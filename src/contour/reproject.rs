@@ -1,4 +1,4 @@
-//! A map brought to the plane that it is worked on in.
+//! Projects a map to the plane on which it is worked on.
 
 use glam::DVec2;
 
@@ -6,15 +6,15 @@ use super::map::ContourMap;
 use crate::base::error::{CrsNeed, Error, Report, Result};
 use crate::crs::{Crs, Reprojection};
 
-/// Brings a map to the plane of a projected system, with the [`Reprojection`] for the way back.
+/// Projects a map to the plane of a projected system. The [`Reprojection`] leads back.
 ///
-/// Coordinates are transformed, if the map's system is another one, and brought to whole micrometres. Vertices of contours
-/// come back bit for bit. Those that would fall together by rounding keep all their digits; those that fall together all
-/// the same become one, with a finding.
+/// Coordinates are transformed, if the map has another system, and rounded to whole micrometres. Vertices of contours
+/// come back bit for bit. Vertices that would become equal by rounding keep all their digits. If they are equal even
+/// so, they become one vertex, with a finding.
 ///
 /// # Errors
-/// [`Error::Data`] if the map's system is not known, there is no way between the systems, or a vertex has no place on the
-/// plane.
+/// [`Error::UnknownCrs`] if the map's system is not known. [`Error::Data`] if there is no transformation between the
+/// systems. [`Error::NoPlace`] if a vertex cannot be projected.
 pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMap, Reprojection)>> {
     let Some(input) = map.crs.take() else {
         return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });

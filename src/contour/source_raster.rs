@@ -1,8 +1,8 @@
-//! The raster that contours were cut from, where their vertices tell it.
+//! The raster from which contours were generated, found from their vertices.
 //!
-//! Contours that were cut from a height map have their vertices where a level crosses the straight way between two
-//! neighbouring cell centres. So each vertex lies on a row or a column of centres, and what the contours tell of
-//! the ground, they tell of those rows and columns.
+//! Contours generated from a height map have their vertices where a level crosses the straight line between two
+//! neighbouring cell centres. So each vertex lies on a row or a column of cell centres. Such contours describe the
+//! ground along these rows and columns.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -10,20 +10,21 @@ use rayon::prelude::*;
 use super::map::Contour;
 use crate::base::Grid;
 
-/// Vertices that rows and columns are looked for in.
+/// Number of vertices from which rows and columns are found.
 const SAMPLE: usize = 200_000;
-/// Fewest rows, and columns, that make a raster.
+/// Fewest rows, and fewest columns, of a raster.
 const FEWEST: usize = 8;
-/// How far off a row or column a vertex may lie, as a share of the distance between two: coordinates are rounded.
+/// Largest distance of a vertex from its row or column, as a share of their spacing: coordinates are rounded.
 const OFF: f64 = 1e-3;
-/// Share of the vertices that must lie on a row or a column.
+/// Least share of the vertices on a row or a column.
 const ON_EITHER: f64 = 0.95;
-/// Share of the vertices that must lie on a row, and on a column.
+/// Least share of the vertices on a row, and on a column.
 const ON_EACH: f64 = 0.1;
-/// Share of the vertices that may lie on both: coordinates that are all rounded to a step are no raster.
+/// Largest share of the vertices on both a row and a column. If all coordinates are rounded to a step, there is no
+/// raster.
 const ON_BOTH: f64 = 0.5;
 
-/// Rows or columns of any raster that people make are at most so many times further apart than the others.
+/// Largest ratio of the two spacings. No raster in use has longer cells.
 const LONGEST: f64 = 10.0;
 
 /// Rows and columns of cell centres.
@@ -35,7 +36,7 @@ pub struct SourceRaster {
     pub cell: DVec2,
 }
 
-/// The raster that contours were cut from; `None` where they come from elsewhere, were smoothed or turned.
+/// The raster from which contours were generated; `None` if they have another origin, were smoothed or rotated.
 pub fn source_raster(contours: &[Contour]) -> Option<SourceRaster> {
     // The last vertex of a ring is the first one again.
     let distinct = |c: &Contour| c.points.len() - usize::from(c.is_closed());
@@ -71,14 +72,14 @@ impl SourceRaster {
         is_as_large && self.lines_at(grid.center(0, 0)) == [true; 2]
     }
 
-    /// Whether a place lies on a column, and on a row.
+    /// Whether a position lies on a column, and whether it lies on a row.
     fn lines_at(&self, p: DVec2) -> [bool; 2] {
         let at = (p - self.centre) / self.cell;
         ((at - at.round()).abs()).to_array().map(|off| off <= OFF)
     }
 }
 
-/// One of the evenly spaced values that most of the repeated ones are, and their distance.
+/// The first of the evenly spaced values among those that occur repeatedly, and their spacing.
 fn lines(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let mut values: Vec<f64> = values.collect();
     values.sort_unstable_by(f64::total_cmp);
@@ -90,7 +91,7 @@ fn lines(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let mut steps: Vec<f64> = repeated.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_unstable_by(f64::total_cmp);
     let about = steps[steps.len() / 2];
-    // Over the whole width the rounding of single values does not count.
+    // Over the whole width, the rounding of single values is negligible.
     let (first, last) = (repeated[0], repeated[repeated.len() - 1]);
     let step = (last - first) / ((last - first) / about).round();
     (step.is_finite() && step > 0.0).then_some((first, step))

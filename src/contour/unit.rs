@@ -11,12 +11,12 @@ pub enum ElevationUnit {
     Metre,
     /// International feet, 0.3048 m.
     Foot,
-    /// Feet of the United States survey, 1200/3937 m.
+    /// US survey feet, 1200/3937 m.
     UsSurveyFoot,
 }
 
 impl ElevationUnit {
-    /// An elevation of this unit in metres. Numerator and denominator are exact, so that 40 feet are the number 12.192.
+    /// An elevation of this unit in metres. Numerator and denominator are exact, so 40 feet are the number 12.192.
     pub fn metres(self, elevation: f64) -> f64 {
         match self {
             Self::Metre => elevation,

@@ -1,4 +1,4 @@
-//! The border of an area, indexed for questions about places near it.
+//! The border of an area, with an index of its edges.
 
 use geo::{BoundingRect, Coord, LineString, MultiPolygon, Polygon};
 use glam::DVec2;
@@ -9,15 +9,16 @@ use rstar::{AABB, RTree};
 
 use super::{Segment, point_distance};
 
-/// How near is on the border, as a share of the diagonal of the box around the area.
+/// Tolerance of the border, as a share of the diagonal of the box around the area.
 const NEAR: f64 = 1e-9;
-/// The same as a share of the largest coordinate, for small areas far from zero, whose coordinates have few digits left.
+/// Tolerance as a share of the largest coordinate, for small areas far from zero, whose coordinates have few digits
+/// left.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// A place on the border and the number of the edge that it lies on.
+/// The number of an edge of the border, and a position on it.
 pub(crate) type OnEdge = (u32, DVec2);
 
-/// The edges of all rings of an area, and a tree to find those near a place.
+/// The edges of all rings of an area, and a tree to find those near a position.
 ///
 /// Edges are numbered ring by ring: of each polygon the exterior, then the holes.
 #[derive(Debug)]
@@ -25,7 +26,7 @@ pub(crate) struct Border {
     edges: RTree<GeomWithData<Line<[f64; 2]>, u32>>,
     /// The largest x.
     east: f64,
-    /// Distance under which a place counts as on the border, map units.
+    /// Within this distance a position counts as on the border, map units.
     tolerance: f64,
 }
 
@@ -39,12 +40,12 @@ impl Border {
         Self { edges: RTree::bulk_load(edges), east, tolerance: tolerance(area) }
     }
 
-    /// Distance under which a place counts as on the border, map units.
+    /// Within this distance a position counts as on the border, map units.
     pub(crate) fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Whether a place lies inside: a ray from it to the east crosses an odd number of edges.
+    /// Whether a position lies inside: a ray from it to the east crosses an odd number of edges.
     pub(crate) fn contains(&self, p: DVec2) -> bool {
         let ray = AABB::from_corners(p.to_array(), [self.east.max(p.x), p.y]);
         let coord = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
@@ -61,7 +62,7 @@ impl Border {
         crossed.count() % 2 == 1
     }
 
-    /// The edge that a place lies on, with its ends.
+    /// The edge on which a position lies, with its ends.
     pub(crate) fn edge_at(&self, p: DVec2) -> Option<(u32, Segment)> {
         let distance = |edge: &Segment| point_distance(p, edge);
         self.near(p, p)
@@ -80,7 +81,8 @@ impl Border {
     }
 }
 
-/// Distance under which a place counts as on the border of an area, map units: what is computed to lie on it does but for this.
+/// Within this distance a position counts as on the border of an area, map units. Positions computed to lie on it are
+/// off by less.
 pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
     area.bounding_rect().map_or(0.0, |r| {
         let corner = |c: Coord| DVec2::new(c.x, c.y);
@@ -88,13 +90,13 @@ pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
     })
 }
 
-/// The same for an area with this box around it.
+/// The same for an area with the box around it.
 pub(crate) fn tolerance_of_box(min: DVec2, max: DVec2) -> f64 {
     NEAR * min.distance(max) + ROUNDING * min.abs().max(max.abs()).max_element()
 }
 
-/// The area with further vertices on its border, given by the number of their edge. Along each edge they follow in the
-/// order in which they lie beside it, so that no edge turns back.
+/// The area with further vertices on its border, each with the number of its edge. Along an edge they are sorted by
+/// position, so that no edge turns back.
 pub(crate) fn with_vertices(area: &MultiPolygon<f64>, mut vertices: Vec<OnEdge>) -> MultiPolygon<f64> {
     vertices.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
     vertices.dedup();
@@ -125,8 +127,8 @@ pub(crate) fn with_vertices(area: &MultiPolygon<f64>, mut vertices: Vec<OnEdge>)
     polygons.collect()
 }
 
-/// The area with points of a map for the corners that they lie beside: two places that are one but for rounding, each with a
-/// height, would have room for lines between them. Points of a map never move.
+/// The area with its corners moved to points of the map beside them. Two positions that differ only by rounding, but
+/// have different heights, would leave room for lines between them. Points of a map never move.
 pub(crate) fn with_corners_at(points: &[DVec2], area: &MultiPolygon<f64>) -> MultiPolygon<f64> {
     let reach = tolerance(area);
     let corners: RTree<[f64; 2]> =

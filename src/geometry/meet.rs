@@ -1,4 +1,4 @@
-//! How two segments lie to each other: exact for contact, and a distance for nearness.
+//! How two segments lie to each other. Contact is tested exactly; nearness is a computed distance.
 
 use glam::DVec2;
 use robust::{Coord, orient2d};
@@ -11,7 +11,7 @@ use super::segment::Segment;
 pub(crate) enum Meeting {
     /// They share no point.
     Apart,
-    /// They share one point, the end of one of them at least.
+    /// They share one point, which is an end of one or both.
     Touch,
     /// They share one point inside both.
     Cross,
@@ -19,13 +19,13 @@ pub(crate) enum Meeting {
     Overlap,
 }
 
-/// On which side of the line through a and b the point lies: the sign is exact.
+/// On which side of the line through a and b the point lies. The sign is exact.
 fn side(s: &Segment, p: DVec2) -> f64 {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
     orient2d(coord(s.a), coord(s.b), coord(p))
 }
 
-/// How two segments meet, exactly. Neither may be a point.
+/// How two segments meet, exactly. Neither may have the length zero.
 pub(crate) fn meeting(s: &Segment, t: &Segment) -> Meeting {
     let (ta, tb) = (side(s, t.a), side(s, t.b));
     if ta == 0.0 && tb == 0.0 {
@@ -38,14 +38,15 @@ pub(crate) fn meeting(s: &Segment, t: &Segment) -> Meeting {
     if (sa > 0.0 && sb > 0.0) || (sa < 0.0 && sb < 0.0) {
         Meeting::Apart
     } else if ta == 0.0 || tb == 0.0 || sa == 0.0 || sb == 0.0 {
-        // Each has its ends not on one side of the other's line, and one end lies on it: that end is the common point.
+        // Neither has both ends strictly on one side of the other's line, and one end lies on that line: this end is
+        // the common point.
         Meeting::Touch
     } else {
         Meeting::Cross
     }
 }
 
-/// Two segments on one straight line. Along it, points are in the order of their coordinates.
+/// How two segments on one straight line meet. Along it, points are in the order of their coordinates.
 fn meeting_in_line(s: &Segment, t: &Segment) -> Meeting {
     let order = |s: &Segment| {
         let (a, b) = ((s.a.x, s.a.y), (s.b.x, s.b.y));
@@ -63,13 +64,13 @@ fn meeting_in_line(s: &Segment, t: &Segment) -> Meeting {
     }
 }
 
-/// Distance from a point to a segment, the same to the last bit for either direction of the segment: what was apart before
-/// a line is turned round is apart after it.
+/// Distance from a point to a segment. It is the same to the last bit for both directions of the segment: what was
+/// apart before a line is reversed is apart afterwards.
 pub(crate) fn point_distance(p: DVec2, s: &Segment) -> f64 {
     let (a, b) = if compare_points(&s.a, &s.b).is_le() { (s.a, s.b) } else { (s.b, s.a) };
     let (along, to) = (b - a, p - a);
     let share = (to.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    // A segment too short for its square to be a number above zero is a point.
+    // The square of a very short length can underflow to zero. Then the segment is a point.
     if share.is_nan() { to.length() } else { (to - along * share).length() }
 }
 
@@ -78,7 +79,7 @@ pub(crate) fn distance(s: &Segment, t: &Segment) -> f64 {
     nearest_end(s, t).0
 }
 
-/// The end, of the four, that is nearest to the other segment, and its distance.
+/// The least distance from one of the four ends to the other segment, and that end.
 fn nearest_end(s: &Segment, t: &Segment) -> (f64, DVec2) {
     let mut best = (point_distance(s.a, t), s.a);
     for (p, of) in [(s.b, t), (t.a, s), (t.b, s)] {
@@ -90,7 +91,7 @@ fn nearest_end(s: &Segment, t: &Segment) -> (f64, DVec2) {
     best
 }
 
-/// About where two segments meet, for a message.
+/// The computed position where two segments meet, up to rounding.
 pub(crate) fn place(s: &Segment, t: &Segment) -> DVec2 {
     let (u, v) = (s.b - s.a, t.b - t.a);
     let share = (t.a - s.a).perp_dot(v) / u.perp_dot(v);

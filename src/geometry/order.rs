@@ -1,4 +1,4 @@
-//! The order of points, so that nothing depends on how the input was written.
+//! The order of points. Because of it, results do not depend on how the input was written.
 
 use std::cmp::Ordering;
 

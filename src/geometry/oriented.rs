@@ -1,10 +1,10 @@
-//! A tree of boxes that are turned along what they hold.
+//! A tree of rotated boxes: each is turned along what it holds.
 //!
-//! Upright boxes around long slanting segments nearly all meet each other, however few of the segments are near each other.
-//! Long segments that do not cross lie side by side, so boxes along them stay as narrow as the segments are close, also those
-//! around many of them: the pairs of boxes that meet are then about as many as the segments that are near each other.
+//! Upright boxes around long oblique segments nearly all meet, even if few of the segments are near each other. Long
+//! segments that do not cross lie side by side. Boxes along them are narrow, and so are the boxes around several of
+//! them. So about as many pairs of boxes meet as segments are near each other.
 //!
-//! Boxes only ever err to the large side: what comes near is found, and some things that do not.
+//! Boxes are never too small. A search finds everything that is near, and some things that are not.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -12,23 +12,23 @@ use std::collections::BinaryHeap;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Boxes in a box of the next level.
+/// Number of boxes in a box of the next level.
 const FANOUT: usize = 8;
-/// More than the rounding of a few sums and products, as a share of the lengths in them.
+/// Upper bound of the rounding of a few sums and products, as a share of the lengths in them.
 const ROUNDING: f64 = 1e-14;
 
-/// A rectangle that stands at any angle.
+/// A rectangle at any angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct OrientedBox {
     centre: DVec2,
-    /// Direction of its length, of length one.
+    /// Unit vector along its length.
     axis: DVec2,
     /// Half its length and half its width.
     half: DVec2,
 }
 
 impl OrientedBox {
-    /// The box around points of a line, along its ends; an upright one where that is smaller.
+    /// A box around the points of a line, turned along its ends. An upright box if that is smaller.
     pub(crate) fn around(points: &[DVec2]) -> Self {
         let (Some(&first), Some(&last)) = (points.first(), points.last()) else {
             return Self { centre: DVec2::ZERO, axis: DVec2::X, half: DVec2::ZERO };
@@ -45,7 +45,7 @@ impl OrientedBox {
         Self { centre, axis: DVec2::X, half: (max - centre).max(centre - min) }
     }
 
-    /// The box around boxes, along the longest of them; an upright one where that is smaller.
+    /// A box around boxes, turned along the longest of them. An upright box if that is smaller.
     fn around_boxes(boxes: &[Self]) -> Self {
         let Some(longest) = boxes.iter().max_by(|a, b| a.half.max_element().total_cmp(&b.half.max_element())) else {
             return Self::around(&[]);
@@ -61,8 +61,8 @@ impl OrientedBox {
         })
     }
 
-    /// The smaller one, of the box along `axis` and the upright one, of places, given from `origin`, with a way that
-    /// they spread to both sides.
+    /// The smaller of two boxes around places: the box along `axis`, or the upright box. Each place is given relative
+    /// to `origin`, with the vector by which it extends to both sides.
     fn smaller<I: Iterator<Item = (DVec2, DVec2)>>(axis: DVec2, origin: DVec2, places: impl Fn() -> I) -> Self {
         let along = |axis: DVec2| {
             let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -74,7 +74,7 @@ impl OrientedBox {
             let (middle, half) = (min.midpoint(max), (max - min) / 2.0);
             let from_origin = min.abs().max(max.abs());
             let half = half + ROUNDING * (from_origin.x + from_origin.y);
-            // The sum is rounded as coordinates are, so the box grows by what the centre lies off.
+            // The centre is rounded as coordinates are, so the box grows by that error.
             let shift = axis * middle.x + axis.perp() * middle.y;
             let centre = origin + shift;
             let off = (centre - origin) - shift;
@@ -94,21 +94,21 @@ impl OrientedBox {
         Self { half: self.half + margin, ..self }
     }
 
-    /// Whether they share a point; sometimes also where they only nearly do.
+    /// Whether they share a point. Boxes that nearly do may count too.
     pub(crate) fn meets(&self, other: &Self) -> bool {
         let between = other.centre - self.centre;
         let cos = self.axis.dot(other.axis).abs();
         let sin = self.axis.perp_dot(other.axis).abs();
         let (a, b) = (self.half, other.half);
         let slack = ROUNDING * (between.x.abs() + between.y.abs() + a.x + a.y + b.x + b.y);
-        // Boxes are apart where a line along a side of one parts them.
+        // Boxes are apart if a line along a side of one separates them.
         !(between.perp_dot(self.axis).abs() > a.y + b.x * sin + b.y * cos + slack
             || between.perp_dot(other.axis).abs() > b.y + a.x * sin + a.y * cos + slack
             || between.dot(self.axis).abs() > a.x + b.x * cos + b.y * sin + slack
             || between.dot(other.axis).abs() > b.x + a.x * cos + a.y * sin + slack)
     }
 
-    /// No point of the box is nearer to `p` than this.
+    /// A lower bound of the distance from `p` to the box.
     fn distance_at_least(&self, p: DVec2) -> f64 {
         let to = p - self.centre;
         let beyond = (DVec2::new(to.dot(self.axis), to.perp_dot(self.axis)).abs() - self.half).max(DVec2::ZERO);
@@ -117,17 +117,17 @@ impl OrientedBox {
     }
 }
 
-/// Boxes with numbers, to find those near a place.
+/// Numbered boxes, and a tree to find those near a position.
 pub(crate) struct BoxTree {
-    /// All levels, the given boxes first, then those around [`FANOUT`] each of the level before.
+    /// The boxes of all levels: the given boxes first, then boxes around up to [`FANOUT`] boxes of the level before.
     boxes: Vec<OrientedBox>,
     /// Numbers of the given boxes, in the order of `boxes`.
     numbers: Vec<u32>,
-    /// Where each level starts, and at the end the number of all.
+    /// Where each level starts, and at the end the number of all boxes.
     starts: Vec<usize>,
 }
 
-/// A box of the tree, by its level and its place in `boxes`.
+/// A box of the tree, by its level and its index in `boxes`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Node {
     level: usize,
@@ -135,12 +135,12 @@ struct Node {
 }
 
 impl BoxTree {
-    /// Builds it; boxes are numbered as they come.
+    /// Builds the tree. Boxes are numbered in their order.
     pub(crate) fn new(given: &[OrientedBox]) -> Self {
         let min = given.iter().fold(DVec2::INFINITY, |m, b| m.min(b.centre));
         let max = given.iter().fold(DVec2::NEG_INFINITY, |m, b| m.max(b.centre));
         let scale = f64::from(u16::MAX) / (max - min).max_element().max(f64::MIN_POSITIVE);
-        // Numbers beyond the range are cut by the conversion.
+        // The conversion cuts numbers off at the end of the range.
         let cell = |b: &OrientedBox| ((b.centre - min) * scale).to_array().map(|v| v as u16);
         let mut order: Vec<(u32, u32)> =
             given.par_iter().enumerate().map(|(i, b)| (along_curve(cell(b)), i as u32)).collect();
@@ -163,7 +163,7 @@ impl BoxTree {
         Some(Node { level: self.starts.len() - 2, at })
     }
 
-    /// The boxes inside a box that is none of the given ones.
+    /// The boxes inside a box that is not one of the given boxes.
     fn inside(&self, node: Node) -> impl Iterator<Item = Node> + use<> {
         let level = node.level - 1;
         let first = self.starts[level] + (node.at - self.starts[node.level]) * FANOUT;
@@ -184,49 +184,51 @@ impl BoxTree {
         })
     }
 
-    /// Numbers of the boxes, the nearest to `p` first, with a length that no point of them is nearer than.
+    /// Numbers of the boxes, the nearest to `p` first, each with a lower bound of its distance.
     pub(crate) fn nearest_first(&self, p: DVec2) -> impl Iterator<Item = (u32, f64)> {
-        let seen = move |node: Node| Reverse(Seen { distance: self.boxes[node.at].distance_at_least(p), node });
-        let mut open: BinaryHeap<Reverse<Seen>> = self.root().map(seen).into_iter().collect();
+        let candidate =
+            move |node: Node| Reverse(Candidate { distance: self.boxes[node.at].distance_at_least(p), node });
+        let mut open: BinaryHeap<Reverse<Candidate>> = self.root().map(candidate).into_iter().collect();
         std::iter::from_fn(move || {
-            while let Some(Reverse(Seen { distance, node })) = open.pop() {
+            while let Some(Reverse(Candidate { distance, node })) = open.pop() {
                 if node.level == 0 {
                     return Some((self.numbers[node.at], distance));
                 }
-                open.extend(self.inside(node).map(seen));
+                open.extend(self.inside(node).map(candidate));
             }
             None
         })
     }
 }
 
-/// A box and how near it is.
-struct Seen {
+/// A box and a lower bound of its distance.
+struct Candidate {
     distance: f64,
     node: Node,
 }
 
-impl Ord for Seen {
+impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         self.distance.total_cmp(&other.distance).then(self.node.at.cmp(&other.node.at))
     }
 }
 
-impl PartialOrd for Seen {
+impl PartialOrd for Candidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Seen {
+impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Seen {}
+impl Eq for Candidate {}
 
-/// The place of a cell along Hilbert's curve through a square of cells: cells that follow each other lie side by side.
+/// The position of a cell along Hilbert's curve through a square of cells. Successive cells of the curve are
+/// neighbours.
 fn along_curve(cell: [u16; 2]) -> u32 {
     let [mut x, mut y] = cell.map(u32::from);
     let mut place = 0;

@@ -35,7 +35,7 @@ impl Bounds {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// The least one that holds points.
+    /// The smallest rectangle around points.
     pub(crate) fn around(points: &[DVec2]) -> Self {
         let none = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
         points.iter().fold(none, |b, &p| Self { min: b.min.min(p), max: b.max.max(p) })

@@ -1,11 +1,12 @@
-//! What is wrong with arrays of lines that do not fit each other: [`ArrayFault`].
+//! Faults in the arrays that describe lines: [`ArrayFault`].
 
-/// Why coordinates, offsets and elevations are not the arrays of lines.
+/// Why coordinates, offsets and elevations do not describe lines.
 ///
-/// Line `k` has the coordinates from `offsets[k]` to before `offsets[k + 1]`, and `elevations[k]`.
+/// Line `k` has the coordinates from `offsets[k]` up to but not including `offsets[k + 1]`, and the elevation
+/// `elevations[k]`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ArrayFault {
-    /// There is not one offset more than there are elevations.
+    /// The number of offsets is not the number of elevations plus one.
     #[error("{offsets} offsets and {elevations} elevations: there must be one offset more than elevations")]
     Lengths {
         /// Number of offsets.

@@ -1,4 +1,4 @@
-//! What was noticed about the input: [`Finding`], its [`FindingKind`], [`Severity`] and [`Proposal`].
+//! What a step noticed in the input: [`Finding`], its [`FindingKind`], [`Severity`] and [`Proposal`].
 
 use std::fmt;
 
@@ -10,14 +10,14 @@ use glam::DVec2;
 pub enum Severity {
     /// Worth knowing; nothing is wrong with the result.
     Note,
-    /// Odd: the result is sound, and may not be what the map means.
+    /// Unusual. The result is sound, but may not be what the map means.
     Warning,
-    /// Wrong: ground near it cannot be right, or something was left out for it.
+    /// Wrong. The ground near it cannot be right, or something was left out because of it.
     Error,
 }
 
 impl Severity {
-    /// The word for people and files.
+    /// The word in messages and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Note => "note",
@@ -27,10 +27,10 @@ impl Severity {
     }
 }
 
-/// Declares the kinds with their code, severity and heading, so that none can lack one of them.
+/// Declares each kind with its code, severity and heading. The compiler then refuses a kind that lacks one.
 macro_rules! kinds {
     ($($(#[$doc:meta])+ $name:ident = $code:literal, $severity:ident, $title:literal;)+) => {
-        /// The kinds of finding, by the step that meets them.
+        /// The kinds of finding, in the order of the steps that report them.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum FindingKind {
@@ -72,81 +72,81 @@ kinds! {
     MissingElevation = "missing-elevation", Error, "features without an elevation left out";
     /// The coordinate reference system is not known.
     UnknownCrs = "unknown-crs", Note, "coordinate reference system unknown";
-    /// Files in several coordinate reference systems were taken as being in one.
-    MixedCrs = "mixed-crs", Warning, "coordinate reference systems taken as one";
+    /// Files are in several coordinate reference systems. They were treated as one system.
+    MixedCrs = "mixed-crs", Warning, "different coordinate reference systems treated as one";
     /// Coordinates are degrees where a plane is expected, or the other way round.
     LooksLikeDegrees = "looks-like-degrees", Error, "coordinates that look like degrees";
-    /// A square of a height map is there twice.
-    RepeatedMesh = "repeated-mesh", Note, "squares of the height map that are there twice";
-    /// A file is there twice, for instance in an archive and beside it; it was read once.
-    RepeatedFile = "repeated-file", Note, "files that are there twice";
-    /// A coordinate was NaN or infinite; the point was left out.
-    NonFinitePoint = "non-finite-point", Error, "points without coordinates left out";
-    /// Lines far from all others: a sheet in the wrong zone, or a slip in a coordinate.
+    /// A square of a height map occurs twice.
+    RepeatedMesh = "repeated-mesh", Note, "squares of the height map that occur twice";
+    /// A file occurs twice, for instance in an archive and beside it. It was read once.
+    RepeatedFile = "repeated-file", Note, "files that occur twice";
+    /// A coordinate is NaN or infinite; the point was left out.
+    NonFinitePoint = "non-finite-point", Error, "points without valid coordinates left out";
+    /// Lines far from all others: a map sheet in the wrong zone, or an error in a coordinate.
     FarAway = "far-away", Error, "lines far from all others";
-    /// The same point twice or more in a row; kept once.
+    /// The same point twice or more in a row; one was kept.
     RepeatedPoint = "repeated-point", Note, "repeated points";
     /// A line with fewer than two different points; left out.
     PointLine = "point-line", Warning, "lines without length left out";
-    /// A line that is shorter than the map can mean.
-    ShortLine = "short-line", Note, "lines of hardly any length";
-    /// The same line twice; kept once.
+    /// A line that is too short to mean anything on the map.
+    ShortLine = "short-line", Note, "very short lines";
+    /// The same line twice; one was kept.
     DuplicateLine = "duplicate-line", Warning, "duplicate lines";
     /// A line runs to a point and back the same way; the spike was left out.
     Spike = "spike", Warning, "spikes";
-    /// A vertex that stands out of a line which is smooth otherwise.
-    StrayVertex = "stray-vertex", Warning, "vertices off the course of their line";
-    /// Lines run along each other for a part of their way; a piece of one was cut out.
-    OverlappingLines = "overlapping-lines", Error, "lines that run along each other";
+    /// A vertex that sticks out of an otherwise smooth line.
+    StrayVertex = "stray-vertex", Warning, "vertices that stick out of their line";
+    /// Lines overlap along a part of their length; a piece of one was cut out.
+    OverlappingLines = "overlapping-lines", Error, "lines that overlap";
     /// A line crosses or touches itself, or crosses another line of its elevation; a piece was cut out.
-    SelfCross = "self-cross", Error, "lines that cross themselves or their own level";
+    SelfCross = "self-cross", Error, "lines that cross themselves or a line of their level";
     /// Lines of different elevation cross or touch; a piece was cut out.
     LevelsCross = "levels-cross", Error, "lines of different level that cross or touch";
-    /// Two lines of different elevation end at the same point and at no other line: one line whose elevation jumps.
+    /// Two lines of different elevation share an end, and no other line ends there: one line whose elevation jumps.
     LevelJump = "level-jump", Error, "elevations that jump along a line";
-    /// Ends of one level were joined across a gap under the snap distance.
+    /// Two ends of one level were joined. The gap was no wider than the snap distance.
     ClosedGap = "closed-gap", Note, "gaps closed";
-    /// Two ends of one level that should join, further apart than the snap distance.
+    /// Two ends of one level that should join, but are further apart than the snap distance.
     Gap = "gap", Error, "gaps";
-    /// A line ends in the open, away from the frame and from other ends of its level.
-    OpenEnd = "open-end", Warning, "lines that end in the open";
-    /// A level that is not on the vertical interval: an auxiliary contour, or a wrong elevation.
+    /// A line ends inside the map, away from the frame and from other ends of its level.
+    OpenEnd = "open-end", Warning, "lines that end inside the map";
+    /// A level off the vertical interval: an auxiliary contour, or a wrong elevation.
     OffInterval = "off-interval", Note, "levels off the vertical interval";
-    /// An elevation of 0 where the ground is not, or a number that stands for no data.
-    ZeroElevation = "zero-elevation", Error, "elevations of 0 or without meaning among others";
+    /// An elevation of 0 where the ground is not at 0, or a number that stands for "no data".
+    ZeroElevation = "zero-elevation", Error, "elevations that are 0 or stand for no data";
     /// Some elevations are in feet and some in metres.
     MixedUnits = "mixed-units", Error, "metres and feet mixed";
     /// A line's elevation contradicts the lines around it.
     WrongLabel = "wrong-label", Error, "elevations that contradict the lines around";
     /// Neighbouring contours skip one or more levels: a contour is missing.
     SkippedLevel = "skipped-level", Error, "neighbouring contours that skip a level";
-    /// The contours are of one level, or there are none: no surface can be made of them.
+    /// All contours have one level, or there are none. No surface can be made of them.
     TooFewLevels = "too-few-levels", Error, "too few levels for a surface";
     /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
     DepressionMark = "depression-mark", Warning, "depression marks that the contours contradict";
-    /// A spot height lies on a contour or on another spot height of a different elevation; left out.
+    /// A spot height lies on a contour or on another spot height, with a different elevation; it was left out.
     SpotOnLine = "spot-on-line", Warning, "spot heights on contours";
-    /// A spot height lies outside the two levels around it; left out.
+    /// A spot height does not lie between the two levels around it; it was left out.
     SpotOutsideBand = "spot-outside-band", Warning, "spot heights outside the contours around them";
-    /// A line got the elevation that fits the lines around it.
+    /// A line was given the elevation that fits the lines around it.
     Relabelled = "relabelled", Note, "elevations corrected";
     /// Two ends were joined across a gap wider than the snap distance.
     JoinedGap = "joined-gap", Note, "gaps joined";
-    /// A vertex off the course of its line was left out.
-    Straightened = "straightened", Note, "vertices left out";
-    /// The frame polygon reaches beyond what the contours tell of; it was cut.
+    /// A stray vertex of a line was left out.
+    Straightened = "straightened", Note, "stray vertices left out";
+    /// The frame polygon reaches beyond the area that the contours describe; it was cut back.
     FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
-    /// A lake is crossed or touched by contours of another level, by the way of a contour to the frame, or by other water; it was
-    /// cut back from them.
+    /// A lake meets contours of another level, the extension of a contour to the frame, or other water. It was cut back
+    /// from them.
     LakeCutBack = "lake-cut-back", Warning, "lakes cut back from contours";
     /// A lake contradicts the contours around it; it was left out.
     LakeLeftOut = "lake-left-out", Warning, "lakes left out";
-    /// Contours lie below the sea; the ground around them was left as it is.
+    /// Contours lie below sea level; the ground around them was left unchanged.
     BelowSea = "below-sea", Note, "contours below the sea";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
-    /// Cells of a raster hold values that are no heights; they are taken as cells without data.
-    NoHeight = "no-height", Note, "cells whose values are no heights";
+    /// Cells of a raster hold values that are not heights. They count as cells without data.
+    NoHeight = "no-height", Note, "cells whose values are not heights";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
 }
@@ -157,7 +157,7 @@ impl serde::Serialize for FindingKind {
     }
 }
 
-/// A correction that would mend what was found.
+/// A correction that would remove the fault.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
 pub enum Proposal {
@@ -187,31 +187,31 @@ impl fmt::Display for Proposal {
     }
 }
 
-/// Something noticed about the input, with its place. The work went on.
+/// Something that a step noticed in the input, with its position. The step continued.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Finding {
     /// What kind of thing it is.
     pub kind: FindingKind,
-    /// Where, in the input's coordinates, if it has a place.
+    /// Where, in the input's coordinates, if it has a position.
     pub place: Option<DVec2>,
-    /// A sentence that a person understands.
+    /// A sentence for people.
     pub message: String,
     /// Numbers of the features that it is about, in the file.
     pub features: Vec<u64>,
     /// The elevations of those lines, metres.
     pub elevations: Vec<f64>,
-    /// What would mend it, where that is known.
+    /// The correction, where one is known.
     pub proposal: Option<Proposal>,
 }
 
 impl Finding {
-    /// A finding at a place, if it has one.
+    /// A finding, with a position if it has one.
     pub fn new(kind: FindingKind, place: Option<DVec2>, message: impl Into<String>) -> Self {
         let message = message.into();
         Self { kind, place, message, features: Vec::new(), elevations: Vec::new(), proposal: None }
     }
 
-    /// A finding at a place.
+    /// A finding at a position.
     pub fn at(kind: FindingKind, place: DVec2, message: impl Into<String>) -> Self {
         Self::new(kind, Some(place), message)
     }
@@ -221,8 +221,8 @@ impl Finding {
         Self::new(kind, None, message)
     }
 
-    /// The same, about a line: number of its feature and its elevation. Called again for further lines; what is there
-    /// already is not repeated.
+    /// The same finding, also about a line: the number of its feature, and its elevation. Call it again for further
+    /// lines; nothing is listed twice.
     pub fn about(mut self, feature: u64, elevation: f64) -> Self {
         if !self.features.contains(&feature) {
             self.features.push(feature);
@@ -230,7 +230,7 @@ impl Finding {
         self.of_elevations([elevation])
     }
 
-    /// The same, about heights that belong to no feature, metres.
+    /// The same finding, also about heights that belong to no feature, metres.
     pub fn of_elevations(mut self, elevations: impl IntoIterator<Item = f64>) -> Self {
         for elevation in elevations {
             if !self.elevations.contains(&elevation) && elevation.is_finite() {
@@ -240,7 +240,7 @@ impl Finding {
         self
     }
 
-    /// The same with a correction that would mend it.
+    /// The same finding with a proposed correction.
     pub fn proposing(self, proposal: Proposal) -> Self {
         Self { proposal: Some(proposal), ..self }
     }

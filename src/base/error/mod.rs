@@ -1,7 +1,7 @@
 //! What can go wrong ([`Error`]) and what was noticed on the way ([`Finding`]).
 //!
-//! An error stops the work. A finding does not: a step that finds something odd in its input goes on and hands the
-//! finding back beside its result in a [`Report`], so that nothing is dropped without a word.
+//! An error stops the work. A finding does not: the step continues, and returns the finding beside its result in a
+//! [`Report`]. So nothing is left out silently.
 
 mod arrays;
 mod finding;
@@ -20,9 +20,9 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 /// The cause below an error, as other crates report it.
 pub type Cause = Box<dyn std::error::Error + Send + Sync + 'static>;
 
-/// Why the work could not be done. The text says what, where and what to do about it.
+/// Why the work could not be done. The text says what is wrong, where, and what to do.
 ///
-/// Callers match the variants; those with a text alone are for people.
+/// Callers match the variants. Variants that hold only a text are meant for people.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -33,20 +33,20 @@ pub enum Error {
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// The system's own word.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file is not what it should be. The message names the feature and the place where it can.
+    /// A file has the wrong content. The message names the feature and the position where it can.
     #[error("{}: {message}", path.display())]
     File {
         /// The file.
         path: PathBuf,
         /// What is wrong and what to do.
         message: String,
-        /// The error of the format's library, if that is where it came from.
+        /// The error of the format's library, if it came from there.
         source: Option<Cause>,
     },
-    /// An error of the other variants, about the data of one file. [`Error::root`] gives it.
+    /// An error of another variant, about the data of one file. [`Error::root`] returns that error.
     #[error("{}: {error}", path.display())]
     InFile {
         /// The file.
@@ -58,7 +58,7 @@ pub enum Error {
     /// There are no contours.
     #[error("there is no contour line{}", inside(*in_polygon))]
     NoContours {
-        /// Whether the frame is a polygon, and none lies inside it.
+        /// Whether the frame is a polygon. Then no contour lies inside it.
         in_polygon: bool,
     },
     /// All contours have one elevation; a surface needs two levels.
@@ -68,7 +68,7 @@ pub enum Error {
         lines: usize,
         /// The elevation of all of them, metres.
         elevation: f64,
-        /// Whether the frame is a polygon, and only the lines inside it count.
+        /// Whether the frame is a polygon. Then only the lines inside it count.
         in_polygon: bool,
     },
     /// All points lie on one line.
@@ -82,15 +82,15 @@ pub enum Error {
         /// Most points that may be added.
         most: usize,
     },
-    /// Two lines cross where none may: contours that were not cleaned, or a contour and the frame.
+    /// Two lines cross that must not: contours that were not cleaned, or a contour and the frame.
     #[error(
-        "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the frame, \
+        "lines cross near {:.3} {:.3}, which is not allowed: if both are contours, clean them first; if one is the frame, \
          move the frame's border a little",
         place.x,
         place.y
     )]
     LinesCross {
-        /// Near the crossing, map units.
+        /// A position near the crossing, map units.
         place: DVec2,
     },
     /// The coordinate reference system of the contours is not known, and something needs it.
@@ -102,15 +102,15 @@ pub enum Error {
     /// The coordinates look like degrees, and no coordinate reference system is named.
     #[error("the coordinates look like degrees, and the file does not say in which coordinate reference system")]
     LooksLikeDegrees,
-    /// The system to work in is not a projected one in metres.
+    /// The working system is not a projected system in metres.
     #[error("{name} is no projected system in metres")]
     NotProjectedInMetres {
         /// Name of the system.
         name: String,
     },
-    /// A coordinate of one system has no place in another.
+    /// A coordinate of one system cannot be expressed in another.
     #[error(
-        "{:?} {:?} in {from} has no place in {to}; is that the right coordinate reference system?",
+        "{:?} {:?} in {from} cannot be transformed to {to}; is that the right coordinate reference system?",
         place.x,
         place.y
     )]
@@ -119,7 +119,7 @@ pub enum Error {
         place: DVec2,
         /// Name of the system that it is in.
         from: String,
-        /// Name of the system that it has no place in.
+        /// Name of the system in which it cannot be expressed.
         to: String,
     },
     /// A parameter is out of its range.
@@ -134,7 +134,7 @@ pub enum Error {
         /// The range, in words.
         must: &'static str,
     },
-    /// A height map would have more cells than can be.
+    /// A height map would have too many cells.
     #[error("cells of {cell} make {cols:.0} x {rows:.0} cells: choose a larger cell")]
     TooManyCells {
         /// Size of a cell, in the units of the grid's coordinate reference system.
@@ -146,21 +146,21 @@ pub enum Error {
         /// Whether the size is in degrees.
         in_degrees: bool,
     },
-    /// No cell of the grid lies on the ground of the contours.
+    /// No cell of the grid lies in the area of the contours.
     #[error(
-        "none of its cells lies on the ground of the contours: do they overlap, and are the coordinate reference systems \
-         those that the files name?"
+        "none of its cells lies in the area of the contours: do they overlap, and do the files name the right coordinate \
+         reference systems?"
     )]
     NoOverlap,
-    /// Nothing tells where the elevations are.
+    /// No field and no coordinate is known to hold the elevations.
     #[error("no field is known to hold elevations, and {z}; {fields}")]
     NoElevationField {
-        /// What keeps the z coordinate from being the elevation.
+        /// Why the z coordinate is not the elevation.
         z: ZCoordinate,
         /// The fields that there are, with an example of each, as a sentence.
         fields: String,
     },
-    /// Two fields, or a field and the z coordinate, could both hold the elevation, and differ.
+    /// Two fields, or a field and the z coordinate, could hold the elevation. Their values differ.
     #[error("{what} disagree in feature {feature}; {fields}")]
     ElevationsDisagree {
         /// The two, with their values.
@@ -172,7 +172,7 @@ pub enum Error {
         /// The fields that there are, with an example of each, as a sentence.
         fields: String,
     },
-    /// All lines of a drawing lie at 0.
+    /// All lines of a drawing have the elevation 0.
     #[error(
         "there are no elevations {place}: all lines lie at 0{texts}; give the lines their elevations in the program that \
          drew them"
@@ -180,12 +180,12 @@ pub enum Error {
     NoElevations {
         /// Where: in the drawing or on the layers that were named.
         place: &'static str,
-        /// What is said about texts in the drawing, or nothing.
+        /// A remark on texts in the drawing, or nothing.
         texts: String,
     },
-    /// All lines of some layers of a drawing lie at 0, and no layer is named.
+    /// All lines of some layers of a drawing have the elevation 0, and no layer was chosen.
     #[error(
-        "the lines of some layers all lie at 0, which may not be meant as their elevation: {flat}; its layers are {layers}"
+        "the lines of some layers all lie at 0, which may not be their elevation: {flat}; the layers of the drawing are {layers}"
     )]
     FlatLayers {
         /// Those layers.
@@ -193,7 +193,7 @@ pub enum Error {
         /// All layers.
         layers: String,
     },
-    /// A file has several layers that could be meant.
+    /// A file has several layers to choose from.
     #[error("there are several layers of {what}: {}", quoted(layers))]
     LayerAmbiguous {
         /// What the layers hold: lines, points or polygons.
@@ -210,14 +210,14 @@ pub enum Error {
     OutOfMemory {
         /// What needs it.
         what: String,
-        /// About what it takes at its largest, bytes.
+        /// Estimated peak memory, bytes.
         needed: f64,
         /// The caller's budget, bytes.
         available: u64,
         /// What to do.
         remedy: &'static str,
     },
-    /// The contours need repair, and none is allowed.
+    /// The contours need repair, but repair is not allowed.
     #[error("{input}: {places} places need repair before a surface can be made, and no repair is allowed")]
     NeedsRepair {
         /// Name of the input.
@@ -225,7 +225,7 @@ pub enum Error {
         /// Number of places.
         places: usize,
     },
-    /// Something is wrong with the input, and that is not allowed.
+    /// The input has errors or warnings, and none is allowed.
     #[error("{} about {input}, and none is allowed", count_of(*findings))]
     Strict {
         /// Name of the input.
@@ -233,10 +233,10 @@ pub enum Error {
         /// Number of findings that are errors or warnings.
         findings: usize,
     },
-    /// Arrays of lines that do not fit each other.
+    /// Arrays that do not describe lines.
     #[error(transparent)]
     Arrays(#[from] ArrayFault),
-    /// The data were read, and no surface can be made of them.
+    /// The data were read, but no surface can be made of them.
     #[error("{0}")]
     Data(String),
     /// Parameters that contradict each other or are out of their range.
@@ -247,17 +247,17 @@ pub enum Error {
 /// What needs the coordinate reference system of the contours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrsNeed {
-    /// Bringing them to a plane.
+    /// Projecting them to a plane.
     Projecting,
     /// Writing lines in another system.
     OtherOutput,
-    /// A system to work in that the caller names.
+    /// A working system that the caller names.
     WorkingCrs,
     /// A height map whose cells are in degrees.
     CellsInDegrees,
 }
 
-/// What keeps the z coordinate from being the elevation.
+/// Why the z coordinate is not the elevation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ZCoordinate {
     /// There is none.
@@ -300,7 +300,8 @@ fn needs_crs(need: CrsNeed) -> String {
     match need {
         CrsNeed::Projecting => "the coordinate reference system of the contours is not known".to_owned(),
         CrsNeed::OtherOutput => {
-            "the coordinate reference system of the contours is not known, so there is no way to another one".to_owned()
+            "the coordinate reference system of the contours is not known, so they cannot be transformed to another one"
+                .to_owned()
         }
         CrsNeed::WorkingCrs => format!("a system to work in needs {known}"),
         CrsNeed::CellsInDegrees => format!("cells in degrees need {known}"),
@@ -331,8 +332,8 @@ impl Error {
         Self::OutOfRange { name, value, unit: "", must }
     }
 
-    /// The same, with the file that the data are from. Errors that name their file, or that are about parameters, stay
-    /// as they are.
+    /// The same error, with the file from which the data came. Errors that already name a file, or that are about
+    /// parameters, stay as they are.
     pub fn in_file(self, path: &Path) -> Self {
         match self {
             Self::Data(message) => Self::file(path, message),
@@ -352,7 +353,7 @@ impl Error {
         }
     }
 
-    /// The error without the file that its data are from: what a caller matches.
+    /// The error without the file from which the data came. Callers match this one.
     pub fn root(&self) -> &Self {
         match self {
             Self::InFile { error, .. } => error.root(),
@@ -360,7 +361,7 @@ impl Error {
         }
     }
 
-    /// Whether the parameters are wrong and not the data: another choice of the caller's helps.
+    /// Whether the parameters are wrong, not the data. Then other parameters help.
     pub fn is_about_parameters(&self) -> bool {
         matches!(
             self.root(),
@@ -373,13 +374,13 @@ impl Error {
         )
     }
 
-    /// A file that a format's library could not take.
+    /// A file that the format's library refused.
     pub fn file_cause(path: &Path, message: impl Into<String>, cause: impl Into<Cause>) -> Self {
         Self::File { path: path.to_owned(), message: message.into(), source: Some(cause.into()) }
     }
 }
 
-/// A result and what was noticed while it was made.
+/// A result, and what was noticed while it was made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report<T> {
     /// The result.
