@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-/// How deep brackets may nest. The deepest systems in use nest about ten levels.
+/// Largest depth of nested brackets. The deepest systems in use nest about ten levels.
 const MAX_DEPTH: usize = 64;
 
 /// A keyword with its arguments.
@@ -27,10 +27,10 @@ enum Arg {
     Node(Node),
 }
 
-/// Reads a text whose whole is one keyword with arguments.
+/// Reads a text that is one keyword with arguments.
 pub(super) fn parse(text: &str) -> Option<Node> {
     let mut open: Vec<Node> = Vec::new();
-    // Where the word begins that the next bracket or comma ends.
+    // Start of the word that the next bracket or comma ends.
     let mut word = text.len() - text.trim_start().trim_start_matches('\u{feff}').len();
     let mut chars = text.char_indices().peekable();
     while let Some((at, c)) = chars.next() {
