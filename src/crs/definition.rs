@@ -1,8 +1,8 @@
 //! What the coordinates of a system mean, as parameters of `proj4rs`.
 //!
-//! The built-in table has them for EPSG codes. For a system known only by its text they are taken from the text, for
-//! projections in wide use. If the shift from a datum to WGS 84 is not known, a transformation to another datum is
-//! refused: a silent error of a hundred metres is worse than no result.
+//! The built-in table has them for EPSG codes. For a system known only by its text, they are taken from the text, for
+//! projections in wide use. If the shift between two datums is not known, the transformation is refused. A silent error
+//! of a hundred metres is worse than no result.
 
 use super::system::{Crs, CrsKind, definition};
 use super::wkt::Node;

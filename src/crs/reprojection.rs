@@ -207,20 +207,17 @@ impl Reprojection {
     /// As [`Transform::between`], and if `to` is given and the system of the file is not known.
     pub fn from_working(&self, to: Option<&Crs>) -> Result<FromWorking> {
         let Some(to) = to else {
-            return Ok(FromWorking { reprojection: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
+            return Ok(FromWorking { reprojection: self.clone(), target: Target::Input, crs: self.input.clone() });
         };
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
             return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
         };
-        let onwards = if to.horizontal().matches(&input.horizontal()) {
-            Onwards::Input
+        let target = if to.horizontal().matches(&input.horizontal()) {
+            Target::Input
         } else {
-            Onwards::Other {
-                from_input: Transform::between(input, to)?,
-                from_working: Transform::between(working, to)?,
-            }
+            Target::Other { from_input: Transform::between(input, to)?, from_working: Transform::between(working, to)? }
         };
-        Ok(FromWorking { reprojection: self.clone(), onwards, crs: Some(to.clone()) })
+        Ok(FromWorking { reprojection: self.clone(), target, crs: Some(to.clone()) })
     }
 }
 
@@ -330,12 +327,12 @@ impl ToWorking {
 #[derive(Debug, Clone)]
 pub struct FromWorking {
     reprojection: Reprojection,
-    onwards: Onwards,
+    target: Target,
     crs: Option<Crs>,
 }
 
 #[derive(Debug, Clone)]
-enum Onwards {
+enum Target {
     /// To the system of the file.
     Input,
     /// To another system. Vertices of the input are transformed from their own coordinates.
@@ -350,17 +347,17 @@ impl FromWorking {
 
     /// Whether positions on the plane need no transformation.
     pub fn is_identity(&self) -> bool {
-        match &self.onwards {
-            Onwards::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
-            Onwards::Other { from_working, .. } => from_working.is_identity(),
+        match &self.target {
+            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
+            Target::Other { from_working, .. } => from_working.is_identity(),
         }
     }
 
     /// The position in the coordinates of the output; `None` if it has none.
     pub fn place(&self, p: DVec2) -> Option<DVec2> {
-        match &self.onwards {
-            Onwards::Input => self.reprojection.in_input(p),
-            Onwards::Other { from_input, from_working } => match self.reprojection.original(p) {
+        match &self.target {
+            Target::Input => self.reprojection.in_input(p),
+            Target::Other { from_input, from_working } => match self.reprojection.original(p) {
                 Some(original) if !from_working.is_identity() => from_input.forward(original),
                 _ => from_working.forward(p),
             },
@@ -398,10 +395,10 @@ mod tests {
             way.inverse(way.forward(DVec2::from(*p)).unwrap()) != Some(DVec2::from(*p))
         }));
         // To another system they go from their own coordinates.
-        let onwards = reprojection.from_working(Some(&Crs::from_epsg(32654))).unwrap();
+        let target = reprojection.from_working(Some(&Crs::from_epsg(32654))).unwrap();
         let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(32654)).unwrap();
-        assert_eq!(onwards.place(flat[7]), way.forward(DVec2::from(points[7])));
-        assert_eq!(onwards.crs().and_then(|crs| crs.epsg), Some(32654));
+        assert_eq!(target.place(flat[7]), way.forward(DVec2::from(points[7])));
+        assert_eq!(target.crs().and_then(|crs| crs.epsg), Some(32654));
     }
 
     #[test]

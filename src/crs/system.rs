@@ -98,9 +98,9 @@ impl Crs {
         own.or_else(|| self.epsg.and_then(definition).map(|d| d.wkt).filter(|text| is_wkt1(text)))
     }
 
-    /// The well-known text for a file's header. It names the EPSG code, where that is known, and then has no
-    /// `TOWGS84[...]`: if a text has one of several datum shifts, programs take the system for another one than the
-    /// code names.
+    /// The well-known text for a file's header. It names the EPSG code where that is known. Then it has no
+    /// `TOWGS84[...]`: a datum has several shifts, and with one of them in the text, programs take the system for
+    /// another one than the code names.
     pub fn header_wkt(&self) -> Option<Cow<'_, str>> {
         let own = self.wkt()?;
         let Some(root) = wkt::parse(own) else { return Some(Cow::Borrowed(own)) };

@@ -142,8 +142,9 @@ mod tests {
 
     #[test]
     fn published_coordinates_of_the_plane_rectangular_zones() {
-        // The example on the page of the Geospatial Information Authority of Japan for latitude and longitude to plane
-        // coordinates (after Kawase 2011), and a pair from its page for the opposite direction. Their X is north.
+        // An example of the Geospatial Information Authority of Japan, on its page for latitude and longitude to plane
+        // coordinates (after Kawase 2011). The second pair is from its page for the opposite direction. Their X is
+        // north.
         for (zone, lat, lon, x, y) in [
             (9, dms(36., 6., 13.58925), dms(140., 5., 16.27815), 11_543.688_3, 22_916.243_6),
             (15, dms(26., 6., 23.34513), dms(127., 41., 28.71893), 11_810.197, 19_134.409),

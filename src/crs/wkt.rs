@@ -170,7 +170,7 @@ impl Node {
     pub fn is_geographic(&self) -> bool {
         match self.keyword.as_str() {
             "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" => true,
-            // Latitude and longitude, or earth-centred metres: its coordinate system tells.
+            // Latitude and longitude, or earth-centred metres: the `CS` node says which.
             "GEODCRS" | "GEODETICCRS" => self.child(&["CS"]).is_some_and(
                 |cs| matches!(cs.args.first(), Some(Arg::Word(kind)) if kind.eq_ignore_ascii_case("ellipsoidal")),
             ),

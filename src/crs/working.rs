@@ -19,18 +19,18 @@ const UTM_REACH: f64 = 4.0;
 const JAPAN_REACH: f64 = 2.0;
 
 /// The system in which to work on data whose coordinates in `crs` are `points`.
-///
-/// For a projected system in metres it is that system. For others it is:
-/// - in Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687). On
+/// For a projected system in metres it is that system. For other systems it is:
+/// - In Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687). On
 ///   the Tokyo datum it is that datum's zone (EPSG:30161 to 30179). The zone is that of the nearest of some
 ///   representative places. Near the border of two zones it may be the neighbour of the official zone. That changes
 ///   only the name and a ten-thousandth of scale.
-/// - elsewhere: the UTM zone of the middle of the data. It is a zone of ETRS89 (EPSG:258xx), NAD83 (269xx) or NAD27
-///   (267xx) if the data are on these, otherwise of WGS 84 (EPSG:326xx, 327xx). Data of Europe on WGS 84 get the zone
-///   of ETRS89, because they were surveyed in it: formats that know only WGS 84 hold ETRS89 under that name. So such
-///   data return to the same place in their plane system.
-/// - a transverse Mercator projection about the middle of the data, on their own datum, in three cases: if they reach
-///   further than four degrees of longitude (two in Japan) from the zone's meridian, if they lie beyond the latitudes
+/// - Elsewhere: the UTM zone of the middle of the data. It is a zone of ETRS89 (EPSG:258xx), NAD83 (269xx) or NAD27
+///   (267xx) if the data are on these, otherwise of WGS 84 (EPSG:326xx, 327xx). European data on WGS 84 get the zone of
+///   ETRS89. They were surveyed in ETRS89, and formats that know only WGS 84 hold it under that name. In their plane
+///   system such data are then where they were.
+/// - In the remaining cases: a transverse Mercator projection about the middle of the data, on their own datum. These
+///   are data that reach further than four degrees of longitude (two in Japan) from the zone's meridian, data beyond
+///   the latitudes of UTM, and data on older datums without zones above.
 ///   of UTM, or if their datum is an older one without zones above.
 ///
 /// # Errors

@@ -47,7 +47,7 @@ pub struct Tin {
     pub triangles: Vec<[u32; 3]>,
     /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
     pub neighbours: Vec<[u32; 3]>,
-    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a barrier edge; bit i+6: it is a
+    /// Bit i: the edge from corner i to corner i+1 is a constraint. Bit i+3: it is a barrier edge. Bit i+6: it is a
     /// piece of a contour.
     pub(crate) edges: Vec<u16>,
     /// Whether the triangle lies inside the frame.

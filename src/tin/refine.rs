@@ -249,7 +249,7 @@ mod tests {
     use super::*;
     use crate::tin::triangulate;
 
-    /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
+    /// Nested squares, one per level, round a point in the middle; `open` of them end on the border of the largest.
     fn nested(open: usize) -> TinInput {
         let mut input = TinInput::new([DVec2::splat(-12.0), DVec2::splat(12.0)], 1e-9);
         let corner = |half: f64| [(-half, -half), (half, -half), (half, half), (-half, half)].map(DVec2::from);

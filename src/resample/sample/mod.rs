@@ -1,13 +1,13 @@
 //! Sampling: makes vertices dense enough for the contours around them (Zhang, Konno and Tokuyama 2005, section 3.1).
 //!
 //! A contour is an s-sample if the neighbours of each vertex on the line are within `s` times the distance to the
-//! nearest other contour. Here both neighbours must be so near, not only the nearer one. Otherwise a wide space could
-//! remain beside a cluster. "Another contour" is any other line, also of the same level. Two arms of one line side by
-//! side do not count, as in the paper.
+//! nearest other contour. In the paper the nearer neighbour is enough. Here both neighbours must be so near, so that no
+//! wide space remains beside a cluster. "Another contour" is any other line, also of the same level. As in the paper,
+//! two arms of one line side by side do not affect each other.
 //!
 //! Points are added on the existing segments, and nothing moves. Segments are halved until the condition holds. A piece
-//! that is short compared with the distance to other contours is split into equal parts at once: along it that distance
-//! cannot change by more than the length of the piece. Where contours nearly touch, a lower limit ends the halving.
+//! that is short compared with the distance to other contours is split into equal parts at once. Along it that distance
+//! cannot change by more than its length. Where contours nearly touch, a lower limit ends the halving.
 
 mod params;
 mod plan;
@@ -48,8 +48,8 @@ pub struct Sampled {
 /// that come to lie on a contour by rounding are left out, with a finding.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a ratio that is not between 0 and 1, or a lower limit that is not above 0.
-/// [`Error::TooManyPoints`] if more points than `most` would be added. [`Error::Data`] if the map is not clean.
+/// [`Error::OutOfRange`] for a ratio that is not between 0 and 1, and for a lower limit that is not above 0.
+/// [`Error::TooManyPoints`] if more points than `most` would arise. [`Error::Data`] if the map is not clean.
 pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) -> Result<Report<Sampled>> {
     params.check()?;
     clean::validate(&map, near)?;
