@@ -19,6 +19,7 @@ const UTM_REACH: f64 = 4.0;
 const JAPAN_REACH: f64 = 2.0;
 
 /// The system in which to work on data whose coordinates in `crs` are `points`.
+///
 /// For a projected system in metres it is that system. For other systems it is:
 /// - In Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687). On
 ///   the Tokyo datum it is that datum's zone (EPSG:30161 to 30179). The zone is that of the nearest of some
@@ -31,7 +32,6 @@ const JAPAN_REACH: f64 = 2.0;
 /// - In the remaining cases: a transverse Mercator projection about the middle of the data, on their own datum. These
 ///   are data that reach further than four degrees of longitude (two in Japan) from the zone's meridian, data beyond
 ///   the latitudes of UTM, and data on older datums without zones above.
-///   of UTM, or if their datum is an older one without zones above.
 ///
 /// # Errors
 /// [`Error::Data`] if the system is not known well enough to transform its coordinates, or there is no point.

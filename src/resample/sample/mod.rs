@@ -1,8 +1,8 @@
 //! Sampling: makes vertices dense enough for the contours around them (Zhang, Konno and Tokuyama 2005, section 3.1).
 //!
 //! A contour is an s-sample if the neighbours of each vertex on the line are within `s` times the distance to the
-//! nearest other contour. In the paper the nearer neighbour is enough. Here both neighbours must be so near, so that no
-//! wide space remains beside a cluster. "Another contour" is any other line, also of the same level. As in the paper,
+//! nearest other contour. Here both neighbours must be so near, not only the nearer one. Otherwise a
+//! wide space could remain beside a cluster. "Another contour" is any other line, also of the same level. As in the paper,
 //! two arms of one line side by side do not affect each other.
 //!
 //! Points are added on the existing segments, and nothing moves. Segments are halved until the condition holds. A piece
