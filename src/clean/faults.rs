@@ -16,8 +16,8 @@ use crate::contour::Contour;
 use crate::geometry::Segment;
 use crate::geometry::{self, Meeting, meeting, point_distance};
 
-/// Largest number of pairs that are all reported, on maps with fewer segments. If there are more, only those that led
-/// to a cut are reported.
+/// Up to this many pairs, or as many as there are segments, all pairs are reported. If there are more, only those that
+/// led to a cut are.
 const REPORTED_PAIRS: usize = 1_000_000;
 /// Upper bound of the rounding of coordinates, as a share of their size.
 const ROUNDING: f64 = 1e-15;
