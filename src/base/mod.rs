@@ -1,4 +1,4 @@
-//! What every other module builds on: errors and findings, progress, the [`Grid`] of a raster, and small data structures.
+//! The base of all other modules: errors and findings, progress, the [`Grid`] of a raster, and small data structures.
 
 pub(crate) mod bits;
 pub mod error;

@@ -1,4 +1,4 @@
-//! The standard form and order of lines, so that nothing depends on how the input was written.
+//! The standard form and order of lines. Because of it, results do not depend on how the input was written.
 
 use std::cmp::Ordering;
 
@@ -9,7 +9,8 @@ use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
 
-/// By elevation, then by the points in turn, then by feature. Lines that are equal in this order are the same in all.
+/// Order by elevation, then by the points in turn, then by feature. Lines that are equal in this order are the same in
+/// all.
 fn compare_lines(a: &Contour, b: &Contour) -> Ordering {
     a.elevation
         .total_cmp(&b.elevation)
@@ -49,16 +50,16 @@ pub(super) fn is_closed(points: &[DVec2]) -> bool {
     points.len() >= 4 && points.first() == points.last()
 }
 
-/// Whether a vertex comes twice, the end of a closed line apart.
+/// Whether a vertex occurs twice. The repeated end of a closed line does not count.
 pub(super) fn has_repeated_vertex(points: &[DVec2]) -> bool {
     let mut sorted = points[usize::from(is_closed(points))..].to_vec();
     sorted.sort_unstable_by(compare_points);
     sorted.windows(2).any(|w| w[0] == w[1])
 }
 
-/// Gives a line its standard direction and a closed line its standard start.
+/// Gives a line its standard direction, and a closed line its standard start.
 ///
-/// Of all the ways to write the line, it becomes the one whose points come first in order.
+/// Of all the ways to write the line, it becomes the one whose sequence of points comes first in order.
 pub(super) fn normalise(points: &mut [DVec2]) {
     if !is_closed(points) {
         if compare_runs(points.iter(), points.iter().rev()) == Ordering::Greater {
@@ -70,7 +71,7 @@ pub(super) fn normalise(points: &mut [DVec2]) {
     let ring = &mut points[..n];
     let start = least_rotation(ring);
     ring.rotate_left(start);
-    // Mostly the first vertex comes once, and its two neighbours tell the directions apart.
+    // Usually the first vertex occurs once. Then its two neighbours determine the direction.
     if compare_points(&ring[1], &ring[n - 1]) != Ordering::Less || ring[1..].contains(&ring[0]) {
         let mut reversed: Vec<DVec2> = ring.iter().rev().copied().collect();
         let start = least_rotation(&reversed);
@@ -82,8 +83,8 @@ pub(super) fn normalise(points: &mut [DVec2]) {
     points[n] = points[0];
 }
 
-/// The start from which a ring's points come first in order, in linear time even if points come many times: two starts
-/// race along the ring, and the one that falls behind is moved past all that it has been compared with.
+/// The start from which a ring's sequence of points comes first in order. It takes linear time even if points occur
+/// many times: two starts advance along the ring, and the one that falls behind skips all points compared so far.
 fn least_rotation(ring: &[DVec2]) -> usize {
     let n = ring.len();
     let (mut i, mut j, mut same) = (0, 1, 0);
@@ -100,20 +101,20 @@ fn least_rotation(ring: &[DVec2]) -> usize {
     i.min(j)
 }
 
-/// Sorts lines that are in standard form or cut from such lines, and puts the latter into it.
+/// Sorts lines that are in standard form, or are pieces of such lines. Pieces are brought to standard form here.
 pub(super) fn sort(lines: &mut [Contour]) {
     lines.par_iter_mut().for_each(|line| normalise(&mut line.points));
     lines.par_sort_unstable_by(compare_lines);
 }
 
-/// Sorts the lines and keeps of several equal ones that with the smallest feature number.
+/// Sorts the lines. Of several equal lines, the one with the smallest feature number stays.
 pub(super) fn sort_unique(mut lines: Vec<Contour>, findings: &mut Vec<Finding>) -> Vec<Contour> {
     sort(&mut lines);
     lines.dedup_by(|line, kept| {
         let same = line.elevation == kept.elevation && line.points == kept.points;
         if same {
             let message = format!(
-                "the contour {} m (feature {}) is the same line as that of feature {}; it was kept once",
+                "the contour {} m (feature {}) is the same line as that of feature {}; only one was kept",
                 line.elevation, line.feature, kept.feature
             );
             let finding = Finding::at(FindingKind::DuplicateLine, line.points[0], message);

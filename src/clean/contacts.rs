@@ -1,7 +1,7 @@
-//! Pairs of segments that meet where they should not.
+//! Pairs of segments that meet where they must not.
 //!
-//! Runs of segments whose boxes meet are searched with a tree, then the pairs of segments within them are tested exactly.
-//! Time grows with the number of segments and of pairs whose boxes, turned along them, meet.
+//! A tree finds runs of segments whose boxes meet. The pairs of segments within these runs are then tested exactly.
+//! Time grows with the number of segments, and with the number of pairs whose rotated boxes meet.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,30 +14,30 @@ use crate::contour::Contour;
 use crate::geometry::{Bounds, Segment};
 use crate::geometry::{Meeting, distance, meeting};
 
-/// Meeting pairs that are always borne with.
+/// This many meeting pairs are always accepted.
 const PAIRS: usize = 10_000_000;
-/// Meeting pairs a segment that are borne with on large maps.
+/// Meeting pairs per segment that are accepted on large maps.
 const PAIRS_PER_SEGMENT: usize = 20;
 
-/// What two segments are to each other.
+/// How two segments relate to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contact {
     /// Nothing.
     None,
     /// Two lines of one level touch at a point: allowed.
     Allowed,
-    /// A line touches or overlaps itself: it needs a vertex there, to be split at.
+    /// A line touches or overlaps itself. It needs a vertex there, where it is split.
     Own,
-    /// One of the two has to go.
+    /// One of the two must be removed.
     Conflict,
 }
 
 /// Pairs of segments, the smaller number first, sorted.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Contacts {
-    /// Pairs of one line that touch or overlap.
+    /// Pairs within one line that touch or overlap.
     pub(super) own: Vec<(u32, u32)>,
-    /// Pairs that cannot stand beside each other.
+    /// Pairs of which one segment must be removed.
     pub(super) conflicts: Vec<(u32, u32)>,
 }
 
@@ -59,10 +59,11 @@ pub(super) struct Placed<'a> {
     pub(super) number: usize,
 }
 
-/// The rule.
+/// Decides how two segments relate.
 ///
-/// Lines of different level may not come closer than `separation`. No lines of one level may cross. Different ones may touch
-/// at a point. Successive segments of one line share their common vertex only, others nothing.
+/// Lines of different level may not come closer than `separation`. Lines of one level may not cross, but two of them
+/// may touch at a point. Successive segments of one line share only their common vertex. Its other segments share
+/// nothing.
 pub(super) fn contact(s: &Placed, t: &Placed, separation: f64) -> Contact {
     let meeting = meeting(&s.segment, &t.segment);
     if s.contour.elevation != t.contour.elevation {
@@ -83,10 +84,10 @@ fn are_successive(contour: &Contour, i: usize, j: usize) -> bool {
     i.abs_diff(j) == 1 || (i.abs_diff(j) == last && is_closed(&contour.points))
 }
 
-/// Finds all of them.
+/// Finds all pairs that meet where they must not.
 ///
 /// # Errors
-/// [`Error::Data`] when so many pairs meet that these are no contour lines. That bounds time and memory.
+/// [`Error::Data`] if so many pairs meet that the lines cannot be contours. This limits time and memory.
 pub(super) fn find(segments: &Segments, separation: f64) -> Result<Contacts> {
     let runs = segments.runs();
     let limit = PAIRS.max(segments.len().saturating_mul(PAIRS_PER_SEGMENT));
@@ -115,10 +116,11 @@ pub(super) fn find(segments: &Segments, separation: f64) -> Result<Contacts> {
     Ok(found)
 }
 
-/// Adds the contacts of a run's segments with each other and with those of later runs; returns how many pairs meet.
+/// Adds the contacts of a run's segments with each other and with those of later runs. Returns the number of pairs that
+/// meet.
 fn contacts_of_run(segments: &Segments, runs: &Runs, i: u32, separation: f64, found: &mut Contacts) -> usize {
     let run = &runs.runs[i as usize];
-    // Wider than need be, so that the rounding of boxes decides nothing.
+    // Wider than necessary, so that the rounding of boxes has no effect.
     let margin = 2.0 * separation;
     let reach = run.bounds.grown(margin);
     let mut met = 0;

@@ -1,4 +1,4 @@
-//! Which segments go, and the lines without them.
+//! Chooses the segments to remove, and removes them from the lines.
 
 use std::collections::BinaryHeap;
 
@@ -8,17 +8,17 @@ use super::canonical::is_closed;
 use super::segments::Segments;
 use crate::contour::Contour;
 
-/// Chooses segments so that every conflict loses one of its two: again and again the one in most conflicts, of several
-/// such the shortest, then the first.
+/// Chooses segments so that each conflict loses one of its two. The choice is greedy: the segment in most conflicts
+/// goes first. Of several such segments the shortest goes, then the first.
 ///
-/// Two lines that share a vertex make four conflicts between four segments, and so one of the lines loses both segments
-/// at the vertex.
+/// Two lines that share a vertex have four conflicts between four segments. So one of the lines loses both of its
+/// segments at the vertex.
 ///
-/// Gives each chosen segment with one that it was in conflict with when it was chosen, sorted.
+/// Returns each chosen segment with one that it was in conflict with when it was chosen, sorted.
 pub(super) fn choose(segments: &Segments, conflicts: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let mut both: Vec<(u32, u32)> = conflicts.iter().flat_map(|&(s, t)| [(s, t), (t, s)]).collect();
     both.par_sort_unstable();
-    // One node a segment; its neighbours, as node numbers, are neighbours[first[node]..first[node + 1]].
+    // One node per segment. The neighbours of a node, as node numbers, are neighbours[first[node]..first[node + 1]].
     let mut nodes: Vec<u32> = Vec::new();
     let mut first: Vec<usize> = Vec::new();
     let mut node_of = vec![u32::MAX; segments.len()];
@@ -33,17 +33,19 @@ pub(super) fn choose(segments: &Segments, conflicts: &[(u32, u32)]) -> Vec<(u32,
     let neighbours: Vec<u32> = both.iter().map(|p| node_of[p.1 as usize]).collect();
     drop((both, node_of));
 
-    // The queue holds numbers only, whose upper half is a node's degree, and whose lower half says how late it comes.
-    let (late, by_lateness) = lateness(segments, &nodes);
+    // Each entry of the queue is one number. Its upper half is a node's degree; its lower half is larger for a lower
+    // rank.
+    let (rank, by_rank) = ranks(segments, &nodes);
     let mut degree: Vec<u32> = first.windows(2).map(|w| (w[1] - w[0]) as u32).collect();
-    let entry = |n: usize, degree: u32| u64::from(degree) << 32 | u64::from(u32::MAX - late[n]);
+    let entry = |n: usize, degree: u32| u64::from(degree) << 32 | u64::from(u32::MAX - rank[n]);
     let mut queue: BinaryHeap<u64> = degree.iter().enumerate().map(|(n, &d)| entry(n, d)).collect();
     let mut gone = vec![false; nodes.len()];
     let mut chosen = Vec::new();
     while let Some(top) = queue.pop() {
-        let (d, n) = ((top >> 32) as u32, by_lateness[(u32::MAX - top as u32) as usize] as usize);
+        let (d, n) = ((top >> 32) as u32, by_rank[(u32::MAX - top as u32) as usize] as usize);
         if d != degree[n] {
-            // It has lost conflicts since it was put in. Degrees only fall, so no entry stands too far down.
+            // The node has lost conflicts since this entry was made. Degrees only fall, so no entry stands too far
+            // down.
             queue.push(entry(n, degree[n]));
             continue;
         }
@@ -63,8 +65,8 @@ pub(super) fn choose(segments: &Segments, conflicts: &[(u32, u32)]) -> Vec<(u32,
     chosen
 }
 
-/// The nodes' places in the order by length and then by number, and the nodes in that order.
-fn lateness(segments: &Segments, nodes: &[u32]) -> (Vec<u32>, Vec<u32>) {
+/// The rank of each node by length, then by number; and the nodes in this order.
+fn ranks(segments: &Segments, nodes: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let mut order: Vec<(f64, u32)> = (0u32..)
         .zip(nodes)
         .map(|(n, &s)| {
@@ -73,16 +75,16 @@ fn lateness(segments: &Segments, nodes: &[u32]) -> (Vec<u32>, Vec<u32>) {
         })
         .collect();
     order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut late = vec![0; nodes.len()];
+    let mut rank = vec![0; nodes.len()];
     for (i, &(_, n)) in (0u32..).zip(&order) {
-        late[n as usize] = i;
+        rank[n as usize] = i;
     }
-    (late, order.into_iter().map(|o| o.1).collect())
+    (rank, order.into_iter().map(|o| o.1).collect())
 }
 
-/// The lines without the chosen segments. `starts` has the number of each line's first segment.
+/// The lines without the chosen segments. `starts` holds the number of each line's first segment.
 pub(super) fn apply(lines: Vec<Contour>, starts: &[u32], chosen: &[(u32, u32)]) -> Vec<Contour> {
-    let mut left = Vec::with_capacity(lines.len());
+    let mut kept = Vec::with_capacity(lines.len());
     let mut chosen = chosen.iter().map(|c| c.0).peekable();
     for (line, bounds) in lines.into_iter().zip(starts.windows(2)) {
         let mut cuts = Vec::new();
@@ -90,15 +92,15 @@ pub(super) fn apply(lines: Vec<Contour>, starts: &[u32], chosen: &[(u32, u32)]) 
             cuts.push((s - bounds[0]) as usize);
         }
         if cuts.is_empty() {
-            left.push(line);
+            kept.push(line);
         } else {
-            left.extend(pieces(&line, &cuts));
+            kept.extend(pieces(&line, &cuts));
         }
     }
-    left
+    kept
 }
 
-/// The pieces of a line between the segments that are cut out, which are given in ascending order, one at least.
+/// The pieces of a line between the segments that are cut out. These are given in ascending order, at least one.
 fn pieces(line: &Contour, cuts: &[usize]) -> Vec<Contour> {
     let mut points = line.points.clone();
     let mut cuts = cuts.to_vec();

@@ -1,8 +1,8 @@
-//! What is told of lines that meet: one finding a place, however many pairs of segments show it.
+//! Findings about lines that meet: one finding per place, even if many pairs of segments meet there.
 //!
-//! Two lines with a common vertex make four pairs of segments that meet, and two that run along each other make hundreds.
-//! Pairs of the same two lines that share the place, or a stretch from place to place, are one fault. Each clean crossing
-//! is a fault of its own.
+//! Two lines with a common vertex have four pairs of segments that meet. Two lines that overlap have hundreds. Pairs of
+//! the same two lines are one fault if they share a place, or a stretch from place to place. Each clean crossing is a
+//! fault of its own.
 
 use std::collections::BTreeMap;
 
@@ -16,43 +16,44 @@ use crate::contour::Contour;
 use crate::geometry::Segment;
 use crate::geometry::{self, Meeting, meeting, point_distance};
 
-/// Pairs whose places are all told. Of more, on maps with fewer segments, only those that led to a cut are.
-const TOLD_PAIRS: usize = 1_000_000;
-/// How much of the size of coordinates their rounding may be.
+/// Up to this many pairs, or as many as there are segments, all pairs are reported. If there are more, only those that
+/// led to a cut are.
+const REPORTED_PAIRS: usize = 1_000_000;
+/// Upper bound of the rounding of coordinates, as a share of their size.
 const ROUNDING: f64 = 1e-15;
-/// Lines that stay near each other for so many times the distance that counts as near run along each other.
+/// Lines overlap if they stay near each other for this many times the distance that counts as near.
 const ALONG: f64 = 100.0;
 
 /// Two segments that meet.
 struct Pair {
     segments: (u32, u32),
     meeting: Meeting,
-    /// The ends of what they have in common; equal for a point.
+    /// The ends of their common part. They are equal if it is a point.
     common: [DVec2; 2],
-    /// Whether they cross and no end of theirs is near the other.
+    /// Whether they cross, and no end of one is near the other.
     is_clean_cross: bool,
 }
 
-/// Findings about the conflicts, of which each has one of its segments in a cut: pairs of a segment that goes and one that
-/// it goes for. Conflicts and cuts are sorted.
+/// Findings about the conflicts. Each pair in `cuts` is a segment that is removed, and a segment because of which it is
+/// removed. Each conflict has one of its segments in a cut. Conflicts and cuts are sorted.
 pub(super) fn findings(
     segments: &Segments,
     conflicts: Vec<(u32, u32)>,
     cuts: &[(u32, u32)],
     separation: f64,
 ) -> Vec<Finding> {
-    let mut told = conflicts;
-    if told.len() > TOLD_PAIRS.max(segments.len()) {
-        told = cuts.iter().map(|&(s, t)| (s.min(t), s.max(t))).collect();
-        told.par_sort_unstable();
-        told.dedup();
+    let mut reported = conflicts;
+    if reported.len() > REPORTED_PAIRS.max(segments.len()) {
+        reported = cuts.iter().map(|&(s, t)| (s.min(t), s.max(t))).collect();
+        reported.par_sort_unstable();
+        reported.dedup();
     }
-    let pairs: Vec<Pair> = told.par_iter().map(|&(s, t)| pair(segments, s, t, separation)).collect();
+    let pairs: Vec<Pair> = reported.par_iter().map(|&(s, t)| pair(segments, s, t, separation)).collect();
     let groups = groups(segments, &pairs, separation);
     groups.par_iter().map(|group| finding(segments, &pairs, group, cuts, separation)).collect()
 }
 
-/// Within this two places are one.
+/// Two places within this distance are one.
 fn tolerance(p: DVec2, separation: f64) -> f64 {
     2.0 * separation + ROUNDING * p.abs().max_element()
 }
@@ -74,19 +75,19 @@ fn pair(segments: &Segments, i: u32, j: u32, separation: f64) -> Pair {
         }
     }
     if common[0].distance(common[1]) <= 2.0 * tolerance(common[0], separation) {
-        // A point: where they touch exactly, if they do.
+        // A point: the place where they touch, if they touch exactly.
         common = [if meeting == Meeting::Apart { common[0] } else { place() }; 2];
     }
     Pair { segments: (i, j), meeting, common, is_clean_cross: ends.is_empty() && meeting == Meeting::Cross }
 }
 
-/// Numbers of the pairs that are one fault, in the order of their first pairs.
+/// Groups of pairs that are one fault, as numbers of the pairs, in the order of their first pairs.
 fn groups(segments: &Segments, pairs: &[Pair], separation: f64) -> Vec<Vec<usize>> {
     let mut sets = UnionFind::new(pairs.len());
     for (i, pair) in pairs.iter().enumerate().filter(|(_, pair)| !pair.is_clean_cross) {
         let (s, t) = pair.segments;
-        for s in around(segments, s) {
-            for t in around(segments, t) {
+        for s in with_neighbours(segments, s) {
+            for t in with_neighbours(segments, t) {
                 let Ok(j) = pairs.binary_search_by_key(&(s.min(t), s.max(t)), |p| p.segments) else { continue };
                 let other = &pairs[j];
                 if j == i || other.is_clean_cross || !share_a_place(pair, other, separation) {
@@ -103,8 +104,8 @@ fn groups(segments: &Segments, pairs: &[Pair], separation: f64) -> Vec<Vec<usize
     groups.into_values().collect()
 }
 
-/// A segment with those before and after it on its line.
-fn around(segments: &Segments, s: u32) -> impl Iterator<Item = u32> {
+/// A segment with the segments before and after it on its line.
+fn with_neighbours(segments: &Segments, s: u32) -> impl Iterator<Item = u32> {
     let line = segments.line_number(s);
     let (first, last) = (segments.start(line as u32), segments.start(line as u32 + 1) - 1);
     let is_closed = segments.lines()[line].is_closed();
@@ -119,9 +120,9 @@ fn share_a_place(a: &Pair, b: &Pair, separation: f64) -> bool {
 }
 
 /// A line's share in a fault.
-struct Side<'a> {
+struct LineShare<'a> {
     line: &'a Contour,
-    /// How many segments of it go, and their length.
+    /// How many of its segments are removed, and their length.
     count: usize,
     length: f64,
 }
@@ -137,11 +138,11 @@ fn finding(segments: &Segments, pairs: &[Pair], group: &[usize], cuts: &[(u32, u
         let goes = |s: &&u32| segments.line_number(**s) == line && cuts.binary_search_by_key(*s, |c| c.0).is_ok();
         let lengths = involved.iter().filter(goes).map(|&s| length(segments.get(s)));
         let (count, length) = lengths.fold((0, 0.0), |(n, sum), length| (n + 1, sum + length));
-        Side { line: &segments.lines()[line], count, length }
+        LineShare { line: &segments.lines()[line], count, length }
     };
     let (mut one, mut other) = (side(lines[0]), side(lines[1]));
     if lines[0] == lines[1] {
-        other = Side { line: other.line, count: 0, length: 0.0 };
+        other = LineShare { line: other.line, count: 0, length: 0.0 };
     } else if other.length > one.length {
         (one, other) = (other, one);
     }
@@ -177,7 +178,7 @@ fn finding(segments: &Segments, pairs: &[Pair], group: &[usize], cuts: &[(u32, u
     Finding::at(kind, place, message).about(feature, elevation).about(other.line.feature, other.line.elevation)
 }
 
-fn what_goes(one: &Side, other: &Side) -> String {
+fn what_goes(one: &LineShare, other: &LineShare) -> String {
     let count = |n: usize| if n == 1 { "one segment".to_owned() } else { format!("{n} segments") };
     let length = one.length + other.length;
     match (one.count, other.count) {
@@ -189,7 +190,7 @@ fn what_goes(one: &Side, other: &Side) -> String {
     }
 }
 
-/// The two ends of what runs along, in the order of the first line.
+/// The two ends of the common stretch, in the direction of the first line.
 fn ends<'a>(segments: &Segments, pairs: impl Iterator<Item = &'a Pair>) -> [DVec2; 2] {
     let key = |s: u32, p: DVec2| (s, segments.get(s).a.distance(p));
     let mut places: Vec<((u32, f64), DVec2)> =
@@ -197,7 +198,7 @@ fn ends<'a>(segments: &Segments, pairs: impl Iterator<Item = &'a Pair>) -> [DVec
     places.sort_by(|a, b| a.0.0.cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)));
     let line = segments.line_number(places[0].0.0);
     if segments.lines()[line].is_closed() {
-        // A stretch may go over the ring's start: it begins after the widest part of the ring that is not in it.
+        // The stretch may run across the ring's start. It begins after the widest part of the ring that is not in it.
         let count = segments.start(line as u32 + 1) - segments.start(line as u32);
         let apart = |i: usize| {
             let (before, here) = (places[(i + places.len() - 1) % places.len()].0.0, places[i].0.0);
@@ -209,7 +210,7 @@ fn ends<'a>(segments: &Segments, pairs: impl Iterator<Item = &'a Pair>) -> [DVec
     [places[0].1, places[places.len() - 1].1]
 }
 
-/// Whether two lines that have a point in common go through each other there.
+/// Whether two lines that have a point in common cross each other there.
 fn crosses_at(segments: &Segments, involved: &[u32], lines: [usize; 2], place: DVec2) -> bool {
     let arms = |line: usize| -> Vec<f64> {
         let own = involved.iter().filter(|&&s| segments.line_number(s) == line);
@@ -228,7 +229,7 @@ fn length(s: Segment) -> f64 {
     s.a.distance(s.b)
 }
 
-/// A way in words.
+/// A displacement in words.
 fn way(to: DVec2) -> String {
     let part = |d: f64, words: [&str; 2]| format!("{:.3} {}", d.abs(), words[usize::from(d < 0.0)]);
     format!("{} and {}", part(to.x, ["east", "west"]), part(to.y, ["north", "south"]))

@@ -1,7 +1,7 @@
-//! Pieces of one level whose ends meet, joined into lines and rings.
+//! Joins pieces of one level whose ends meet into lines and rings.
 //!
-//! Ends at the very same point are joined if there are just two: where three or more meet nothing says which belong
-//! together. Of the other ends, two are joined across a gap if each is the nearest one to the other. Both vertices stay,
+//! Ends at exactly the same point are joined if there are two of them. Where three or more meet, nothing shows which
+//! belong together. Two other ends are joined across a gap if each is the nearest end to the other. Both vertices stay,
 //! and a short segment connects them.
 
 use std::collections::{BTreeMap, HashSet};
@@ -16,8 +16,8 @@ use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
 
-/// A line is closed across a gap only if the gap is at most this share of its length: a short straight line is not almost
-/// a ring, however wide the snap distance.
+/// Largest gap that closes a line, as a share of the line's length. A short straight line is not almost a ring, however
+/// wide the snap distance.
 const LARGEST_GAP: f64 = 0.5;
 
 /// A segment that joins two ends.
@@ -33,18 +33,18 @@ pub(super) type Connectors = BTreeMap<SegmentKey, Connector>;
 
 /// Lines with their ends joined.
 pub(super) struct Joined {
-    /// Lines that nothing happened to.
+    /// Lines that were not joined.
     pub(super) unchanged: Vec<Contour>,
-    /// New lines. They may visit a vertex twice.
+    /// Joined lines. They may visit a vertex twice.
     pub(super) joined: Vec<Contour>,
-    /// The segments that were made for it.
+    /// The segments that were added to join ends.
     pub(super) connectors: Connectors,
 }
 
 /// An end of a line: twice the line's number, plus one for the line's last point.
 type End = usize;
 
-/// Joins lines, which are simple and sorted, but not by a segment that is `in_the_way`.
+/// Joins lines, which must be simple and sorted. No segment that is `in_the_way` is used for it.
 pub(super) fn join(lines: Vec<Contour>, snap: f64, in_the_way: &HashSet<SegmentKey>) -> Joined {
     let levels: Vec<Vec<Contour>> = by_level(lines);
     let levels: Vec<Joined> = levels.into_par_iter().map(|level| join_level(level, snap, in_the_way)).collect();
@@ -86,7 +86,7 @@ fn point(lines: &[Contour], end: End) -> DVec2 {
     points[if end.is_multiple_of(2) { 0 } else { points.len() - 1 }]
 }
 
-/// Pairs ends at the same point if they are two, and gives back those that are alone.
+/// Pairs the ends at a point if there are two. Returns the ends that are alone at their point.
 fn pair_same_points(lines: &[Contour], partner: &mut [Option<End>]) -> Vec<End> {
     let open = lines.iter().enumerate().filter(|(_, line)| !line.is_closed());
     let mut ends: Vec<(DVec2, End)> =
@@ -103,13 +103,14 @@ fn pair_same_points(lines: &[Contour], partner: &mut [Option<End>]) -> Vec<End> 
     single
 }
 
-/// Pairs ends that are each other's nearest.
+/// Pairs ends that are nearest to each other.
 fn pair_nearest(lines: &[Contour], ends: Vec<End>, snap: f64, partner: &mut [Option<End>]) {
     let tree = RTree::bulk_load(ends.iter().map(|&e| GeomWithData::new(point(lines, e).to_array(), e)).collect());
     let mut nearest: Vec<Option<End>> = vec![None; partner.len()];
     for &end in &ends {
         let at = point(lines, end).to_array();
-        // The nearest is the line's own other end at times, where it may not be closed; of equally near ones the first.
+        // The nearest end may be the line's own other end, even where the line may not be closed. Of equally near ends
+        // the first counts.
         let mut best: Option<(f64, End)> = None;
         for (other, distance) in tree.nearest_neighbor_iter_with_distance_2(&at) {
             if distance > snap * snap || best.is_some_and(|(d, _)| distance > d) {
@@ -139,7 +140,7 @@ fn chain(mut lines: Vec<Contour>, partner: &mut [Option<End>]) -> Joined {
     let mut done = vec![false; lines.len()];
     let mut joined = Vec::new();
     let mut connectors = BTreeMap::new();
-    // Open chains are found from their free ends; what is left are rings.
+    // Open chains start from their free ends. The remaining lines form rings.
     let free = (0..partner.len()).filter(|&end| partner[end].is_none() && partner[end ^ 1].is_some());
     let starts: Vec<End> = free.chain((0..lines.len()).map(|i| 2 * i)).collect();
     for start in starts {
@@ -163,7 +164,7 @@ fn chain(mut lines: Vec<Contour>, partner: &mut [Option<End>]) -> Joined {
     Joined { unchanged: lines, joined, connectors }
 }
 
-/// The line along `way`, whose items are the ends that each line is entered at.
+/// The line along `way`. Its items are the ends at which each line is entered.
 fn run_together(lines: &[Contour], way: &[End], closes: bool, connectors: &mut Connectors) -> Contour {
     let feature = way.iter().map(|end| lines[end / 2].feature).min().unwrap_or(0);
     let elevation = lines[way[0] / 2].elevation;
@@ -199,7 +200,7 @@ fn run_together(lines: &[Contour], way: &[End], closes: bool, connectors: &mut C
     Contour { elevation, points, feature }
 }
 
-/// Tells of the gaps that were closed.
+/// Findings about the gaps that were closed.
 pub(super) fn findings(connectors: &Connectors) -> impl Iterator<Item = Finding> {
     connectors.values().map(|c| {
         let gap = c.ends[0].distance(c.ends[1]);

@@ -1,17 +1,18 @@
-//! Levels that were rounded in two ways, made one.
+//! Unites levels that differ only by rounding.
 //!
-//! Elevations that are computed, from feet for example, can differ in their last digits where one level is meant. Between two
-//! such levels there is no room: what is traced there would lie on the contours themselves.
+//! Computed elevations, for example from feet, can differ in their last digits although one level is meant. Between two
+//! such levels there is no room: lines traced there would lie on the contours themselves.
 
 use std::collections::HashMap;
 
 use crate::contour::{Contour, distinct_levels};
 
-/// Elevations that differ by no more are one level: metres, and a share of elevations above one metre.
+/// Elevations that differ by no more than this are one level. In metres up to 1 m, above that as a share of the
+/// elevation.
 const SAME_LEVEL: f64 = 1e-9;
 
-/// Gives lines whose elevations differ by rounding only one and the same elevation: the one that is written with the fewest
-/// digits, which is the one that was meant.
+/// Gives one elevation to lines whose elevations differ only by rounding. It is the one written with the fewest digits,
+/// which is the one that was meant.
 pub(super) fn unite(lines: &mut [Contour]) {
     let levels = distinct_levels(lines);
     let is_same = |low: f64, high: f64| high - low <= SAME_LEVEL * high.abs().max(1.0);

@@ -1,11 +1,20 @@
-//! Cleaning: makes a map's contours sound, and says what was wrong.
+//! Cleaning: repairs a map's contours and reports what was wrong.
 //!
-//! In this order: bad points out, levels that differ by rounding made one, every line in its standard form, self-touching
-//! lines split, duplicates out, ends joined, vertices that stray across lines left out, conflicts cut, spot heights checked.
-//! Conflicts are lines that no triangulation could hold: those of different levels that touch, and lines that cross. They
-//! are searched with exact predicates on the coordinates as they are, and cut by leaving out whole segments, so that every
-//! vertex that remains is a vertex of the input. A line that merely touches itself loses nothing: it is split there. Nothing
-//! depends on the order of the input's features, nor on the number of threads.
+//! The steps, in this order:
+//! 1. Bad points are removed.
+//! 2. Levels that differ only by rounding are united.
+//! 3. Each line is brought to its standard form.
+//! 4. Lines that touch themselves are split.
+//! 5. Duplicate lines are removed.
+//! 6. Ends are joined.
+//! 7. Stray vertices, which make a line cross another one, are removed.
+//! 8. Conflicts are cut.
+//! 9. Spot heights are checked.
+//!
+//! Conflicts are pairs of lines that no triangulation could hold: lines of different level that touch, and lines that
+//! cross. Exact predicates find them in the coordinates as they are. Cutting removes whole segments, so each remaining
+//! vertex is a vertex of the input. A line that only touches itself loses nothing: it is split there. The result
+//! depends neither on the order of the input's features nor on the number of threads.
 
 mod canonical;
 mod contacts;
@@ -40,25 +49,25 @@ use crate::base::error::{Error, Finding, Report, Result};
 use crate::contour::{Contour, ContourMap};
 use crate::geometry::{self, Segment, tolerance_of_box};
 
-/// How often connections that are in the way are taken back one by one, before all are. Twice is nearly always enough:
-/// to take one back can bring back a segment that is in the way of another.
+/// Rounds in which single connections that are in the way are undone, before all are. Two are nearly always enough:
+/// undoing one connection can bring back a segment that is in the way of another.
 const JOIN_ROUNDS: usize = 4;
 
-/// How often vertices that stray are looked for: the straight pieces instead of them may meet each other.
+/// Rounds in which stray vertices are looked for. The straight pieces that replace them may meet each other.
 const STRAY_ROUNDS: usize = 4;
 
-/// On large maps lines of different level are to be further apart, up to so many times.
+/// On large maps lines of different level must be further apart: at most this many times the separation.
 const WIDEST: f64 = 1e3;
 
 /// What counts as near, in map units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CleanParams {
-    /// The widest gap across which ends of one level are joined and a line is closed. With 0 only ends at the very same
-    /// point are.
+    /// Widest gap across which ends of one level are joined and a line is closed. With 0, only ends at exactly the same
+    /// point are joined.
     pub snap: f64,
-    /// Lines of different level, and spot heights, closer than this count as touching. On a map so large, or so far from
-    /// zero, that places on its frame are known less well (two billionths of its size, so 0.06 mm for 30 km), they count so when
-    /// they are closer than that, up to a thousand times this.
+    /// Lines of different level, and spot heights, closer than this count as touching. On a large map, or one far from
+    /// zero, positions on the frame are less accurate: two billionths of its size, so 0.06 mm for 30 km. There that
+    /// distance counts instead, up to a thousand times this value.
     pub separation: f64,
 }
 
@@ -78,8 +87,8 @@ impl CleanParams {
         Ok(())
     }
 
-    /// The same with the separation that this map needs: of two lines that both lie on the frame but for its tolerance, on either
-    /// side of it, each could take the other's place there.
+    /// The same with the separation that this map needs. Two lines may both lie on the frame within its tolerance, one
+    /// on either side of it. Closer than the tolerance, each could take the other's place there.
     pub(super) fn on(&self, map: &ContourMap) -> Self {
         let places = map.places().filter(|p| points::is_place(*p));
         let (min, max) = places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
@@ -88,21 +97,24 @@ impl CleanParams {
     }
 }
 
-/// Makes a map sound; see the module's first lines for the steps.
+/// Cleans a map. The first lines of the module list the steps.
 ///
-/// In the result every coordinate and elevation is finite and every line has two points at least, visits no vertex twice
-/// (but for the end of a closed line) and does not cross itself; lines of one level touch at single points at most and
-/// do not cross there otherwise than at a common vertex; lines of different level are at least
-/// [`separation`](CleanParams::separation) apart. Lines
-/// are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y), closed ones start
-/// at their smallest vertex. A joined line has the smallest feature number of its pieces. Elevations that differ by rounding
-/// only are made the same number.
+/// The result has these properties:
+/// - Each coordinate and elevation is finite.
+/// - Each line has at least two points, visits no vertex twice (except the end of a closed line) and does not cross
+///   itself.
+/// - Lines of one level touch only at single points, and cross there only at a common vertex.
+/// - Lines of different level are at least [`separation`](CleanParams::separation) apart.
+/// - Lines are sorted by elevation, then by their points. Open lines run from their smaller end (by x, then y). Closed
+///   lines start at their smallest vertex.
+/// - A joined line has the smallest feature number of its pieces.
+/// - Elevations that differ only by rounding are made equal.
 ///
-/// What is left out or joined is in the findings, step by step and in a fixed order within each.
+/// The findings report what was left out or joined, step by step, and in a fixed order within each step.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for distances that are negative or no numbers. [`Error::Data`] if lines meet so often that they
-/// cannot be contour lines, or if there are more than 2³² vertices.
+/// [`Error::OutOfRange`] for distances that are negative or not numbers. [`Error::Data`] if lines meet so often that
+/// they cannot be contour lines, or if there are more than 2³² vertices.
 pub fn clean(mut map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;
     let params = &params.on(&map);
@@ -116,10 +128,11 @@ pub fn clean(mut map: ContourMap, params: &CleanParams) -> Result<Report<Contour
     Ok(Report { value: map, findings })
 }
 
-/// Checks what [`clean`](fn@clean) promises of a map's lines and that its spot heights are finite.
+/// Checks that a map's lines have the properties that [`clean`](fn@clean) promises, and that its spot heights are
+/// finite.
 ///
 /// # Errors
-/// [`Error::Data`] with the first thing that is not so.
+/// [`Error::Data`] with the first violation.
 pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
     params.check()?;
     let params = params.on(map);
@@ -127,7 +140,7 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
         points::validate(contour)?;
     }
     if map.spots.iter().any(|s| !(points::is_place(s.truncate()) && points::is_height(s.z))) {
-        return Err(Error::Data("a spot height is no place or no height".to_owned()));
+        return Err(Error::Data("a spot height has no valid position or height".to_owned()));
     }
     let segments = Segments::new(&map.contours)?;
     let contacts = contacts::find(&segments, params.separation)?;
@@ -139,14 +152,14 @@ pub fn validate(map: &ContourMap, params: &CleanParams) -> Result<()> {
     )))
 }
 
-/// Numbers of the lines that [`validate`] would complain about for meeting another line or themselves, ascending.
+/// Numbers of the lines that [`validate`] would reject because they meet another line or themselves, ascending.
 pub(super) fn lines_in_conflict(lines: &[Contour], params: &CleanParams) -> Result<Vec<usize>> {
     let mut numbers: Vec<usize> = segments_in_conflict(lines, params)?.into_iter().map(|(line, _)| line).collect();
     numbers.dedup();
     Ok(numbers)
 }
 
-/// The segments that [`validate`] would complain about: number of the line and of the segment on it, ascending.
+/// The segments that [`validate`] would reject, ascending: the number of the line, and the number of the segment on it.
 pub(super) fn segments_in_conflict(lines: &[Contour], params: &CleanParams) -> Result<Vec<(usize, usize)>> {
     let segments = Segments::new(lines)?;
     let contacts = contacts::find(&segments, params.separation)?;
@@ -160,18 +173,18 @@ pub(super) fn segments_in_conflict(lines: &[Contour], params: &CleanParams) -> R
     Ok(numbers.into_iter().map(place).collect())
 }
 
-/// Whether a line by itself has finite points and visits none twice.
+/// Whether a single line has finite points and visits none twice.
 pub(super) fn is_sound(line: &Contour) -> bool {
     points::validate(line).is_ok()
 }
 
-/// The lines in standard form and order.
+/// The lines in standard form and standard order.
 pub(super) fn in_standard_order(mut lines: Vec<Contour>) -> Vec<Contour> {
     canonical::sort(&mut lines);
     lines
 }
 
-/// Spot heights without those that lie on a contour.
+/// The spot heights that do not lie on a contour.
 pub(super) fn spots_off_contours(
     spots: Vec<glam::DVec3>,
     contours: &[Contour],
@@ -184,7 +197,7 @@ pub(super) fn spots_off_contours(
 struct Cleaned {
     contours: Vec<Contour>,
     findings: Vec<Finding>,
-    /// What is left out.
+    /// The pieces that were left out.
     removed: Vec<Removed>,
     /// Where lines met.
     faults: Vec<Finding>,
@@ -211,7 +224,7 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> 
         contacts = contacts::find(&Segments::new(&lines)?, params.separation)?;
     }
 
-    // No line meets itself any more but by crossing, so there are only conflicts left.
+    // No line touches or overlaps itself any more, so all contacts are conflicts.
     let mut conflicts: Vec<_> = contacts.iter().collect();
     let mut faults = Vec::new();
     for _ in 0..STRAY_ROUNDS {
@@ -245,7 +258,7 @@ struct Joined {
     removed: Vec<Removed>,
 }
 
-/// Joins lines, but not where the connection would meet a line: what the input has is not cut for the sake of a guess.
+/// Joins lines, except where the connection would meet a line. The input is not cut for the sake of a guess.
 fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams) -> Result<Joined> {
     let mut in_the_way = HashSet::new();
     let mut round = 0;

@@ -1,8 +1,9 @@
-//! New vertices where a line touches or overlaps itself.
+//! Adds vertices where a line touches or overlaps itself.
 //!
-//! A vertex that lies on another segment of its own line becomes a vertex of that segment too: exactly on it, it changes
-//! nothing in the line's course. The line then comes to the same vertex twice and can be split there, where otherwise a
-//! piece of it would have to go. A spike comes back to a vertex of its own in this way, however it was drawn.
+//! A vertex that lies on another segment of its own line becomes a vertex of that segment too. It lies exactly on the
+//! segment, so the line's course does not change. The line then visits the same vertex twice and can be split there.
+//! Otherwise a piece of it would be lost. In this way a spike, however it was drawn, returns to one of its own
+//! vertices.
 
 use std::collections::HashSet;
 
@@ -19,11 +20,11 @@ use crate::geometry::{Meeting, meeting};
 
 /// Lines with new vertices.
 pub(super) struct Noded {
-    /// Lines without any.
+    /// Lines without new vertices.
     pub(super) unchanged: Vec<Contour>,
-    /// Lines with some. They visit vertices twice.
+    /// Lines with new vertices. They visit vertices twice.
     pub(super) changed: Vec<Contour>,
-    /// The places of the new vertices.
+    /// The new vertices.
     pub(super) new: Vec<Node>,
 }
 
@@ -43,7 +44,7 @@ pub(super) fn insert(lines: Vec<Contour>, pairs: &[(u32, u32)]) -> Result<Noded>
         new.extend([t.a, t.b].into_iter().filter(|p| is_inside(*p, &s)).map(|p| (i, p)));
         new.extend([s.a, s.b].into_iter().filter(|p| is_inside(*p, &t)).map(|p| (j, p)));
     }
-    // On a straight line, points are in the order of their coordinates.
+    // Along a straight line, points are in the order of their coordinates.
     new.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| compare_points(&a.1, &b.1)));
     new.dedup();
     let node = |&(i, place): &(u32, DVec2)| {
@@ -78,16 +79,17 @@ pub(super) fn insert(lines: Vec<Contour>, pairs: &[(u32, u32)]) -> Result<Noded>
     Ok(noded)
 }
 
-/// Whether a point lies on a segment and is none of its ends, exactly.
+/// Whether a point lies exactly on a segment and is not one of its ends.
 fn is_inside(p: DVec2, s: &Segment) -> bool {
-    // In the box and on the straight line is on the segment.
+    // A point in the segment's box and on its straight line lies on the segment.
     p != s.a
         && p != s.b
         && s.bounds().meets(&Segment { a: p, b: p }.bounds())
         && meeting(s, &Segment { a: s.a, b: p }) == Meeting::Overlap
 }
 
-/// What to say of lines that touch themselves: nothing about places on spikes, which are told of as such.
+/// Findings about lines that touch themselves. Places on spikes are left out, because spikes have findings of their
+/// own.
 pub(super) fn findings(nodes: &[Node], spikes: &[Removed]) -> Vec<Finding> {
     let on_spikes: HashSet<(u64, [u64; 2])> =
         spikes.iter().flat_map(|s| s.way.iter().map(move |p| (s.elevation.to_bits(), bits(*p)))).collect();

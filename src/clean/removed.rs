@@ -1,4 +1,4 @@
-//! What is left out of a line, and why.
+//! Pieces of lines that are left out, and why.
 
 use glam::DVec2;
 
@@ -7,7 +7,7 @@ use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
 
-/// A segment without direction, with its elevation: equal bits, equal segment.
+/// A segment without direction, with its elevation. Equal segments have equal keys.
 pub(super) type SegmentKey = (u64, [u64; 2], [u64; 2]);
 
 /// The key of a segment.
@@ -19,13 +19,13 @@ pub(super) fn key(elevation: f64, a: DVec2, b: DVec2) -> SegmentKey {
 /// Why a piece is left out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Why {
-    /// The line runs to the piece's first point and back the same way.
+    /// The line runs to the piece's first point and straight back.
     Spike,
-    /// The whole line runs there and back; it stays once.
+    /// The whole line runs there and straight back. One of the two runs stays.
     Doubled,
-    /// It meets another segment: see the findings about the place.
+    /// It meets another segment. The findings about the place report it.
     Meets,
-    /// Its inner vertices stray, and it becomes straight: see the findings about the place.
+    /// Its inner vertices are stray vertices, and a straight piece replaces it. The findings about the place report it.
     Strays,
 }
 
@@ -63,7 +63,7 @@ impl Removed {
             .then(self.feature.cmp(&other.feature))
     }
 
-    /// The finding that tells of it, unless others do.
+    /// The finding about it, unless other findings report it.
     pub(super) fn finding(&self) -> Option<Finding> {
         let (elevation, feature) = (self.elevation, self.feature);
         let length: f64 = self.way.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -74,8 +74,8 @@ impl Removed {
                  units long, was left out"
             ),
             Why::Doubled => format!(
-                "the contour {elevation} m (feature {feature}) runs there and straight back, {length:.3} map units; it was \
-                 kept once"
+                "the contour {elevation} m (feature {feature}) runs there and straight back over {length:.3} map units; only \
+                 one of the two runs was kept"
             ),
         };
         let tip = self.way.first().copied();

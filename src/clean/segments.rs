@@ -1,8 +1,7 @@
-//! All segments of all lines, numbered, and a tree to find those near a place.
+//! All segments of all lines, numbered, with a tree to find those near a position.
 //!
-//! The tree holds the boxes of short runs of segments, not of every single one: that makes it an eighth of the size,
-//! and lines are near themselves anyway. Where a box would hold much more ground than its segments have to
-//! themselves, which long segments do, runs are shorter.
+//! The tree holds boxes of short runs of segments, not of single segments. That makes it an eighth of the size, and
+//! lines are near themselves anyway. Long segments make large boxes with much empty ground, so their runs are shorter.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -14,15 +13,16 @@ use crate::geometry::point_distance;
 use crate::geometry::{Bounds, Segment};
 use crate::geometry::{BoxTree, OrientedBox};
 
-/// Segments in a run, at most.
+/// Largest number of segments in a run.
 const RUN: usize = 8;
-/// The box around several segments may hold so many times the ground that they have to themselves on the average.
+/// Largest area of the box around several segments: this many times the map's area per length of line, times their
+/// length.
 const ROOM: f64 = 16.0;
 
 /// The segments of lines, numbered line by line.
 pub(crate) struct Segments<'a> {
     lines: &'a [Contour],
-    /// Number of each line's first segment, and at the end the number of all.
+    /// Number of each line's first segment, and at the end the number of all segments.
     starts: Vec<u32>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Segments<'a> {
         Ok(Self { lines, starts })
     }
 
-    /// How many there are.
+    /// Number of all segments.
     pub(super) fn len(&self) -> usize {
         self.starts.last().map_or(0, |&n| n as usize)
     }
@@ -71,7 +71,7 @@ impl<'a> Segments<'a> {
         self.starts[line as usize]
     }
 
-    /// Gives back the number of each line's first segment, and at the end the number of all.
+    /// Returns the number of each line's first segment, and at the end the number of all segments.
     pub(super) fn into_starts(self) -> Vec<u32> {
         self.starts
     }
@@ -93,7 +93,7 @@ impl<'a> Segments<'a> {
         Segment { a: self.lines[line].points[k], b: self.lines[line].points[k + 1] }
     }
 
-    /// What tells a segment from all others.
+    /// A key that identifies the segment.
     pub(super) fn key(&self, segment: u32) -> SegmentKey {
         let Segment { a, b } = self.get(segment);
         removed::key(self.line_of(segment).elevation, a, b)
@@ -123,7 +123,7 @@ impl<'a> Segments<'a> {
         Runs { runs, tree: BoxTree::new(&boxes) }
     }
 
-    /// How far lines would be apart if they were spread evenly over the map.
+    /// The spacing that lines would have if they were spread evenly over the map: its area per length of line.
     fn distance_between_lines(&self) -> f64 {
         let all = self.lines.par_iter().map(|line| Bounds::around(&line.points));
         let all = all.reduce(|| Bounds::around(&[]), Bounds::union);
@@ -144,7 +144,7 @@ impl Runs {
         self.tree.near(OrientedBox::upright(bounds.min, bounds.max))
     }
 
-    /// Numbers of the runs, itself too, that may be within `reach` of a run, in no particular order.
+    /// Numbers of the runs, including this one, that may be within `reach` of a run, in no particular order.
     pub(super) fn near_run(&self, lines: &[Contour], run: &Run, reach: f64) -> impl Iterator<Item = u32> {
         self.tree.near(OrientedBox::around(points_of(lines, run)).grown(reach))
     }
@@ -154,7 +154,7 @@ impl Runs {
         self.near(&Bounds { min: p, max: p }.grown(reach)).map(|run| self.runs[run as usize].line).collect()
     }
 
-    /// Distance from a point to the nearest of `lines` but the line number `own`; infinite where there is no other.
+    /// Distance from a point to the nearest of `lines` except the line number `own`. Infinite if there is no other.
     pub(crate) fn distance_to_others(&self, lines: &[Contour], p: DVec2, own: u32) -> f64 {
         let mut best = f64::INFINITY;
         for (run, at_least) in self.tree.nearest_first(p) {

@@ -1,7 +1,7 @@
-//! Lines that come back to one of their own vertices, split there into lines and rings that do not.
+//! Splits lines that return to one of their own vertices into lines and rings that do not.
 //!
-//! Nothing gets lost that way, whereas cutting would open the ring. What is left out are spikes, places where a line
-//! runs along one segment and straight back: they enclose nothing and would stand as walls in the surface.
+//! Splitting loses nothing, whereas cutting would open the ring. Only spikes are left out: places where a line runs
+//! along one segment and straight back. They enclose nothing, and would stand as walls in the surface.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -13,7 +13,7 @@ use super::removed::{Removed, Why};
 use crate::base::bits::bits;
 use crate::contour::Contour;
 
-/// What became of a line.
+/// The result of splitting a line.
 pub(super) struct Split {
     /// The lines and rings, each in standard form.
     pub(super) lines: Vec<Contour>,
@@ -28,7 +28,7 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
     }
     let mut split = Split { lines: Vec::new(), spikes: Vec::new() };
     let piece = |points: Vec<DVec2>| Contour { elevation: line.elevation, points, feature: line.feature };
-    // The way from the line's start without the loops taken off so far, and where on it a vertex is.
+    // The line from its start without the loops removed so far, and the place of each vertex on it.
     let mut way: Vec<DVec2> = Vec::new();
     let mut at: HashMap<[u64; 2], usize> = HashMap::new();
     for &p in &line.points {
@@ -45,7 +45,7 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
             at.remove(&bits(*q));
         }
         if let [tip] = loop_points[..] {
-            // What runs back on from a spike's root makes the same spike longer.
+            // A spike that starts at the last spike's root makes that spike longer.
             match split.spikes.last_mut().filter(|spike| spike.way.last() == Some(&tip)) {
                 Some(spike) => spike.way.push(p),
                 None => split.spikes.push(Removed::new(&line, vec![tip, p], Why::Spike)),
@@ -58,7 +58,7 @@ pub(super) fn at_repeated_vertices(line: Contour) -> Split {
         split.lines.push(piece(way));
     }
     if split.lines.is_empty() {
-        // A line that was drawn there and back as a whole is no spike: one of its two runs stays.
+        // A line that runs there and straight back as a whole is not a spike: one of its two runs stays.
         split.lines = split.spikes.iter().map(|s| piece(s.way.clone())).collect();
         split.spikes.iter_mut().for_each(|s| s.why = Why::Doubled);
     }

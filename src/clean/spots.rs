@@ -1,4 +1,4 @@
-//! Spot heights: those that are no numbers, that come twice, or that lie on a contour.
+//! Spot heights: removes those that are invalid, repeated, or on a contour.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -13,12 +13,12 @@ use crate::geometry::compare_points;
 use crate::geometry::{Bounds, Segment};
 use crate::geometry::{Meeting, meeting, point_distance};
 
-/// Heights that differ by no more, in metres, are one height.
+/// Heights that differ by no more than this are equal, metres.
 const SAME_HEIGHT: f64 = 1e-9;
 
-/// Drops spot heights that say nothing, or that contradict a contour or another spot height at their place.
+/// Removes spot heights that are invalid, or that contradict a contour or another spot height at their place.
 ///
-/// `contours` are clean. Gives the spot heights sorted by x, y and height.
+/// `contours` must be clean. Returns the spot heights sorted by x, y and height.
 pub(super) fn clean(spots: Vec<DVec3>, contours: &[Contour], separation: f64) -> Result<Report<Vec<DVec3>>> {
     let mut findings = Vec::new();
     let (mut spots, mut bad): (Vec<DVec3>, Vec<DVec3>) = spots
@@ -27,7 +27,7 @@ pub(super) fn clean(spots: Vec<DVec3>, contours: &[Contour], separation: f64) ->
         .partition(|s| is_place(s.truncate()) && is_height(s.z));
     bad.sort_unstable_by(compare_spots);
     findings.extend(bad.into_iter().map(|s| {
-        let message = "a spot height is no place or has no height; it was left out";
+        let message = "a spot height has no valid position or height; it was left out";
         let place = Some(s.truncate()).filter(|p| is_place(*p));
         Finding::new(FindingKind::NonFinitePoint, place, message).of_elevations([s.z])
     }));
@@ -74,10 +74,10 @@ fn off_contours(
     Ok(kept)
 }
 
-/// The contour that a spot height lies on: of several, the one nearest in height, then the first.
+/// The contour on which a spot height lies. Of several, the one nearest in height; then the first.
 fn contour_at<'a>(spot: &DVec3, segments: &Segments<'a>, runs: &Runs, separation: f64) -> Option<&'a Contour> {
     let p = spot.truncate();
-    // Wider than need be, so that the rounding of boxes decides nothing.
+    // Wider than necessary, so that the rounding of boxes has no effect.
     let reach = Bounds { min: p, max: p }.grown(2.0 * separation);
     let line = runs
         .near(&reach)
@@ -94,7 +94,7 @@ fn contour_at<'a>(spot: &DVec3, segments: &Segments<'a>, runs: &Runs, separation
     Some(&segments.lines()[line as usize])
 }
 
-/// Whether a point lies on a segment, exactly, or nearer than `separation`.
+/// Whether a point lies exactly on a segment, or nearer to it than `separation`.
 fn is_at(p: DVec2, s: &Segment, separation: f64) -> bool {
     if p == s.a || p == s.b || point_distance(p, s) < separation {
         return true;
@@ -102,7 +102,7 @@ fn is_at(p: DVec2, s: &Segment, separation: f64) -> bool {
     s.bounds().meets(&Bounds { min: p, max: p }) && meeting(s, &Segment { a: p, b: s.b }) == Meeting::Overlap
 }
 
-/// Keeps of spot heights at one place the first.
+/// Keeps the first of several spot heights at one place.
 fn off_each_other(spots: Vec<DVec3>, separation: f64, findings: &mut Vec<Finding>) -> Vec<DVec3> {
     let places = (0usize..).zip(&spots).map(|(i, s)| GeomWithData::new([s.x, s.y], i));
     let tree = RTree::bulk_load(places.collect());

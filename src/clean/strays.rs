@@ -1,12 +1,12 @@
-//! Vertices that stray: the line runs off its course to them and back, across another line or itself.
+//! Stray vertices: the line leaves its course, crosses another line or itself, and comes back.
 //!
-//! A slip of the hand or of a digit moves a vertex, and the line's way there and back crosses whatever lies between. Cut as
-//! other crossings are, most of them would be mended on the sound line, which would be opened, so that the ground on its two
-//! sides ran together. So such vertices are looked for first: few in a row without which the line meets nothing. The line
-//! then goes straight from the vertex before to the vertex after.
+//! A digitising error, or a wrong digit, moves a vertex. The line then crosses whatever lies between. If such crossings
+//! were cut like others, most cuts would open the correct line. The ground on its two sides would then become one. So
+//! stray vertices are looked for first: a few vertices in a row without which the line meets nothing. A straight piece
+//! from the vertex before to the vertex after replaces them.
 //!
-//! Either line's vertices may free the other. Fewest are taken, and of several as few those with the longest way there and
-//! back against the straight way.
+//! Leaving out vertices of either line may end a conflict. The fewest vertices are left out. Of choices with equally
+//! few, the one with the longest detour is taken.
 
 use std::collections::HashMap;
 
@@ -21,40 +21,41 @@ use crate::contour::Contour;
 use crate::geometry::Segment;
 use crate::geometry::{Meeting, meeting, point_distance};
 
-/// Vertices in a row, at most.
+/// Largest number of stray vertices in a row.
 const MOST: usize = 4;
-/// How often stretches are gone through whose straight way meets nothing: what is in the way of one may go with the next.
+/// Passes over the stretches whose straight piece meets nothing. What blocks one stretch may be removed with the next.
 const PASSES: usize = 3;
-/// After that, for strays that are in the way of each other, those come whose straight way meets other segments, no more of
-/// them, and is so many times shorter: at a single vertex the line turns back to within 60 degrees.
+/// Least detour in the last passes, for stray vertices that block each other. There the straight piece may meet other
+/// segments, but no more than the stretch did. At a single vertex this detour means that the line turns back to within
+/// 60 degrees.
 const SHARP: f64 = 2.0;
-/// A line has so many vertices at least for each that strays in one row.
+/// A stretch is left as it is if its line has fewer vertices than this for each stray vertex.
 const FEWEST_LEFT: usize = 5;
-/// So many pairs of segments in conflict are always looked at. More of them, if they are a larger share of all segments than
-/// the other constant, are not: those lines do not cross by slips.
+/// Up to this many pairs of segments in conflict are always examined.
 const FEW: usize = 100_000;
+/// More pairs are examined up to this share of all segments. Lines with more conflicts do not cross by mistake.
 const SHARE: f64 = 0.1;
 
-/// Successive segments of a line, two at least; the vertices between them may stray.
+/// At least two successive segments of a line. The vertices between them may be stray.
 #[derive(Debug, Clone, Copy)]
 struct Stretch {
     line: u32,
     /// Number of the first segment on the line.
     from: usize,
-    /// How many segments. On a ring they may run over its start.
+    /// Number of segments. On a ring they may run across its start.
     count: usize,
-    /// Length of the way against the straight way.
+    /// Length of the way along the segments, divided by the length of the straight way.
     detour: f64,
 }
 
 impl Stretch {
-    /// The vertices, from the one before to the one after those that may stray.
+    /// The stretch's vertices, with the one before and the one after those that may be stray.
     fn way(&self, segments: &Segments) -> Vec<DVec2> {
         let points = &segments.lines()[self.line as usize].points;
-        (0..=self.count).map(|k| points[around(points, self.from + k)]).collect()
+        (0..=self.count).map(|k| points[wrapped(points, self.from + k)]).collect()
     }
 
-    /// Numbers of the segments among all.
+    /// Numbers of the segments among all segments.
     fn ids(&self, segments: &Segments) -> impl Iterator<Item = u32> {
         let start = segments.start(self.line);
         let count = (segments.start(self.line + 1) - start) as usize;
@@ -62,20 +63,20 @@ impl Stretch {
     }
 }
 
-/// A number of a vertex, on a ring taken round.
-fn around(points: &[DVec2], k: usize) -> usize {
+/// The index of a vertex, which continues at the start of a ring.
+fn wrapped(points: &[DVec2], k: usize) -> usize {
     if is_closed(points) { k % (points.len() - 1) } else { k }
 }
 
-/// Lines without vertices that strayed, in no particular order, and what was left out of them.
+/// Lines without their stray vertices, in no particular order, and what was left out of them.
 pub(super) struct Straightened {
     pub(super) lines: Vec<Contour>,
-    /// From the vertex before to the vertex after, each.
+    /// The pieces left out, each from the vertex before to the vertex after.
     pub(super) removed: Vec<Removed>,
     pub(super) findings: Vec<Finding>,
 }
 
-/// Leaves out vertices that conflicts end without; `None` if there are no such.
+/// Leaves out vertices if conflicts end without them; `None` if there are no such vertices.
 pub(super) fn leave_out(segments: &Segments, conflicts: &[(u32, u32)], separation: f64) -> Option<Straightened> {
     if conflicts.is_empty() || conflicts.len() > FEW.max((SHARE * segments.len() as f64) as usize) {
         return None;
@@ -141,7 +142,7 @@ pub(super) fn leave_out(segments: &Segments, conflicts: &[(u32, u32)], separatio
     })
 }
 
-/// The stretches that segments belong to, those with the fewest vertices first.
+/// The stretches that contain the segments, those with the fewest vertices first.
 fn stretches(segments: &Segments, of: &[u32]) -> Vec<Stretch> {
     let mut all = Vec::new();
     for &s in of {
@@ -156,7 +157,7 @@ fn stretches(segments: &Segments, of: &[u32]) -> Vec<Stretch> {
                     None if ring && back <= sides => number + sides - back,
                     _ => continue,
                 };
-                let vertex = |k: usize| points[around(points, from + k)];
+                let vertex = |k: usize| points[wrapped(points, from + k)];
                 let way: f64 = (0..count).map(|k| vertex(k).distance(vertex(k + 1))).sum();
                 let detour = way / vertex(0).distance(vertex(count));
                 all.push(Stretch { line: line as u32, from, count, detour });
@@ -169,10 +170,10 @@ fn stretches(segments: &Segments, of: &[u32]) -> Vec<Stretch> {
     all
 }
 
-/// The segments that the straight way instead of a stretch meets.
+/// The segments that the straight piece in place of a stretch meets.
 fn met(stretch: &Stretch, ids: &[u32], segments: &Segments, runs: &Runs, gone: &[bool], separation: f64) -> Vec<u32> {
     let contour = &segments.lines()[stretch.line as usize];
-    let vertex = |k: usize| contour.points[around(&contour.points, stretch.from + k)];
+    let vertex = |k: usize| contour.points[wrapped(&contour.points, stretch.from + k)];
     let segment = Segment { a: vertex(0), b: vertex(stretch.count) };
     let straight = Placed { segment, contour, line: stretch.line, number: 0 };
     let is_apart = |line: u32, number: usize| {
@@ -201,14 +202,14 @@ fn met(stretch: &Stretch, ids: &[u32], segments: &Segments, runs: &Runs, gone: &
     met.collect()
 }
 
-/// The lines without the vertices inside stretches.
+/// The lines without the stray vertices of the stretches.
 fn without(lines: &[Contour], taken: &[(Stretch, Finding)]) -> Vec<Contour> {
     let mut lines = lines.to_vec();
     for of_line in taken.chunk_by(|a, b| a.0.line == b.0.line) {
         let points = &mut lines[of_line[0].0.line as usize].points;
         let mut stays = vec![true; points.len()];
         for (stretch, _) in of_line {
-            (1..stretch.count).for_each(|k| stays[around(points, stretch.from + k)] = false);
+            (1..stretch.count).for_each(|k| stays[wrapped(points, stretch.from + k)] = false);
         }
         let ring = is_closed(points);
         if ring {
@@ -223,7 +224,8 @@ fn without(lines: &[Contour], taken: &[(Stretch, Finding)]) -> Vec<Contour> {
     lines
 }
 
-/// What is told of a stretch, at the vertex that is furthest off; `pairs` are its segments with those that they meet.
+/// The finding about a stretch, at its vertex furthest from the straight piece. `pairs` are its segments with those
+/// that they meet.
 fn finding(stretch: &Stretch, segments: &Segments, pairs: &[(u32, u32)], separation: f64) -> Finding {
     let Contour { elevation, feature, .. } = segments.lines()[stretch.line as usize];
     let other = segments.line_of(pairs[0].1);

@@ -37,7 +37,7 @@ const USUAL_DIGITS: [f64; 6] = [1.0, 2.0, 2.5, 4.0, 5.0, 8.0];
 const SAME_DIGITS: f64 = 1e-5;
 /// A foot, metres.
 const FOOT: f64 = 0.3048;
-/// Levels looked at, the heaviest ones, so that elevations without any step cost little.
+/// Largest number of levels examined, the heaviest first. So elevations without any step cost little time.
 const MAX_LEVELS: usize = 4096;
 /// Largest number of level differences that are tried as steps, the heaviest first.
 const MAX_DIFFERENCES: usize = 24;
@@ -240,7 +240,7 @@ fn short_decimal(value: f64, tolerance: f64) -> f64 {
         .unwrap_or(value)
 }
 
-/// The base from 0 to below the step, as the middle one of the levels' remainders.
+/// The base, at least 0 and less than the step: the middle one of the levels' remainders.
 fn short_base(levels: &[&Weighted], step: f64) -> f64 {
     let Some(first) = levels.first() else { return 0.0 };
     let off = |l: &&Weighted| l.z - first.z - ((l.z - first.z) / step).round() * step;

@@ -18,7 +18,8 @@ const MAX_DECIMALS: i32 = 9;
 pub struct Interval {
     /// Height between neighbouring levels, metres, positive.
     pub step: f64,
-    /// Height of the level with k = 0, metres. From [`find_interval`](super::find_interval) it is at least 0 and less than the step.
+    /// Height of the level with k = 0, metres. From [`find_interval`](super::find_interval) it is at least 0 and less than
+    /// the step.
     pub base: f64,
 }
 

@@ -1,38 +1,38 @@
-//! What a system's coordinates mean, in the parameters that `proj4rs` takes.
+//! What the coordinates of a system mean, as parameters of `proj4rs`.
 //!
-//! The built-in table has them for EPSG codes. For a system that is known by its text only they are taken from the text,
-//! for the projections that are in wide use. A datum that lies elsewhere than WGS 84 by an unknown amount is refused when
-//! it has to be left, because a silent error of a hundred metres is worse than none.
+//! The built-in table has them for EPSG codes. For a system known only by its text, they are taken from the text, for
+//! projections in wide use. If the shift between two datums is not known, the transformation is refused. A silent error
+//! of a hundred metres is worse than no result.
 
 use super::system::{Crs, CrsKind, definition};
 use super::wkt::Node;
 use crate::base::error::{Error, Result};
 
-/// Parameters of a system.
+/// The parameters of a system.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Definition {
     /// Names and values, in the order of the text.
     parameters: Vec<(String, Option<String>)>,
-    /// Name of the datum in lower case without signs, if it is known.
+    /// Name of the datum in lower case, letters and digits only, if it is known.
     pub datum: Option<String>,
-    /// Radians in a unit of the coordinates, for geographic systems.
+    /// Radians per unit of the coordinates, for geographic systems.
     pub angle: Option<f64>,
 }
 
-/// How a datum lies to WGS 84.
+/// The shift from a datum to WGS 84.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shift {
-    /// The same, within a metre or so: coordinates are taken over.
+    /// None, within about a metre: coordinates stay as they are.
     None,
-    /// By known parameters.
+    /// Known parameters.
     Known,
-    /// By a file of differences that is not at hand.
+    /// A grid file of shifts, which is not available.
     Grid,
     /// Not known.
     Unknown,
 }
 
-/// Half axis of WGS 84 and of GRS 1980 and their flattening, as far as both have it in common.
+/// Semi-major axis and inverse flattening of WGS 84 and GRS 1980, to the digits that they share.
 const MODERN: (f64, f64) = (6_378_137.0, 298.2572);
 
 impl Definition {
@@ -56,7 +56,7 @@ impl Definition {
             Some(text) => text.to_owned(),
             None => match base.and_then(|base| from_text(root, base, angle)) {
                 Some(text) => text,
-                None => return refuse("its projection is not one that coordinates can be transformed with"),
+                None => return refuse("its projection is not supported, so its coordinates cannot be transformed"),
             },
         };
         let parameter = |token: &str| match token.split_once('=') {
@@ -65,7 +65,7 @@ impl Definition {
         };
         let parameters = text.split_whitespace().map(|token| parameter(token.trim_start_matches('+'))).collect();
         let mut found = Self { parameters, datum, angle };
-        // Of two ways to WGS 84 the one without a file is taken.
+        // Of two ways to WGS 84, the one without a file is used.
         if found.get("towgs84").is_some() || found.get("datum").is_some() {
             found.drop("nadgrids");
         }
@@ -80,7 +80,7 @@ impl Definition {
         self.parameters.retain(|(n, _)| n != name);
     }
 
-    /// How the datum lies to WGS 84.
+    /// The shift from the datum to WGS 84.
     pub fn shift(&self) -> Shift {
         match (self.get("datum"), self.get("towgs84"), self.get("nadgrids")) {
             (Some("NAD27"), ..) => Shift::Grid,
@@ -113,12 +113,12 @@ impl Definition {
         self.get("pm").is_none_or(|meridian| meridian == "greenwich")
     }
 
-    /// The text for `proj4rs`, with coordinates on the own datum.
+    /// The text for `proj4rs`, with coordinates on the system's own datum.
     pub fn on_own_datum(&self) -> String {
         let mut own = self.clone();
         own.drop("towgs84");
         own.drop("nadgrids");
-        // Its parameters are those of a file that is not needed here.
+        // The datum stands for a grid file that is not needed here.
         if own.get("datum") == Some("NAD27") {
             own.drop("datum");
             own.parameters.push(("ellps".to_owned(), Some("clrk66".to_owned())));
@@ -126,7 +126,8 @@ impl Definition {
         own.text()
     }
 
-    /// The text for `proj4rs`, with a way to WGS 84: without one, coordinates would be taken over as they are.
+    /// The text for `proj4rs`, with a shift to WGS 84. Without one, coordinates would keep their values on another
+    /// datum.
     pub fn with_shift(&self) -> String {
         let mut text = self.text();
         if ["datum", "towgs84", "nadgrids"].iter().all(|name| self.get(name).is_none()) {
@@ -144,7 +145,7 @@ impl Definition {
     }
 }
 
-/// What a message calls a system.
+/// The name of a system in messages.
 pub(super) fn label(crs: &Crs) -> String {
     match (crs.name(), crs.epsg) {
         (Some(name), Some(code)) if !name.starts_with("EPSG:") => format!("{name} (EPSG:{code})"),
@@ -158,7 +159,7 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// A datum's name as all flavours of WKT have it.
+/// A datum's name, the same for all flavours of WKT.
 fn datum_form(name: &str) -> String {
     let name = plain(name.strip_prefix("D_").unwrap_or(name));
     let name = name.strip_suffix("ensemble").unwrap_or(&name);
@@ -182,7 +183,7 @@ const PROJECTIONS: &[(&[&str], &str)] = &[
     (&["obliquestereographic", "doublestereographic"], "sterea"),
 ];
 
-/// Names of parameters in the texts, plain, and here; angles first.
+/// Names of parameters in the texts, in plain form, and in `proj4rs`; angles first.
 const ANGLES: &[(&[&str], &str)] = &[
     (
         &[
@@ -211,7 +212,7 @@ const LENGTHS: &[(&[&str], &str)] =
     &[(&["falseeasting", "eastingatfalseorigin"], "x_0"), (&["falsenorthing", "northingatfalseorigin"], "y_0")];
 const SCALES: &[&str] = &["scalefactor", "scalefactoratnaturalorigin"];
 
-/// The parameters that a text describes. `None` for projections, and parameters of them, that are not known here.
+/// The parameters that a text describes. `None` if its projection or one of its parameters is not known here.
 fn from_text(root: &Node, base: &Node, angle: Option<f64>) -> Option<String> {
     let ellipsoid = base.child(&["DATUM", "ENSEMBLE"])?.child(&["SPHEROID", "ELLIPSOID"])?;
     let mut axes = ellipsoid.numbers();
@@ -225,7 +226,7 @@ fn from_text(root: &Node, base: &Node, angle: Option<f64>) -> Option<String> {
     if let Some(node) = base.child(&["PRIMEM", "PRIMEMERIDIAN"])
         && let Some(meridian) = node.numbers().next().filter(|meridian| *meridian != 0.0)
     {
-        // In degrees, whatever the unit of the system is, unless it names its own.
+        // In degrees, whatever the unit of the system is, unless the meridian names a unit of its own.
         let own_unit = node.child(&["ANGLEUNIT", "UNIT"]).and_then(|unit| unit.numbers().next());
         text.push_str(&format!(" +pm={}", degrees(meridian, own_unit.unwrap_or(DEGREE))));
     }
@@ -257,7 +258,7 @@ fn from_text(root: &Node, base: &Node, angle: Option<f64>) -> Option<String> {
             return None;
         }
     }
-    // A cone that touches along one parallel does so along that of its origin.
+    // A cone with one standard parallel touches at the latitude of origin.
     if *projection == "lcc" && !text.contains("+lat_1=") {
         let origin = text.split("+lat_0=").nth(1)?.split(' ').next()?.to_owned();
         text.push_str(&format!(" +lat_1={origin}"));
@@ -265,22 +266,22 @@ fn from_text(root: &Node, base: &Node, angle: Option<f64>) -> Option<String> {
     Some(format!("+proj={projection} {text} +to_meter={metres}"))
 }
 
-/// An angle in degrees, without rounding if it has them.
+/// An angle in degrees, without rounding if it is given in degrees.
 fn degrees(value: f64, unit: f64) -> f64 {
     if (unit - DEGREE).abs() < 1e-12 { value } else { (value * unit).to_degrees() }
 }
 
-/// Radians in a degree.
+/// Radians per degree.
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 impl Node {
-    /// Radians in the unit of angle of this geographic system; those of a degree if it does not say.
+    /// Radians per unit of angle of this geographic system; those of a degree if it does not say.
     fn angle(&self) -> f64 {
         let unit = self
             .child(&["UNIT", "ANGLEUNIT"])
             .or_else(|| self.child(&["AXIS"]).and_then(|axis| axis.child(&["ANGLEUNIT", "UNIT"])));
         let radians = unit.and_then(|unit| unit.numbers().next()).filter(|r| r.is_finite() && *r > 0.0);
-        // Texts round it.
+        // Texts round this number.
         radians.filter(|r| (r - DEGREE).abs() > 1e-12).unwrap_or(DEGREE)
     }
 }

@@ -1,15 +1,15 @@
-//! Finds the EPSG code of a WKT that does not carry one.
+//! Finds the EPSG code of a WKT that does not name one.
 //!
 //! Esri's `.prj` files name systems in Esri's own spelling (`JGD_2011_Japan_Zone_9`) and leave the code out. Both
-//! spellings are brought to one form and compared with every entry of the built-in table; an entry counts only if its
-//! ellipsoid, unit and projection parameters are the same too, so that a look-alike name never moves a map.
+//! spellings are brought to one form and compared with each entry of the built-in table. An entry counts only if its
+//! ellipsoid, unit and projection parameters agree too. So a similar name never moves a map.
 
 use super::wkt::{self, Node};
 
 /// Largest relative difference of parameters that are the same number with other digits.
 const SAME: f64 = 1e-8;
 
-/// Names that differ by more than spelling, in the common form: Esri's, EPSG's.
+/// Names that differ by more than spelling, in the common form: Esri's name, EPSG's name.
 const OTHER_NAMES: &[(&str, &str)] = &[
     ("wgs84webmercatorauxiliarysphere", "wgs84pseudomercator"),
     ("wgs84webmercator", "wgs84pseudomercator"),
@@ -34,7 +34,7 @@ pub(super) fn epsg_of(root: &Node) -> Option<u32> {
         .map(|entry| u32::from(entry.code))
 }
 
-/// A name without its spelling: lower case, letters and digits only, years of datums with two digits.
+/// A name in a common spelling: lower case, letters and digits only, years of datums with two digits.
 fn common_form(name: &str) -> String {
     let name = name.strip_prefix("GCS_").unwrap_or(name);
     let mut form = String::new();
@@ -74,7 +74,7 @@ fn roman(text: &str) -> Option<u32> {
     u32::try_from(sum).ok()
 }
 
-/// Whether ellipsoid, unit and all parameters that both name are the same, and enough of them are named by both.
+/// Whether ellipsoid, unit and all parameters that both name agree, and both name enough of them.
 fn same_numbers(a: &Node, b: &Node) -> bool {
     let (Some(axes_a), Some(axes_b)) = (ellipsoid(a), ellipsoid(b)) else { return false };
     if axes_a.len() < 2 || axes_a.len() != axes_b.len() || !axes_a.iter().zip(&axes_b).all(|(x, y)| same(*x, *y)) {
@@ -111,7 +111,7 @@ fn parameters(node: &Node) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// Half axis and inverse flattening.
+/// Semi-major axis and inverse flattening.
 fn ellipsoid(node: &Node) -> Option<Vec<f64>> {
     let geographic = if node.is_geographic() { node } else { node.child(&["GEOGCS", "BASEGEOGCRS", "GEOGCRS"])? };
     let spheroid = geographic.child(&["DATUM"])?.child(&["SPHEROID", "ELLIPSOID"])?;

@@ -1,8 +1,9 @@
-//! The coordinate reference system that travels from the input to every output.
+//! The coordinate reference system, which goes from the input to each output.
 //!
-//! A system is named by an EPSG code, by well-known text (WKT 1, WKT 2 or Esri's flavour), or by both. Nothing may be
-//! triangulated in degrees, nor sloped in feet, so [`working_crs`] finds a metric system for such data, [`Transform`]
-//! goes there and back, and [`Reprojection`] remembers where the input's vertices were, bit for bit.
+//! A system is named by an EPSG code, by well-known text (WKT 1, WKT 2 or Esri's flavour), or by both. A surface needs
+//! plane coordinates, in the same unit as the heights. So [`working_crs`] finds a metric system for data in degrees or
+//! feet, [`Transform`] goes there and back, and [`Reprojection`] keeps the original coordinates of the input's
+//! vertices, bit for bit.
 
 mod definition;
 mod esri;

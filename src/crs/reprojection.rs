@@ -1,11 +1,11 @@
-//! Where the vertices of a map were before they were brought to the plane that the map is worked on in.
+//! Keeps the original coordinates of a map's vertices while the map is on the working plane.
 //!
-//! A projection and its inverse do not give back the last bits. So every vertex of the input is remembered with its place
-//! on the plane, and on the way out it gets its own coordinates again; only new vertices come from the inverse.
+//! A projection and its inverse do not return the last bits. So each vertex of the input is stored with its position on
+//! the plane. On output it gets its own coordinates again. Only new vertices use the inverse projection.
 //!
-//! On the plane coordinates are whole micrometres, also those of maps that are in a plane system already. Digits below are
-//! noise of a projection or of a sum, which would otherwise decide between surfaces that are equally good; so a map that
-//! was brought to degrees and comes back to where it was gives the same lines again.
+//! On the plane, coordinates are whole micrometres, also for maps that are in a plane system already. Smaller digits
+//! are noise of a projection or of a sum. They would decide between surfaces that are equally good. So a map that was
+//! converted to degrees and back gives the same lines again.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
@@ -21,14 +21,14 @@ use super::transform::Transform;
 use crate::base::bits::bits;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 
-/// Steps of coordinates on the plane to the metre.
+/// Steps per metre of coordinates on the plane.
 const STEPS: f64 = 1e6;
-/// How far the straight piece between two vertices of a boundary may lie from the boundary, metres.
+/// Largest distance from a boundary to the straight piece between two of its vertices on the plane, metres.
 const STRAIGHT: f64 = 1e-3;
-/// How often a piece of a boundary is halved at most.
+/// Largest number of times that a piece of a boundary is halved.
 const HALVINGS: u32 = 12;
 
-/// How the plane that a map is worked on lies to the coordinates of its file.
+/// The relation between the plane on which a map is worked on and the coordinates of its file.
 #[derive(Debug, Clone, Default)]
 pub struct Reprojection {
     /// The system of the file.
@@ -39,18 +39,18 @@ pub struct Reprojection {
     /// Whether coordinates on the plane are whole micrometres.
     in_steps: bool,
     originals: Arc<Originals>,
-    /// The middle of the longitudes of the file, if some of them are beyond 180 degrees.
+    /// The middle longitude of the file, if some longitudes are beyond 180 degrees.
     around: Option<f64>,
 }
 
-/// Places on the plane and the coordinates that they had in the file. Not every output asks for them: the table is made when
-/// one does.
+/// Positions on the plane, with the coordinates that they had in the file. The table is made when an output first asks
+/// for it.
 #[derive(Debug, Default)]
 struct Originals {
-    pairs: Vec<(Place, DVec2)>,
-    /// Whether all places are whole micrometres, which those of computed vertices hardly ever are.
+    pairs: Vec<(Key, DVec2)>,
+    /// Whether all these positions are whole micrometres. Computed vertices hardly ever are, so they need no search.
     in_steps: bool,
-    by_place: OnceLock<HashMap<Place, DVec2, FixedState>>,
+    by_place: OnceLock<HashMap<Key, DVec2, FixedState>>,
 }
 
 impl Originals {
@@ -62,29 +62,29 @@ impl Originals {
     }
 }
 
-/// A place as a key: its bits.
-type Place = [u64; 2];
+/// A position as a key: its bits.
+type Key = [u64; 2];
 
 fn on_steps(p: DVec2) -> DVec2 {
     (p * STEPS).round() / STEPS + DVec2::ZERO
 }
 
 impl Reprojection {
-    /// The places of a map that is worked on in the coordinates it has.
+    /// For a map that is worked on in its own coordinates.
     pub fn unmoved(crs: Option<Crs>) -> Self {
         Self { input: crs.clone(), working: crs, ..Self::default() }
     }
 
-    /// Brings points to the plane of a projected system: coordinates are transformed, if it is another one than `input`,
-    /// and brought to whole micrometres.
+    /// Projects points to the plane of a projected system. Coordinates are transformed, if it is another system than
+    /// `input`, and rounded to whole micrometres.
     ///
-    /// The vertices of `lines` are remembered, and come back bit for bit. Those that would fall together by rounding keep all
-    /// their digits. Those that fall together all the same become one, with a finding. `others` are brought along, and are
-    /// not remembered.
+    /// The vertices of `lines` are stored and come back bit for bit. Vertices that would become equal by rounding keep
+    /// all their digits. If they are equal even so, they become one vertex, with a finding. `others` are projected too,
+    /// but not stored.
     ///
     /// # Errors
-    /// [`Error::Data`] if there is no way between the systems, [`Error::NoPlace`] if a point has no place on the plane. The
-    /// points are of no use then.
+    /// [`Error::Data`] if there is no transformation between the systems, [`Error::NoPlace`] if a point cannot be
+    /// projected. The points are then unusable.
     pub fn project(
         lines: &mut [&mut [DVec2]],
         others: &mut [DVec2],
@@ -94,12 +94,12 @@ impl Reprojection {
         let way = Transform::between(input, working)?;
         let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, input, working));
         let pair = |p: &DVec2| Ok((bits(on_steps(forward(*p)?)), *p));
-        let pairs = |line: &&mut [DVec2]| line.iter().map(pair).collect::<Result<Vec<(Place, DVec2)>>>();
+        let pairs = |line: &&mut [DVec2]| line.iter().map(pair).collect::<Result<Vec<(Key, DVec2)>>>();
         let pairs = lines.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
         let mut originals = in_order(pairs.into_iter().flatten().collect());
         check_way(&way, &originals, input, working)?;
         let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);
-        let crowded: HashSet<Place> = same_place.map(|pair| pair[0].0).collect();
+        let crowded: HashSet<Key> = same_place.map(|pair| pair[0].0).collect();
         let place = |p: DVec2| -> Result<DVec2> {
             let exact = forward(p)?;
             let place = on_steps(exact);
@@ -122,13 +122,15 @@ impl Reprojection {
             originals.dedup_by_key(|(k, _)| *k);
             let lost = before - originals.len();
             if lost > 0 {
-                let message = format!("{lost} vertices fall together with another one and come out at its place");
+                let message = format!(
+                    "{lost} vertices coincide with another one after projection; they are written with its coordinates"
+                );
                 findings.push(Finding::general(FindingKind::RepeatedPoint, message));
             }
         }
         let around = input.is_geographic().then(|| beyond(&originals)).flatten();
         if way.is_identity() {
-            // Most coordinates have no more digits than micrometres.
+            // Most coordinates have no digits below a micrometre. These need not be stored.
             originals.retain(|(k, p)| *k != p.to_array().map(f64::to_bits));
         }
         let reprojection = Self {
@@ -161,8 +163,8 @@ impl Reprojection {
         self.working.as_ref()
     }
 
-    /// The place in the file's coordinates: those that a vertex had, else by the inverse projection. `None` where there is
-    /// none.
+    /// The position in the file's coordinates: a vertex gets its original coordinates, another point those of the
+    /// inverse projection. `None` if there are none.
     pub fn in_input(&self, p: DVec2) -> Option<DVec2> {
         if let Some(original) = self.original(p) {
             return Some(original);
@@ -175,7 +177,7 @@ impl Reprojection {
         })
     }
 
-    /// The place on the plane of a place in the file's coordinates.
+    /// The position on the plane of a position in the file's coordinates.
     pub fn on_plane(&self, p: DVec2) -> Option<DVec2> {
         self.way.as_ref().map_or(Some(p), |way| way.forward(p))
     }
@@ -184,7 +186,8 @@ impl Reprojection {
         self.originals.at(p)
     }
 
-    /// The way for coordinates of another file in `crs`; coordinates of an unknown system are taken for the map's own.
+    /// The transformation for coordinates of another file in `crs`. If its system is unknown, it is taken to be the
+    /// map's own.
     ///
     /// # Errors
     /// As [`Transform::between`].
@@ -198,31 +201,28 @@ impl Reprojection {
         Ok(ToWorking { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
     }
 
-    /// The way out, to the coordinates of the file or to those of another system.
+    /// The transformation to the output: to the coordinates of the file, or to those of the system `to`.
     ///
     /// # Errors
-    /// As [`Transform::between`], and if another system is asked for and that of the file is not known.
+    /// As [`Transform::between`], and if `to` is given and the system of the file is not known.
     pub fn from_working(&self, to: Option<&Crs>) -> Result<FromWorking> {
         let Some(to) = to else {
-            return Ok(FromWorking { reprojection: self.clone(), onwards: Onwards::Input, crs: self.input.clone() });
+            return Ok(FromWorking { reprojection: self.clone(), target: Target::Input, crs: self.input.clone() });
         };
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
             return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
         };
-        let onwards = if to.horizontal().matches(&input.horizontal()) {
-            Onwards::Input
+        let target = if to.horizontal().matches(&input.horizontal()) {
+            Target::Input
         } else {
-            Onwards::Other {
-                from_input: Transform::between(input, to)?,
-                from_working: Transform::between(working, to)?,
-            }
+            Target::Other { from_input: Transform::between(input, to)?, from_working: Transform::between(working, to)? }
         };
-        Ok(FromWorking { reprojection: self.clone(), onwards, crs: Some(to.clone()) })
+        Ok(FromWorking { reprojection: self.clone(), target, crs: Some(to.clone()) })
     }
 }
 
-/// Sorted by place; coordinates that are the same at the same place are there once.
-fn in_order(mut pairs: Vec<(Place, DVec2)>) -> Vec<(Place, DVec2)> {
+/// Sorted by position. Equal coordinates at the same position are kept once.
+fn in_order(mut pairs: Vec<(Key, DVec2)>) -> Vec<(Key, DVec2)> {
     pairs.par_sort_unstable_by_key(|(k, p)| (*k, p.x.to_bits(), p.y.to_bits()));
     pairs.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
     pairs
@@ -232,8 +232,8 @@ fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {
     Error::NoPlace { place: p, from: label(from), to: label(to) }
 }
 
-/// Far from where a projection is meant for, some give coordinates that do not lead back.
-fn check_way(way: &Transform, originals: &[(Place, DVec2)], from: &Crs, to: &Crs) -> Result<()> {
+/// Outside the area that they are made for, some projections give coordinates that do not lead back.
+fn check_way(way: &Transform, originals: &[(Key, DVec2)], from: &Crs, to: &Crs) -> Result<()> {
     let step = originals.len().div_ceil(1024).max(1);
     for (k, original) in originals.iter().step_by(step) {
         let place = DVec2::new(f64::from_bits(k[0]), f64::from_bits(k[1]));
@@ -245,14 +245,14 @@ fn check_way(way: &Transform, originals: &[(Place, DVec2)], from: &Crs, to: &Crs
     Ok(())
 }
 
-/// The middle of the longitudes, if they go beyond 180 degrees.
-fn beyond(originals: &[(Place, DVec2)]) -> Option<f64> {
-    let span = |(lo, hi): (f64, f64), (_, p): &(Place, DVec2)| (lo.min(p.x), hi.max(p.x));
+/// The middle longitude, if longitudes go beyond 180 degrees.
+fn beyond(originals: &[(Key, DVec2)]) -> Option<f64> {
+    let span = |(lo, hi): (f64, f64), (_, p): &(Key, DVec2)| (lo.min(p.x), hi.max(p.x));
     let (lo, hi) = originals.iter().fold((f64::INFINITY, f64::NEG_INFINITY), span);
     (lo < -180.0 || hi > 180.0).then_some(0.5 * (lo + hi))
 }
 
-/// Brings the coordinates of other files to the plane of the map.
+/// Transforms the coordinates of other files to the plane of the map.
 #[derive(Debug, Clone)]
 pub struct ToWorking {
     way: Option<Transform>,
@@ -262,7 +262,7 @@ pub struct ToWorking {
 
 impl ToWorking {
     fn place(&self, p: DVec2) -> Result<DVec2> {
-        let wrong = || Error::Data(format!("{:?} {:?} is a place in only one of {}", p.x, p.y, self.names));
+        let wrong = || Error::Data(format!("{:?} {:?} exists in only one of the systems {}", p.x, p.y, self.names));
         let place = self.way.as_ref().map_or(Some(p), |way| way.forward(p)).ok_or_else(wrong)?;
         Ok(if self.in_steps { on_steps(place) } else { place })
     }
@@ -270,7 +270,7 @@ impl ToWorking {
     /// A point with its height.
     ///
     /// # Errors
-    /// [`Error::Data`] if it has no place on the plane.
+    /// [`Error::Data`] if it cannot be projected to the plane.
     pub fn point(&self, p: DVec3) -> Result<DVec3> {
         Ok(self.place(p.truncate())?.extend(p.z))
     }
@@ -278,16 +278,16 @@ impl ToWorking {
     /// A polygon, by its vertices.
     ///
     /// # Errors
-    /// [`Error::Data`] if a vertex has no place on the plane.
+    /// [`Error::Data`] if a vertex cannot be projected to the plane.
     pub fn polygon(&self, polygon: &Polygon<f64>) -> Result<Polygon<f64>> {
         polygon.try_map_coords(|c| self.place(DVec2::new(c.x, c.y)).map(|p| Coord { x: p.x, y: p.y }))
     }
 
-    /// A boundary, with vertices added where a straight piece is a curve on the plane: a sheet's edge along a parallel is
-    /// long, and contours end on it.
+    /// A boundary. Vertices are added where a straight piece is a curve on the plane: the edge of a map along a
+    /// parallel is long, and contours end on it.
     ///
     /// # Errors
-    /// [`Error::Data`] if a vertex has no place on the plane.
+    /// [`Error::Data`] if a vertex cannot be projected to the plane.
     pub fn boundary(&self, area: &MultiPolygon<f64>) -> Result<MultiPolygon<f64>> {
         if self.way.is_none() {
             return area.try_map_coords(|c| self.place(DVec2::new(c.x, c.y)).map(|p| Coord { x: p.x, y: p.y }));
@@ -310,7 +310,7 @@ impl ToWorking {
         Ok(MultiPolygon::new(area.iter().map(polygon).collect::<Result<_>>()?))
     }
 
-    /// Adds the vertices between two on the plane.
+    /// Adds the vertices between two neighbouring vertices on the plane.
     fn bend(&self, [a, b]: [DVec2; 2], [p, q]: [DVec2; 2], halvings: u32, out: &mut Vec<DVec2>) -> Result<()> {
         let c = a.midpoint(b);
         let r = self.place(c)?;
@@ -323,19 +323,19 @@ impl ToWorking {
     }
 }
 
-/// Brings places on the plane to the coordinates of the output.
+/// Transforms positions on the plane to the coordinates of the output.
 #[derive(Debug, Clone)]
 pub struct FromWorking {
     reprojection: Reprojection,
-    onwards: Onwards,
+    target: Target,
     crs: Option<Crs>,
 }
 
 #[derive(Debug, Clone)]
-enum Onwards {
+enum Target {
     /// To the system of the file.
     Input,
-    /// To another one: vertices of the input from their own coordinates.
+    /// To another system. Vertices of the input are transformed from their own coordinates.
     Other { from_input: Transform, from_working: Transform },
 }
 
@@ -345,19 +345,19 @@ impl FromWorking {
         self.crs.as_ref()
     }
 
-    /// Whether places on the plane are those of the output.
+    /// Whether positions on the plane need no transformation.
     pub fn is_identity(&self) -> bool {
-        match &self.onwards {
-            Onwards::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
-            Onwards::Other { from_working, .. } => from_working.is_identity(),
+        match &self.target {
+            Target::Input => self.reprojection.are_unmoved() && self.reprojection.originals.pairs.is_empty(),
+            Target::Other { from_working, .. } => from_working.is_identity(),
         }
     }
 
-    /// The place in the coordinates of the output; `None` where there is none.
+    /// The position in the coordinates of the output; `None` if it has none.
     pub fn place(&self, p: DVec2) -> Option<DVec2> {
-        match &self.onwards {
-            Onwards::Input => self.reprojection.in_input(p),
-            Onwards::Other { from_input, from_working } => match self.reprojection.original(p) {
+        match &self.target {
+            Target::Input => self.reprojection.in_input(p),
+            Target::Other { from_input, from_working } => match self.reprojection.original(p) {
                 Some(original) if !from_working.is_identity() => from_input.forward(original),
                 _ => from_working.forward(p),
             },
@@ -395,10 +395,10 @@ mod tests {
             way.inverse(way.forward(DVec2::from(*p)).unwrap()) != Some(DVec2::from(*p))
         }));
         // To another system they go from their own coordinates.
-        let onwards = reprojection.from_working(Some(&Crs::from_epsg(32654))).unwrap();
+        let target = reprojection.from_working(Some(&Crs::from_epsg(32654))).unwrap();
         let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(32654)).unwrap();
-        assert_eq!(onwards.place(flat[7]), way.forward(DVec2::from(points[7])));
-        assert_eq!(onwards.crs().and_then(|crs| crs.epsg), Some(32654));
+        assert_eq!(target.place(flat[7]), way.forward(DVec2::from(points[7])));
+        assert_eq!(target.crs().and_then(|crs| crs.epsg), Some(32654));
     }
 
     #[test]
@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_that_fall_together_keep_their_digits_or_are_told() {
+    fn vertices_that_fall_together_keep_their_digits_or_are_reported() {
         // Three hundred nanometres apart.
         let near = [[138.7, 35.3], [138.7 + 3e-12, 35.3], [138.8, 35.3]];
         let report = project(6668, &near, 6676).unwrap();

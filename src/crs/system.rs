@@ -1,4 +1,4 @@
-//! A coordinate reference system: its names, its text and what its coordinates are.
+//! A coordinate reference system: its names, its text, and the kind of its coordinates.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ pub struct Crs {
     pub wkt: Option<String>,
 }
 
-/// What the coordinates of a system are.
+/// The kind of a system's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CrsKind {
     /// Plane coordinates.
@@ -28,7 +28,7 @@ pub enum CrsKind {
 pub struct LengthUnit {
     /// The unit's name as the WKT has it, such as `metre` or `US survey foot`.
     pub name: String,
-    /// Metres in one unit.
+    /// Metres per unit.
     pub metres: f64,
 }
 
@@ -45,9 +45,9 @@ impl Crs {
 
     /// The system that a WKT describes.
     ///
-    /// The EPSG code is the one the root of the WKT carries. A WKT without one, such as the `.prj` file of a
-    /// shapefile, is matched by name and parameters with the built-in table; where no entry is the same beyond doubt,
-    /// the code stays unknown. Text that is no WKT is kept as it is, so that it reaches the output unchanged.
+    /// The EPSG code is the one at the root of the WKT. A WKT without one, such as the `.prj` file of a shapefile, is
+    /// compared by name and parameters with the built-in table. If no entry agrees beyond doubt, the code stays
+    /// unknown. Text that is not WKT is kept unchanged for the output.
     pub fn from_wkt(text: &str) -> Self {
         let text = text.trim();
         let epsg = wkt::parse(text).and_then(|root| match root.unbound().authority() {
@@ -61,8 +61,8 @@ impl Crs {
     /// The system that a name stands for: `EPSG:25832`, `urn:ogc:def:crs:EPSG::25832`,
     /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `http://www.opengis.net/def/crs/EPSG/0/25832`, or a WKT.
     ///
-    /// CRS84 is WGS 84 with the longitude first, which is how coordinates are kept here in any case, so it gives
-    /// EPSG:4326. `None` if the name is none of these.
+    /// CRS84 is WGS 84 with the longitude first. Coordinates are always kept in that order here, so it gives EPSG:4326.
+    /// `None` if the name is none of these.
     pub fn from_name(name: &str) -> Option<Self> {
         let name = name.trim();
         if name.contains(['[', '(']) {
@@ -86,8 +86,8 @@ impl Crs {
         self.wkt.as_deref().or_else(|| self.epsg.and_then(definition).map(|d| d.wkt))
     }
 
-    /// The well-known text in version 1, which older formats ask for: the system's own if it is version 1, else the
-    /// built-in table's for its EPSG code.
+    /// The well-known text in version 1, for older formats: the system's own if it is version 1, otherwise the built-in
+    /// table's for its EPSG code.
     pub fn wkt1(&self) -> Option<&str> {
         let is_wkt1 = |text: &str| {
             wkt::parse(text).is_some_and(|root| {
@@ -98,16 +98,16 @@ impl Crs {
         own.or_else(|| self.epsg.and_then(definition).map(|d| d.wkt).filter(|text| is_wkt1(text)))
     }
 
-    /// The well-known text for a file's header: one that names the EPSG code, where that is known, and has no
-    /// `TOWGS84[...]` beside it. One of several datum shifts in the text makes programs take the system for another one
-    /// than the code names.
+    /// The well-known text for a file's header. It names the EPSG code where that is known. Then it has no
+    /// `TOWGS84[...]`: a datum has several shifts, and with one of them in the text, programs take the system for
+    /// another one than the code names.
     pub fn header_wkt(&self) -> Option<Cow<'_, str>> {
         let own = self.wkt()?;
         let Some(root) = wkt::parse(own) else { return Some(Cow::Borrowed(own)) };
         if epsg_in(root.horizontal()).is_some() {
             return Some(without_shifts(own, &root));
         }
-        // Esri's texts do not name the code that they were found to stand for.
+        // Esri's texts do not name the code that was found for them.
         let entry = self.epsg.and_then(definition).and_then(|d| Some((d.wkt, wkt::parse(d.wkt)?)));
         Some(entry.map_or(Cow::Borrowed(own), |(text, root)| without_shifts(text, &root)))
     }
@@ -134,8 +134,8 @@ impl Crs {
 
     /// Whether the coordinates are degrees or those of a plane.
     ///
-    /// A compound system is judged by its horizontal part. `None` if neither the WKT nor the built-in table tells, and
-    /// for systems that are neither, such as the grid of a building site.
+    /// For a compound system, the kind of its horizontal part. `None` if neither the WKT nor the built-in table says,
+    /// and for systems that are neither, such as the grid of a building site.
     pub fn kind(&self) -> Option<CrsKind> {
         let root = self.root()?;
         let horizontal = root.horizontal();
@@ -158,14 +158,14 @@ impl Crs {
         Some(LengthUnit { name: name.to_owned(), metres })
     }
 
-    /// The geographic system below a projected one, with degrees for coordinates; a geographic system's own. `None` if the
-    /// WKT does not tell.
+    /// The geographic system on which a projected system is based, with degrees for coordinates; a geographic system
+    /// itself. `None` if the WKT does not say.
     pub fn geographic(&self) -> Option<Self> {
         let own = self.horizontal();
         if own.is_geographic() {
             return Some(own);
         }
-        // The table's text is preferred, because other programs' texts leave the code out.
+        // The table's text comes first, because texts of other programs leave the code out.
         let text = own.epsg.and_then(definition).map(|d| d.wkt).or_else(|| own.wkt())?;
         let root = wkt::parse(text)?;
         let base = root.horizontal().child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
@@ -180,7 +180,7 @@ impl Crs {
         })
     }
 
-    /// Whether both name the same system: by EPSG code if both have one, else by their WKT.
+    /// Whether both are the same system: by EPSG code if both have one, otherwise by their WKT.
     pub fn matches(&self, other: &Self) -> bool {
         match (self.epsg, other.epsg) {
             (Some(a), Some(b)) => a == b,
@@ -213,7 +213,7 @@ fn without_shifts<'a>(text: &'a str, root: &Node) -> Cow<'a, str> {
     Cow::Owned(kept)
 }
 
-/// The built-in table's entry of an EPSG code. A few entries come without a text and are of no use.
+/// The built-in table's entry of an EPSG code. A few entries have no text and cannot be used.
 pub(super) fn definition(code: u32) -> Option<crs_definitions::Def> {
     crs_definitions::from_code(u16::try_from(code).ok()?).filter(|entry| !entry.wkt.is_empty())
 }

@@ -1,12 +1,12 @@
-//! Coordinates of one system to those of another.
+//! Transforms coordinates of one system to those of another.
 //!
-//! The projections are those of `proj4rs`, a translation of PROJ, which agrees with PROJ to a micrometre and with the
-//! coordinates that Japan's surveying authority publishes to their last digit. x is always east or longitude and y north or
-//! latitude, whatever order a system's definition names them in.
+//! The projections are those of `proj4rs`, a translation of PROJ. It agrees with PROJ to a micrometre, and with
+//! coordinates published by the Geospatial Information Authority of Japan to their last digit. x is always east or
+//! longitude, and y north or latitude, whatever order a system's definition has.
 //!
-//! Datums on the ellipsoids of WGS 84 and GRS 1980 (WGS 84, ETRS89, JGD2000, JGD2011, NAD83 and their like) count as
-//! equal: they lie within a metre or so of each other. Older ones are shifted with the seven parameters of the built-in
-//! table, which are good to some metres. Shifts that need a file of differences are refused.
+//! Datums on the ellipsoids of WGS 84 and GRS 1980 (WGS 84, ETRS89, JGD2000, JGD2011, NAD83 and similar ones) count as
+//! equal: they differ by about a metre at most. Older datums are shifted with the seven parameters of the built-in
+//! table, which are accurate to some metres. Shifts that need a grid file are refused.
 
 use std::sync::Arc;
 
@@ -17,18 +17,18 @@ use super::definition::{DEGREE, Definition, Shift, label};
 use super::system::Crs;
 use crate::base::error::{Error, Result};
 
-/// A way from one system to another and back.
+/// A transformation from one system to another and back.
 #[derive(Clone)]
 pub struct Transform {
     /// `None` if both are the same system.
-    ways: Option<Arc<[Side; 2]>>,
+    ways: Option<Arc<[System; 2]>>,
 }
 
-/// A system on one side.
+/// One of the two systems.
 #[derive(Clone)]
-struct Side {
+struct System {
     proj: Proj,
-    /// Radians in a unit of the coordinates, for geographic systems.
+    /// Radians per unit of the coordinates, for geographic systems.
     angle: Option<f64>,
 }
 
@@ -40,11 +40,12 @@ impl std::fmt::Debug for Transform {
 }
 
 impl Transform {
-    /// The way from `from` to `to`. Between systems of the same name coordinates stay as they are, bit for bit.
+    /// The transformation from `from` to `to`. Between systems of the same name, coordinates stay as they are, bit for
+    /// bit.
     ///
     /// # Errors
-    /// [`Error::Data`] if either is not known, has a projection that is not known, or if the shift between their datums is
-    /// not.
+    /// [`Error::Data`] if a system is not known, if its projection is not supported, or if the shift between the datums
+    /// is not known.
     pub fn between(from: &Crs, to: &Crs) -> Result<Self> {
         let (from, to) = (from.horizontal(), to.horizontal());
         if from.matches(&to) && (from.epsg.is_some() || from.wkt().is_some()) {
@@ -56,7 +57,7 @@ impl Transform {
             for (definition, crs) in definitions.iter().zip([&from, &to]) {
                 let why = match definition.shift() {
                     Shift::None | Shift::Known => continue,
-                    Shift::Grid => "needs a file of differences",
+                    Shift::Grid => "needs a grid file of shifts",
                     Shift::Unknown => "is not known",
                 };
                 return Err(Error::Data(format!(
@@ -68,7 +69,7 @@ impl Transform {
                 )));
             }
         }
-        let side = |definition: &Definition, crs: &Crs| -> Result<Side> {
+        let side = |definition: &Definition, crs: &Crs| -> Result<System> {
             let text = if same_datum { definition.on_own_datum() } else { definition.with_shift() };
             let proj = Proj::from_proj_string(&text).map_err(|e| {
                 Error::Data(format!("{}: coordinates of this system cannot be transformed: {e}", label(crs)))
@@ -77,7 +78,7 @@ impl Transform {
                 let message = "its projection is known in one direction only, so coordinates cannot be transformed";
                 return Err(Error::Data(format!("{}: {message}", label(crs))));
             }
-            Ok(Side { proj, angle: definition.angle })
+            Ok(System { proj, angle: definition.angle })
         };
         Ok(Self { ways: Some(Arc::new([side(&definitions[0], &from)?, side(&definitions[1], &to)?])) })
     }
@@ -87,7 +88,7 @@ impl Transform {
         self.ways.is_none()
     }
 
-    /// From the first system to the second, in their own units. `None` where the second has no such place.
+    /// From the first system to the second, in their own units. `None` if the second has no such position.
     pub fn forward(&self, p: DVec2) -> Option<DVec2> {
         match self.ways.as_deref() {
             None => Some(p),
@@ -95,7 +96,7 @@ impl Transform {
         }
     }
 
-    /// From the second system to the first, in their own units. `None` where the first has no such place.
+    /// From the second system to the first, in their own units. `None` if the first has no such position.
     pub fn inverse(&self, p: DVec2) -> Option<DVec2> {
         match self.ways.as_deref() {
             None => Some(p),
@@ -104,7 +105,7 @@ impl Transform {
     }
 }
 
-fn convert(from: &Side, to: &Side, p: DVec2) -> Option<DVec2> {
+fn convert(from: &System, to: &System, p: DVec2) -> Option<DVec2> {
     if !p.is_finite() {
         return None;
     }
@@ -141,8 +142,9 @@ mod tests {
 
     #[test]
     fn published_coordinates_of_the_plane_rectangular_zones() {
-        // The example of the Geospatial Information Authority of Japan's page that turns latitude and longitude into plane
-        // coordinates (after Kawase 2011), and a pair that its page for the other way gives. Their X is north.
+        // An example of the Geospatial Information Authority of Japan, on its page for latitude and longitude to plane
+        // coordinates (after Kawase 2011). The second pair is from its page for the opposite direction. Their X is
+        // north.
         for (zone, lat, lon, x, y) in [
             (9, dms(36., 6., 13.58925), dms(140., 5., 16.27815), 11_543.688_3, 22_916.243_6),
             (15, dms(26., 6., 23.34513), dms(127., 41., 28.71893), 11_810.197, 19_134.409),

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-/// How deep brackets may nest. The deepest systems in use nest about ten levels.
+/// Largest depth of nested brackets. The deepest systems in use nest about ten levels.
 const MAX_DEPTH: usize = 64;
 
 /// A keyword with its arguments.
@@ -27,10 +27,10 @@ enum Arg {
     Node(Node),
 }
 
-/// Reads a text whose whole is one keyword with arguments.
+/// Reads a text that is one keyword with arguments.
 pub(super) fn parse(text: &str) -> Option<Node> {
     let mut open: Vec<Node> = Vec::new();
-    // Where the word begins that the next bracket or comma ends.
+    // Start of the word that the next bracket or comma ends.
     let mut word = text.len() - text.trim_start().trim_start_matches('\u{feff}').len();
     let mut chars = text.char_indices().peekable();
     while let Some((at, c)) = chars.next() {
@@ -170,7 +170,7 @@ impl Node {
     pub fn is_geographic(&self) -> bool {
         match self.keyword.as_str() {
             "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" => true,
-            // Latitude and longitude, or earth-centred metres: its coordinate system tells.
+            // Latitude and longitude, or earth-centred metres: the `CS` node says which.
             "GEODCRS" | "GEODETICCRS" => self.child(&["CS"]).is_some_and(
                 |cs| matches!(cs.args.first(), Some(Arg::Word(kind)) if kind.eq_ignore_ascii_case("ellipsoidal")),
             ),

@@ -1,9 +1,10 @@
-//! The metric system that a map is worked on in.
+//! The metric system in which a map is worked on.
 //!
-//! Data in degrees go to a transverse Mercator projection whose meridian is near: in Japan the plane rectangular zone,
-//! elsewhere the UTM zone, and where the data reach too far from a zone's meridian one of their own. The datum is the
-//! data's, so that no shift comes between them and their results. Data in feet, or another unit that is not the metre, are
-//! treated like data in degrees, because slopes and bands need heights and distances in one unit.
+//! Data in degrees are projected with a transverse Mercator projection whose meridian is near. In Japan that is the
+//! plane rectangular zone, elsewhere the UTM zone. If the data reach too far from the zone's meridian, they get a
+//! projection of their own. The datum stays that of the data, so no shift comes between them and their results. Data in
+//! feet, or in another unit than metres, are treated like data in degrees, because slopes and bands need heights and
+//! distances in one unit.
 
 use glam::DVec2;
 
@@ -12,25 +13,25 @@ use super::system::{Crs, CrsKind};
 use super::transform::Transform;
 use crate::base::error::{Error, Result};
 
-/// How far data may lie from a UTM zone's meridian, degrees of longitude: a degree over the border of the zone.
+/// Largest distance of data from a UTM zone's meridian, degrees of longitude: one degree beyond the border of the zone.
 const UTM_REACH: f64 = 4.0;
-/// The same for Japan's zones, the widest of which reach a degree and a half from their meridians.
+/// The same for Japan's zones. The widest of them reach a degree and a half from their meridians.
 const JAPAN_REACH: f64 = 2.0;
 
-/// The system to work in on data whose coordinates in `crs` are `points`.
+/// The system in which to work on data whose coordinates in `crs` are `points`.
 ///
-/// A projected system in metres is its own. For others it is:
-/// - in Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687), and on the
-///   Tokyo datum that datum's zone (EPSG:30161 to 30179). The zone is that of the nearest of some representative places,
-///   which near the border of two zones may be the neighbour of the official one. Nothing depends on it but the name and
-///   a ten-thousandth of scale.
-/// - elsewhere the UTM zone of the middle of the data: of ETRS89 (EPSG:258xx), NAD83 (269xx) or NAD27 (267xx) where the data
-///   are on these, else of WGS 84 (EPSG:326xx, 327xx). Europe's data on WGS 84 go to the zone of ETRS89, for that is what
-///   they were surveyed in, and formats that know WGS 84 only are given ETRS89 under its name: back in their plane system
-///   they are where they were.
-/// - a transverse Mercator projection about the middle of the data, on their own datum, where they reach further than four
-///   degrees of longitude (two in Japan) from the zone's meridian, beyond the latitudes of UTM, or where the datum is an
-///   older one without zones above.
+/// For a projected system in metres it is that system. For other systems it is:
+/// - In Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687). On
+///   the Tokyo datum it is that datum's zone (EPSG:30161 to 30179). The zone is that of the nearest of some
+///   representative places. Near the border of two zones it may be the neighbour of the official zone. That changes
+///   only the name and a ten-thousandth of scale.
+/// - Elsewhere: the UTM zone of the middle of the data. It is a zone of ETRS89 (EPSG:258xx), NAD83 (269xx) or NAD27
+///   (267xx) if the data are on these, otherwise of WGS 84 (EPSG:326xx, 327xx). European data on WGS 84 get the zone of
+///   ETRS89. They were surveyed in ETRS89, and formats that know only WGS 84 hold it under that name. In their plane
+///   system such data are then where they were.
+/// - In the remaining cases: a transverse Mercator projection about the middle of the data, on their own datum. These
+///   are data that reach further than four degrees of longitude (two in Japan) from the zone's meridian, data beyond
+///   the latitudes of UTM, and data on older datums without zones above.
 ///
 /// # Errors
 /// [`Error::Data`] if the system is not known well enough to transform its coordinates, or there is no point.
@@ -43,10 +44,7 @@ where
         Some(CrsKind::Projected) if metres.is_none_or(|m| m == 1.0) => return Ok(crs.clone()),
         Some(_) => {}
         None => {
-            return Err(Error::Data(format!(
-                "{}: is neither projected nor in degrees, as far as is known",
-                label(crs)
-            )));
+            return Err(Error::Data(format!("{}: is not known to be projected or in degrees", label(crs))));
         }
     }
     let Some(degrees) = crs.geographic() else {
@@ -55,13 +53,14 @@ where
     let way = Transform::between(crs, &degrees)?;
     let (lo, hi) = extent(points.filter_map(|p| way.forward(p)));
     if !(lo.is_finite() && hi.is_finite()) {
-        return Err(Error::Data(format!("none of the coordinates is a place in {}", label(crs))));
+        return Err(Error::Data(format!("none of the coordinates exists in {}", label(crs))));
     }
     let definition = Definition::of(&degrees)?;
     Ok(zone(&definition, lo, hi).unwrap_or_else(|| local(&degrees, lo.midpoint(hi))))
 }
 
-/// The corners of the box around places in degrees. Places on both sides of the 180th meridian are near each other.
+/// The corners of the box around positions in degrees. Positions on both sides of the 180th meridian are near each
+/// other.
 fn extent(points: impl Iterator<Item = DVec2> + Clone) -> (DVec2, DVec2) {
     let around = |points: &mut dyn Iterator<Item = DVec2>| {
         points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
@@ -74,9 +73,9 @@ fn extent(points: impl Iterator<Item = DVec2> + Clone) -> (DVec2, DVec2) {
     if other.1.x - other.0.x < hi.x - lo.x { other } else { (lo, hi) }
 }
 
-/// The zone with a code, if there is one for the datum and the place.
+/// The EPSG zone, if there is one for the datum and the position.
 fn zone(degrees: &Definition, lo: DVec2, hi: DVec2) -> Option<Crs> {
-    // Grads, and longitudes that do not count from Greenwich.
+    // Grads, and longitudes that do not count from Greenwich, have no zone here.
     if degrees.angle != Some(DEGREE) || !degrees.counts_from_greenwich() {
         return None;
     }
@@ -127,9 +126,10 @@ fn utm_zone(place: DVec2) -> u32 {
     ((place.x + 180.0) / 6.0).floor().clamp(0.0, 59.0) as u32 + 1
 }
 
-/// A transverse Mercator projection in metres, true along the meridian through `middle`, whose origin is there.
+/// A transverse Mercator projection in metres. Its origin is `middle`, and it is true to scale along the meridian
+/// there.
 fn local(degrees: &Crs, middle: DVec2) -> Crs {
-    // Steady while data are added at the rim.
+    // Rounded, so that it stays the same when data are added at the edge.
     let [lon, lat] = [middle.x, middle.y].map(|angle| (angle * 10.0).round() / 10.0);
     let base = degrees.wkt1().or_else(|| degrees.wkt()).unwrap_or_default();
     let wkt = format!(
@@ -164,12 +164,13 @@ const MERIDIANS: [f64; 19] = [
     154.0,
 ];
 
-/// Japan is what lies no further than this from one of the places below, degrees of latitude.
+/// Positions within this distance of one of the places below count as Japan, degrees of latitude.
 const NEAR: f64 = 1.0;
-/// Korea begins here: north of the strait and west of Honshu.
+/// Korea lies north and west of this latitude and longitude: north of the strait and west of Honshu.
 const KOREA: (f64, f64) = (34.75, 130.3);
 
-/// Places of each zone, longitude and latitude in degrees to a tenth: seats of prefectures and what lies far from them.
+/// Places of each zone, longitude and latitude in degrees to a tenth: capitals of prefectures, and places far from
+/// them.
 const PLACES: [&[[f64; 2]]; 19] = [
     &[
         [129.9, 32.8],
@@ -276,7 +277,7 @@ const PLACES: [&[[f64; 2]]; 19] = [
     &[[154.0, 24.3]],
 ];
 
-/// The plane rectangular zone, 1 to 19, whose places are nearest; `None` out of Japan.
+/// The plane rectangular zone, 1 to 19, whose places are nearest; `None` outside Japan.
 fn japanese_zone(place: DVec2) -> Option<u32> {
     if place.y > KOREA.0 && place.x < KOREA.1 {
         return None;

@@ -186,14 +186,15 @@ impl BoxTree {
 
     /// Numbers of the boxes, the nearest to `p` first, each with a lower bound of its distance.
     pub(crate) fn nearest_first(&self, p: DVec2) -> impl Iterator<Item = (u32, f64)> {
-        let seen = move |node: Node| Reverse(Seen { distance: self.boxes[node.at].distance_at_least(p), node });
-        let mut open: BinaryHeap<Reverse<Seen>> = self.root().map(seen).into_iter().collect();
+        let candidate =
+            move |node: Node| Reverse(Candidate { distance: self.boxes[node.at].distance_at_least(p), node });
+        let mut open: BinaryHeap<Reverse<Candidate>> = self.root().map(candidate).into_iter().collect();
         std::iter::from_fn(move || {
-            while let Some(Reverse(Seen { distance, node })) = open.pop() {
+            while let Some(Reverse(Candidate { distance, node })) = open.pop() {
                 if node.level == 0 {
                     return Some((self.numbers[node.at], distance));
                 }
-                open.extend(self.inside(node).map(seen));
+                open.extend(self.inside(node).map(candidate));
             }
             None
         })
@@ -201,30 +202,30 @@ impl BoxTree {
 }
 
 /// A box and a lower bound of its distance.
-struct Seen {
+struct Candidate {
     distance: f64,
     node: Node,
 }
 
-impl Ord for Seen {
+impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
         self.distance.total_cmp(&other.distance).then(self.node.at.cmp(&other.node.at))
     }
 }
 
-impl PartialOrd for Seen {
+impl PartialOrd for Candidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Seen {
+impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Seen {}
+impl Eq for Candidate {}
 
 /// The position of a cell along Hilbert's curve through a square of cells. Successive cells of the curve are
 /// neighbours.

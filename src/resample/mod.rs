@@ -1,5 +1,5 @@
-//! New vertices for contours: smooth curves within a tolerance ([`fit`](fn@fit)), and spacing as dense as the contours around ask
-//! ([`sample`](fn@sample)); paper, section 3.1.
+//! New vertices for contours (Zhang, Konno and Tokuyama 2005, section 3.1): smooth curves within a tolerance
+//! ([`fit`](fn@fit)), and spacing as dense as nearby contours require ([`sample`](fn@sample)).
 
 pub mod fit;
 pub mod sample;

@@ -1,4 +1,5 @@
-//! Builds a [`Tin`]: the constrained Delaunay triangulation of points and edges. With `cdt` and `walk`, the only file that knows spade.
+//! Builds a [`Tin`], the constrained Delaunay triangulation of points and edges. Only this file, `cdt` and `walk` use
+//! spade.
 
 use std::collections::HashMap;
 
@@ -13,17 +14,17 @@ use super::network::{CONSTRAINT, NONE, Tin};
 use super::walk::is_found;
 use crate::base::error::{Error, Result};
 
-/// A constrained Delaunay triangulation that can grow. Points and edges that are added to its [`input`](Self::input) are in
-/// the next [`tin`](Self::tin); those that were there before keep their numbers.
+/// A constrained Delaunay triangulation that can grow. Points and edges that are added to its [`input`](Self::input)
+/// are in the next [`tin`](Self::tin). Earlier points keep their numbers.
 #[derive(Debug, Clone, Default)]
 pub struct Triangulation {
     cdt: Cdt,
     input: TinInput,
-    /// The vertex of each point, for the points that are in.
+    /// The vertex of each point that was taken in.
     vertex_of: Vec<u32>,
     /// The first point of each vertex.
     source: Vec<u32>,
-    /// Number of edges that are in.
+    /// Number of edges that were taken in.
     edges: usize,
 }
 
@@ -40,7 +41,7 @@ impl Triangulation {
         Ok(built)
     }
 
-    /// Triangulates all vertices and edges that are in.
+    /// Triangulates all vertices and edges that were taken in.
     fn load(&mut self) -> Result<()> {
         let Self { input, vertex_of, source, .. } = self;
         let vertices = source.iter().map(|&i| point(input.positions[i as usize])).collect();
@@ -54,7 +55,7 @@ impl Triangulation {
         conflict.map_or(Ok(()), |edge| Err(self.crossing(edge.map(|v| v as u32))))
     }
 
-    /// What it is made of.
+    /// Its points and edges.
     pub fn input(&mut self) -> &mut TinInput {
         &mut self.input
     }
@@ -69,8 +70,8 @@ impl Triangulation {
         Ok(self.numbered(&faces))
     }
 
-    /// The triangles of what does not grow any more: spade's own, a good part of the memory, go before they are numbered.
-    ///
+    /// The triangles of a triangulation that need not grow any more. Spade's structure, a large part of the memory, is
+    /// freed before they are numbered.
     /// # Errors
     /// As [`tin`](Self::tin).
     pub fn into_tin(mut self) -> Result<Tin> {
@@ -96,7 +97,7 @@ impl Triangulation {
         tin
     }
 
-    /// The triangles in no order of their own.
+    /// The triangles in no particular order.
     fn faces(&self) -> Result<Vec<Face>> {
         let cdt = &self.cdt;
         let faces: Vec<_> = cdt.fixed_inner_faces().collect();
@@ -133,7 +134,7 @@ impl Triangulation {
             if vertex == self.source.len() {
                 self.source.push(i as u32);
             } else if vertex >= before && self.source[vertex] > i as u32 {
-                // Of new points at one place, the first.
+                // Of several new points at one position, the first counts.
                 self.source[vertex] = i as u32;
             }
             self.vertex_of[i] = vertex as u32;
@@ -152,7 +153,7 @@ impl Triangulation {
         Ok(())
     }
 
-    /// Gives points from the first new one on their vertices, those of the same place the same.
+    /// Gives each point from `first` on its vertex. Points at one position share a vertex.
     fn number_from(&mut self, first: usize) {
         let Self { input, vertex_of, source, .. } = self;
         let key = |i: usize| input.positions[i].to_array().map(f64::to_bits);
@@ -195,10 +196,10 @@ impl Face {
 }
 
 impl Tin {
-    /// Takes these triangles. They are numbered along the contours, as the vertices are, so that what is done triangle by
-    /// triangle finds its data side by side.
+    /// Takes these triangles. They are numbered along the contours, as the vertices are. So work that goes from
+    /// triangle to triangle finds its data close together in memory.
     pub(super) fn set_faces(&mut self, faces: &[Face]) {
-        // By their least corners, those of one corner as they come: sorted by counting.
+        // A counting sort by least corner. Triangles with the same one keep their order.
         let least: Vec<u32> = faces.par_iter().map(|face| face.corners.into_iter().fold(NONE, u32::min)).collect();
         let mut next = vec![0; self.positions.len() + 1];
         least.iter().for_each(|&v| next[v as usize + 1] += 1);
@@ -228,8 +229,8 @@ pub fn triangulate(input: TinInput) -> Result<Tin> {
     Triangulation::new(input)?.into_tin()
 }
 
-/// Triangulates points and edges, for triangles alone: in no order of their own, with the points of the input as corners, of those
-/// at one position the first.
+/// Triangulates points and edges, and gives only the triangles, in no particular order. Their corners are points of the
+/// input: of several at one position, the first.
 ///
 /// # Errors
 /// As [`Triangulation::tin`].
@@ -248,7 +249,7 @@ fn refused(error: InsertionError) -> Error {
     Error::Data(format!("a coordinate cannot be triangulated: {error}"))
 }
 
-/// Merges points of the same position. Returns the first point of each position and, a point, its merged index.
+/// Merges points of the same position. Returns the first point of each position, and for each point its merged index.
 fn merge_equal_positions(positions: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
     let place = |i: &u32| positions[*i as usize].to_array().map(f64::to_bits);
     let mut order: Vec<([u64; 2], u32)> = (0..positions.len() as u32).into_par_iter().map(|i| (place(&i), i)).collect();
@@ -270,7 +271,8 @@ fn merge_equal_positions(positions: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
     (unique, index)
 }
 
-/// The numbers of points, in strips, so that each is near the one before: it is looked for from there.
+/// The numbers of points in strips, so that each point is near the one before. Spade starts the search for a point from
+/// there.
 fn side_by_side(positions: &[DVec2]) -> Vec<usize> {
     let low = positions.iter().fold(f64::INFINITY, |low, p| low.min(p.y));
     let high = positions.iter().fold(f64::NEG_INFINITY, |high, p| high.max(p.y));
@@ -287,11 +289,11 @@ fn side_by_side(positions: &[DVec2]) -> Vec<usize> {
 
 /// Takes the slivers along the outer border out of the frame.
 ///
-/// Contours that end on a straight sheet edge end on it only up to rounding. The triangles between those ends and the
-/// convex hull are flat slivers that would let neighbouring sub-domains run together.
+/// Contours that end on a straight edge of the map end on it only up to rounding. The triangles between those ends and
+/// the convex hull are flat slivers. Neighbouring sub-domains would be connected through them.
 ///
-/// Each sliver lies along an edge of the hull: its distance from that edge counts. Slivers of slivers could reach further in.
-/// What lies on the sheet edge does so up to the tolerance on either side of it, so that twice that can lie between.
+/// A sliver is judged by its distance from an edge of the hull. Otherwise slivers of slivers could reach further in.
+/// Points on the map's edge lie on it within the tolerance on either side, so twice the tolerance can lie between them.
 fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
     let mut open: Vec<(u32, usize, [DVec2; 2])> = (0..tin.len() as u32)
         .flat_map(|t| (0..3).map(move |i| (t, i)))
@@ -305,7 +307,7 @@ fn peel_flat_border(tin: &mut Tin, tolerance: f64) {
         let [a, b] = hull;
         let c = tin.corners(t)[(i + 2) % 3];
         let depth = (b - a).perp_dot(c - a).abs() / a.distance(b);
-        // A contour along the border has nothing but this triangle on its inner side.
+        // A contour along the border has only this triangle on its inner side.
         let bears_a_line = (0..3).any(|j| tin.is_constraint(t, j) && tin.inner_neighbour(t, j).is_none());
         if depth <= 2.0 * tolerance && !bears_a_line {
             tin.inside[t as usize] = false;

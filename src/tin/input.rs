@@ -1,4 +1,4 @@
-//! What a triangulation is made of: points with heights, and edges between them.
+//! The input of a triangulation: points with heights, and edges between them.
 
 use glam::DVec2;
 
@@ -6,7 +6,7 @@ use super::network::VertexKind;
 
 /// Points and edges to triangulate.
 ///
-/// Where several points share a position the first one gives kind and height, so contours go in before anything else.
+/// If several points share a position, the first gives kind and height. So contours must go in before anything else.
 #[derive(Debug, Clone, Default)]
 pub struct TinInput {
     pub(super) origin: DVec2,
@@ -18,9 +18,9 @@ pub struct TinInput {
 }
 
 impl TinInput {
-    /// No points yet. `extent` is the lower left and the upper right corner of all that will come, map units.
+    /// An input without points. `extent` is the lower left and the upper right corner of all points to come, map units.
     ///
-    /// Triangles flatter than `border_tolerance` (map units) on the outer border will lie outside the frame.
+    /// Triangles on the outer border that are flatter than `border_tolerance` (map units) will lie outside the frame.
     pub fn new(extent: [DVec2; 2], border_tolerance: f64) -> Self {
         let origin = origin_of(extent);
         Self {
@@ -33,7 +33,7 @@ impl TinInput {
         }
     }
 
-    /// Points of a part of a triangulation, relative to its origin: heights and kinds are its affair.
+    /// Points of a part of a triangulation, relative to its origin. The whole triangulation keeps heights and kinds.
     pub(super) fn local(positions: impl Iterator<Item = DVec2>) -> Self {
         let positions: Vec<DVec2> = positions.collect();
         let (heights, kinds) = (vec![0.0; positions.len()], vec![VertexKind::Axis; positions.len()]);
@@ -62,7 +62,7 @@ impl TinInput {
 
     /// Adds a point relative to the origin and returns its index.
     pub fn push_local(&mut self, position: DVec2, height: f64, kind: VertexKind) -> u32 {
-        // Sizes that spade refuses as underflow become zero.
+        // Spade refuses smaller numbers as underflow, so they become zero.
         let axis = |v: f64| if v.abs() < 1e-40 { 0.0 } else { v };
         self.positions.push(DVec2::new(axis(position.x), axis(position.y)));
         self.heights.push(height);
@@ -86,7 +86,7 @@ impl TinInput {
     }
 }
 
-/// A whole-number origin near the points, or zero where it is not needed.
+/// A whole-number origin near the points, or zero if none is needed.
 ///
 /// Subtracting it is exact: all coordinates of an axis lie within a tenth of their own size from each other, so the
 /// difference has no more binary digits than the coordinate.

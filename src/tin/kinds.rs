@@ -21,7 +21,7 @@ pub enum TriangleKind {
 
 /// The kind of every triangle.
 ///
-/// Frame edges count as border, so that no line runs towards the sheet's edge only because the contours stop there.
+/// Frame edges count as border. Otherwise a line would run towards the map's edge only because the contours stop there.
 pub fn triangle_kinds(tin: &Tin) -> Vec<TriangleKind> {
     (0..tin.len() as u32)
         .into_par_iter()

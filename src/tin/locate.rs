@@ -1,4 +1,4 @@
-//! The triangle at a place, by walking.
+//! Finds the triangle at a position by walking from triangle to triangle.
 
 use glam::DVec2;
 use robust::orient2d;
@@ -6,19 +6,19 @@ use robust::orient2d;
 use super::network::{NONE, Tin};
 
 impl Tin {
-    /// The triangle that a place (relative to the origin) lies in or on, walking from triangle `from`; none outside of the
-    /// triangulation.
+    /// The triangle in or on which a position lies (relative to the origin), walking from triangle `from`. `None`
+    /// outside the triangulation.
     pub fn locate(&self, from: u32, place: DVec2) -> Option<u32> {
         self.walk(from, place).ok()
     }
 
-    /// The triangle that a place (relative to the origin) lies in or on, walking from triangle `from`; as an error the
-    /// triangle where the way left the triangulation, from which the next walk is short.
+    /// The triangle in or on which a position lies (relative to the origin), walking from triangle `from`. The error is
+    /// the triangle where the walk left the triangulation; the next walk from there is short.
     pub fn walk(&self, from: u32, place: DVec2) -> Result<u32, u32> {
         let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
         let mut t = from;
         for step in 0..=self.len() {
-            // Starting at another edge each time keeps the walk out of circles.
+            // Each step starts at another edge, which keeps the walk from going in circles.
             let beyond = (0..3).map(|k| (step + k) % 3).find(|&i| {
                 let [a, b] = self.edge(t, i).map(|v| self.positions[v as usize]);
                 orient2d(coord(a), coord(b), coord(place)) < 0.0
@@ -29,11 +29,11 @@ impl Tin {
                 Some(i) => t = self.neighbours[t as usize][i],
             }
         }
-        // A walk that goes on for so long goes round in a circle.
+        // So long a walk goes round in a circle.
         (0..self.len() as u32).find(|&t| self.holds(t, place)).ok_or(from)
     }
 
-    /// Whether a place (relative to the origin) lies in or on triangle `t`.
+    /// Whether a position (relative to the origin) lies in or on triangle `t`.
     pub fn holds(&self, t: u32, place: DVec2) -> bool {
         let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
         let [a, b, c] = self.corners(t);

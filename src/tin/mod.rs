@@ -1,7 +1,8 @@
-//! The triangulation ([`Tin`]), the sub-domains in it ([`Regions`](crate::subdomains::Regions)) and the kinds of its triangles ([`TriangleKind`]).
+//! The triangulation ([`Tin`]), the sub-domains in it ([`Regions`](crate::subdomains::Regions)) and the kinds of its
+//! triangles ([`TriangleKind`]).
 //!
-//! A [`Tin`] is a handful of flat arrays, built once and never changed: corner indices, neighbours and constraint flags
-//! a triangle, position and height a vertex. Side data (sub-domain, kind) are further flat arrays indexed by triangle.
+//! A [`Tin`] is a few flat arrays, built once and never changed: corner indices, neighbours and constraint flags per
+//! triangle, position and height per vertex. Further data (sub-domain, kind) are flat arrays indexed by triangle.
 
 mod build;
 mod cdt;

@@ -8,19 +8,19 @@ use robust::{Coord, orient2d};
 /// Marks "no triangle" or "no region" in arrays of indices.
 pub const NONE: u32 = u32::MAX;
 
-/// Flags of a triangle's first edge; those of the others are one and two bits further on.
+/// Flag of a triangle's first edge. Those of the other edges are one and two bits further on.
 pub(crate) const CONSTRAINT: u16 = 1;
 pub(crate) const BARRIER: u16 = 1 << 3;
 pub(crate) const CONTOUR: u16 = 1 << 6;
 
-/// What a vertex stands for, and so where its height comes from.
+/// What a vertex stands for. It determines where the height comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum VertexKind {
-    /// On a contour (or on the link of an open contour's end to the frame): its height is the level.
+    /// On a contour, or on a frame extension (from the end of an open contour to the frame): its height is the level.
     Contour,
     /// A spot height.
     Spot,
-    /// A corner of the frame: its height is found from the contours around it.
+    /// A corner of the frame: its height is computed from the contours around it.
     Frame,
     /// On a ridge or canyon line or otherwise computed.
     Axis,
@@ -41,13 +41,14 @@ pub struct Tin {
     pub heights: Vec<f64>,
     /// Vertex kinds.
     pub kinds: Vec<VertexKind>,
-    /// The first point of the input at the vertex, by its index there.
+    /// The index in the input of the first point at the vertex.
     pub source: Vec<u32>,
     /// Corners of the triangles, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// Neighbour across the edge from corner i to corner i+1, [`NONE`] on the outer border.
     pub neighbours: Vec<[u32; 3]>,
-    /// Bit i: the edge from corner i to corner i+1 is a constraint; bit i+3: it is a gate; bit i+6: a piece of a contour.
+    /// Bit i: the edge from corner i to corner i+1 is a constraint. Bit i+3: it is a barrier edge. Bit i+6: it is a
+    /// piece of a contour.
     pub(crate) edges: Vec<u16>,
     /// Whether the triangle lies inside the frame.
     pub(crate) inside: Vec<bool>,
@@ -83,24 +84,26 @@ impl Tin {
         self.positions[u as usize].distance(self.positions[v as usize])
     }
 
-    /// The least altitude of triangle `t`, map units.
+    /// The smallest altitude of triangle `t`, map units.
     pub fn width(&self, t: u32) -> f64 {
         let [a, b, c] = self.corners(t);
         let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         (b - a).perp_dot(c - a).abs() / longest.sqrt()
     }
 
-    /// Whether edge `i` of triangle `t` is a constraint (contour, link, bridge, gate, frame or break line).
+    /// Whether edge `i` of triangle `t` is a constraint: contour, frame extension, gap closure, barrier edge, frame or
+    /// break line.
     pub fn is_constraint(&self, t: u32, i: usize) -> bool {
         self.edges[t as usize] & (CONSTRAINT << i) != 0
     }
 
-    /// Whether edge `i` of triangle `t` closes the opening between two ends of contours.
+    /// Whether edge `i` of triangle `t` is a barrier edge, which closes the opening between two ends of contours.
     pub fn is_barrier(&self, t: u32, i: usize) -> bool {
         self.edges[t as usize] & (BARRIER << i) != 0
     }
 
-    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge.
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a frame extension or of a gap
+    /// closure.
     pub fn contour_level(&self, t: u32, i: usize) -> Option<f64> {
         let is_contour = self.edges[t as usize] & (CONTOUR << i) != 0;
         is_contour.then(|| self.heights[self.triangles[t as usize][i] as usize])
@@ -116,7 +119,8 @@ impl Tin {
         !self.lakes.is_empty() && self.inner_neighbour(t, i).is_some_and(|n| self.lake(n) != self.lake(t))
     }
 
-    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a link or a bridge, or of a shore.
+    /// The level of edge `i` of triangle `t` if the edge is a piece of a contour, of a frame extension, of a gap
+    /// closure or of a shore.
     pub fn border_level(&self, t: u32, i: usize) -> Option<f64> {
         let shore = || self.is_shore(t, i).then(|| self.heights[self.edge(t, i)[0] as usize]);
         self.contour_level(t, i).or_else(shore)
@@ -128,8 +132,8 @@ impl Tin {
         (n != NONE && self.inside[n as usize]).then_some(n)
     }
 
-    /// The triangle across edge `i` of `t` that belongs to the same sub-domain: none across a contour, a gate, a shore or
-    /// the frame.
+    /// The triangle across edge `i` of `t` that belongs to the same sub-domain. `None` across a contour, a barrier
+    /// edge, a shore or the frame.
     pub fn across(&self, t: u32, i: usize) -> Option<u32> {
         let is_border = self.is_barrier(t, i) || self.contour_level(t, i).is_some() || self.is_shore(t, i);
         if is_border { None } else { self.inner_neighbour(t, i) }
@@ -140,7 +144,7 @@ impl Tin {
         self.neighbours[t as usize].iter().position(|&m| m == n)
     }
 
-    /// The same triangulation with bridges and gates marked. Those that are no edge of it are passed over.
+    /// The same triangulation with gap closures and barrier edges marked. Those that are not edges of it are ignored.
     pub fn with_gap_edges(mut self, closures: &[[u32; 2]], barriers: &[[u32; 2]]) -> Self {
         let sorted = |[u, v]: [u32; 2]| [u.min(v), u.max(v)];
         let closures: HashSet<[u32; 2]> = closures.iter().copied().map(sorted).collect();
@@ -163,8 +167,8 @@ impl Tin {
         self
     }
 
-    /// The flags of triangle `t` with its pieces of contour marked: constraints, but no gates, between vertices of contours of
-    /// one level.
+    /// The flags of triangle `t` with its pieces of contour marked: constraints between contour vertices of one level,
+    /// except barrier edges.
     pub(super) fn with_contours(&self, t: u32) -> u16 {
         let flags = self.edges[t as usize];
         let is_contour = |i: usize| {
@@ -178,20 +182,20 @@ impl Tin {
         })
     }
 
-    /// The same triangulation with other heights, one a vertex. Those of contours stay.
+    /// The same triangulation with other heights, one per vertex. Heights of contours do not change.
     pub fn with_heights(self, heights: Vec<f64>) -> Self {
-        assert_eq!(heights.len(), self.positions.len(), "one height a vertex");
+        assert_eq!(heights.len(), self.positions.len(), "one height per vertex");
         Self { heights, ..self }
     }
 
-    /// Takes all triangles but those marked in `keep`, one flag a triangle, out of the frame.
+    /// Takes all triangles out of the frame except those marked in `keep`, one flag per triangle.
     pub fn only(mut self, keep: &[bool]) -> Self {
         self.inside.iter_mut().zip(keep).for_each(|(inside, keep)| *inside &= keep);
         self
     }
 
-    /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints; each is asked once, in the
-    /// middle of its largest triangle, in map coordinates.
+    /// Takes the parts that `keep` refuses out of the frame. Parts are bounded by constraints. `keep` is called once
+    /// per part, with the middle of its largest triangle in map coordinates.
     pub fn restricted(mut self, keep: impl Fn(DVec2) -> bool) -> Self {
         let mut outside = Vec::new();
         self.for_each_part(|part, place| {
@@ -203,8 +207,8 @@ impl Tin {
         self
     }
 
-    /// The same triangulation with the lakes that its parts lie in, by their numbers. Parts are those of
-    /// [`restricted`](Self::restricted), so that shores must be constraints.
+    /// The same triangulation with the lakes in which its parts lie, by their numbers. Parts are those of
+    /// [`restricted`](Self::restricted), so shores must be constraints.
     pub fn with_lakes(mut self, mut lake_at: impl FnMut(DVec2) -> Option<u32>) -> Self {
         let mut lakes = vec![NONE; self.len()];
         self.for_each_part(|part, place| {
@@ -216,7 +220,7 @@ impl Tin {
         self
     }
 
-    /// The same triangulation with the lakes of one that has the same shores.
+    /// The same triangulation with the lakes of another one that has the same shores.
     pub fn with_lakes_of(self, other: &Self) -> Self {
         let mut near = 0;
         self.with_lakes(|p| {
@@ -225,7 +229,8 @@ impl Tin {
         })
     }
 
-    /// Calls `visit` with the triangles of every part that constraints and the frame bound, and the middle of the largest of them.
+    /// Calls `visit` for each part bounded by constraints and the frame, with its triangles and the middle of the
+    /// largest of them.
     fn for_each_part(&self, mut visit: impl FnMut(&[u32], DVec2)) {
         let mut seen = vec![false; self.len()];
         for first in 0..self.len() {
@@ -279,7 +284,7 @@ impl Tin {
     /// The first disagreement, in words.
     pub fn validate(&self) -> Result<(), String> {
         for t in 0..self.len() as u32 {
-            // Exactly, as they were made: the difference of two products says nothing of slivers.
+            // Exact, as in the triangulation: the difference of two products is meaningless for slivers.
             let [a, b, c] = self.corners(t).map(|p| Coord { x: p.x, y: p.y });
             if orient2d(a, b, c) < 0.0 {
                 return Err(format!("triangle {t} is clockwise"));

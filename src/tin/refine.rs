@@ -1,7 +1,7 @@
-//! More points in the sub-domains of a triangulation.
+//! Adds points to the sub-domains of a triangulation.
 //!
-//! Sub-domains are bounded by edges that stay edges, so that each can be triangulated on its own. Neighbouring ones make up
-//! parts, which are triangulated side by side and then joined.
+//! Sub-domains are bounded by edges that remain edges, so each can be triangulated on its own. Neighbouring sub-domains
+//! form parts. Parts are triangulated in parallel and then joined.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -15,13 +15,13 @@ use super::network::{CONSTRAINT, NONE, Tin, VertexKind};
 use crate::base::error::Result;
 use crate::base::rows::Rows;
 
-/// Triangles and points that are enough for a part.
+/// A part with this many triangles and points is complete.
 const PART: usize = 1 << 18;
 
 /// A point to be added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InnerPoint {
-    /// The sub-domain that it lies in, off its edges unless it parts one.
+    /// The sub-domain in which it lies. It lies off the edges, unless it splits one.
     pub region: u32,
     /// What it stands for.
     pub kind: VertexKind,
@@ -31,18 +31,18 @@ pub struct InnerPoint {
     pub height: f64,
 }
 
-/// An edge that is parted by some of the points to be added.
+/// An edge that is split by some of the points to be added.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartedEdge {
-    /// Its ends: an edge that the triangulation must hold, inside one sub-domain or at the outer border.
+    /// Its ends. It is an edge that the triangulation must hold, inside one sub-domain or on the outer border.
     pub edge: [u32; 2],
     /// The points on it, by their numbers, from the first end to the second.
     pub points: Range<usize>,
 }
 
 impl Tin {
-    /// The constrained Delaunay triangulation of the same vertices and edges and of `points`, which come last. Of the `parted`
-    /// edges it holds the parts. Triangles outside the frame stay as they are.
+    /// The constrained Delaunay triangulation of the same vertices and edges, and of `points`, which come last. It
+    /// holds the pieces of the `parted` edges. Triangles outside the frame stay as they are.
     ///
     /// `of_triangle` is the sub-domain of each triangle, [`NONE`] outside.
     ///
@@ -85,7 +85,7 @@ impl Tin {
             let (corners, edges) = (self.triangles[t as usize], self.edges[t as usize]);
             faces.push(Face { corners, beyond: [NONE; 3], edges, inside });
         }
-        // What one part knows no neighbour for has one in another, or none.
+        // A triangle without a neighbour in its own part has one in another part, or none.
         for (f, face) in faces.iter().enumerate() {
             for i in (0..3).filter(|&i| face.beyond[i] == NONE) {
                 let [u, v] = face.edge(i);
@@ -116,7 +116,8 @@ fn sorted([u, v]: [u32; 2]) -> [u32; 2] {
     [u.min(v), u.max(v)]
 }
 
-/// The part of each sub-domain: neighbours together, until they have `enough` triangles and points.
+/// Groups sub-domains into parts: neighbours together, until they have `enough` triangles and points. Returns the part
+/// of each sub-domain.
 fn parts(tin: &Tin, of_triangle: &[u32], points: &[InnerPoint], enough: usize) -> Vec<u32> {
     let count = of_triangle.iter().filter(|&&r| r != NONE).max().map_or(0, |&last| last as usize + 1);
     let mut size = vec![0; count];
@@ -161,7 +162,7 @@ struct Part<'a, F> {
 }
 
 impl<F: Fn(u32) -> bool> Part<'_, F> {
-    /// Its triangles with more points, those of `points` with these numbers, ascending.
+    /// The part's triangles with the additional points: those of `points` with these numbers, ascending.
     fn triangulated(&self, numbers: &[u32], points: &[InnerPoint]) -> Result<Vec<Face>> {
         let tin = self.tin;
         let mut vertices: Vec<u32> = self.triangles.iter().flat_map(|&t| tin.triangles[t as usize]).collect();
@@ -171,7 +172,7 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
         let added = |k: usize| (vertices.len() + numbers.partition_point(|&n| (n as usize) < k)) as u32;
         let kept = vertices.iter().map(|&v| tin.positions[v as usize]);
         let mut input = TinInput::local(kept.chain(numbers.iter().map(|&k| points[k as usize].position)));
-        // The outline with the part on its left, and whether it is a constraint.
+        // The outline with the part on its left, and whether each edge is a constraint.
         let mut outline: Vec<([u32; 2], bool)> = Vec::new();
         for &t in self.triangles {
             for i in 0..3 {
@@ -203,7 +204,7 @@ impl<F: Fn(u32) -> bool> Part<'_, F> {
         let on_outline = |[u, v]: [u32; 2]| {
             outline.of(u as usize).iter().find(|(to, _)| *to == v).map(|(_, is_constraint)| *is_constraint)
         };
-        // Beyond the outline the convex hull is filled.
+        // The triangulation also fills the ground between the outline and its convex hull.
         let found = faces(input)?;
         let is_border_of_filling = |face: &Face, i: usize| {
             let [u, v] = face.edge(i);
@@ -248,7 +249,7 @@ mod tests {
     use super::*;
     use crate::tin::triangulate;
 
-    /// Nested squares, one a level, round a place in the middle; `open` of them end on the border of the largest.
+    /// Nested squares, one per level, round a point in the middle; `open` of them end on the border of the largest.
     fn nested(open: usize) -> TinInput {
         let mut input = TinInput::new([DVec2::splat(-12.0), DVec2::splat(12.0)], 1e-9);
         let corner = |half: f64| [(-half, -half), (half, -half), (half, half), (-half, half)].map(DVec2::from);

@@ -1,20 +1,20 @@
-//! Whether spade finds the place of a new point.
+//! Checks that spade's walk to a new point ends.
 
 use spade::handles::FixedVertexHandle;
 use spade::{Point2, Triangulation as _};
 
 use super::cdt::Cdt;
 
-/// Steps after which a walk counts as endless. Those between points side by side take a few, and some thousand round a vertex
-/// in the middle of a large ring.
+/// A walk with more steps counts as endless. Between points side by side a walk takes a few steps, and some thousand
+/// round a vertex in the middle of a large ring.
 const STEPS: usize = 20_000;
 
-/// Whether spade's walk from a vertex to a place comes to an end.
+/// Whether spade's walk from a vertex to a position ends.
 ///
-/// It turns round a vertex to the triangle towards the place, goes on to the vertex behind that triangle's far edge, and so on.
-/// Across edges that are locally Delaunay it comes nearer and nearer (the place's power to the circles around the triangles
-/// falls), across constraints it may not: among lines that wind round each other it can run in a circle, and spade panics
-/// then. So each walk is made beforehand, by the same steps.
+/// The walk turns round a vertex to the triangle towards the position. It goes on to the vertex behind that triangle's
+/// far edge, and so on. Across edges that are locally Delaunay it comes nearer and nearer: the position's power with
+/// respect to the circumcircles falls. Across constraints it may not. Among lines that wind round each other it can run
+/// in a circle, and then spade panics. So each walk is tried beforehand with the same steps.
 pub(super) fn is_found(cdt: &Cdt, place: Point2<f64>, from: FixedVertexHandle) -> bool {
     if cdt.all_vertices_on_line() {
         return true;
@@ -35,7 +35,7 @@ pub(super) fn is_found(cdt: &Cdt, place: Point2<f64>, from: FixedVertexHandle) -
             return true;
         }
         if side.is_on_line() {
-            // Round the vertex before, which lies beside the line through this edge and the place.
+            // Turn round the previous vertex, which lies beside the line through this edge and the position.
             edge = if edge.is_outer_edge() { edge.rev() } else { edge }.prev();
             side = edge.side_query(place);
             leftward = side.is_on_left_side_or_on_line();
@@ -63,8 +63,8 @@ pub(super) fn is_found(cdt: &Cdt, place: Point2<f64>, from: FixedVertexHandle) -
     false
 }
 
-/// Lines among which spade's walk runs in a circle, as vertices, edges between them, and points to add in this order: it does so
-/// for the last.
+/// Lines among which spade's walk runs in a circle: vertices, edges between them, and points to add in this order. The
+/// walk to the last point does so.
 #[cfg(test)]
 pub(super) fn winding_lines() -> (Vec<glam::DVec2>, Vec<[usize; 2]>, Vec<glam::DVec2>) {
     let winding =

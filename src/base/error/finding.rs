@@ -73,15 +73,15 @@ kinds! {
     /// The coordinate reference system is not known.
     UnknownCrs = "unknown-crs", Note, "coordinate reference system unknown";
     /// Files are in several coordinate reference systems. They were treated as one system.
-    MixedCrs = "mixed-crs", Warning, "coordinate reference systems taken as one";
+    MixedCrs = "mixed-crs", Warning, "different coordinate reference systems treated as one";
     /// Coordinates are degrees where a plane is expected, or the other way round.
     LooksLikeDegrees = "looks-like-degrees", Error, "coordinates that look like degrees";
     /// A square of a height map occurs twice.
-    RepeatedMesh = "repeated-mesh", Note, "squares of the height map that are there twice";
+    RepeatedMesh = "repeated-mesh", Note, "squares of the height map that occur twice";
     /// A file occurs twice, for instance in an archive and beside it. It was read once.
-    RepeatedFile = "repeated-file", Note, "files that are there twice";
+    RepeatedFile = "repeated-file", Note, "files that occur twice";
     /// A coordinate is NaN or infinite; the point was left out.
-    NonFinitePoint = "non-finite-point", Error, "points without coordinates left out";
+    NonFinitePoint = "non-finite-point", Error, "points without valid coordinates left out";
     /// Lines far from all others: a map sheet in the wrong zone, or an error in a coordinate.
     FarAway = "far-away", Error, "lines far from all others";
     /// The same point twice or more in a row; one was kept.
@@ -89,17 +89,17 @@ kinds! {
     /// A line with fewer than two different points; left out.
     PointLine = "point-line", Warning, "lines without length left out";
     /// A line that is too short to mean anything on the map.
-    ShortLine = "short-line", Note, "lines of hardly any length";
+    ShortLine = "short-line", Note, "very short lines";
     /// The same line twice; one was kept.
     DuplicateLine = "duplicate-line", Warning, "duplicate lines";
     /// A line runs to a point and back the same way; the spike was left out.
     Spike = "spike", Warning, "spikes";
     /// A vertex that sticks out of an otherwise smooth line.
-    StrayVertex = "stray-vertex", Warning, "vertices off the course of their line";
+    StrayVertex = "stray-vertex", Warning, "vertices that stick out of their line";
     /// Lines overlap along a part of their length; a piece of one was cut out.
-    OverlappingLines = "overlapping-lines", Error, "lines that run along each other";
+    OverlappingLines = "overlapping-lines", Error, "lines that overlap";
     /// A line crosses or touches itself, or crosses another line of its elevation; a piece was cut out.
-    SelfCross = "self-cross", Error, "lines that cross themselves or their own level";
+    SelfCross = "self-cross", Error, "lines that cross themselves or a line of their level";
     /// Lines of different elevation cross or touch; a piece was cut out.
     LevelsCross = "levels-cross", Error, "lines of different level that cross or touch";
     /// Two lines of different elevation share an end, and no other line ends there: one line whose elevation jumps.
@@ -109,11 +109,11 @@ kinds! {
     /// Two ends of one level that should join, but are further apart than the snap distance.
     Gap = "gap", Error, "gaps";
     /// A line ends inside the map, away from the frame and from other ends of its level.
-    OpenEnd = "open-end", Warning, "lines that end in the open";
+    OpenEnd = "open-end", Warning, "lines that end inside the map";
     /// A level off the vertical interval: an auxiliary contour, or a wrong elevation.
     OffInterval = "off-interval", Note, "levels off the vertical interval";
     /// An elevation of 0 where the ground is not at 0, or a number that stands for "no data".
-    ZeroElevation = "zero-elevation", Error, "elevations of 0 or without meaning among others";
+    ZeroElevation = "zero-elevation", Error, "elevations that are 0 or stand for no data";
     /// Some elevations are in feet and some in metres.
     MixedUnits = "mixed-units", Error, "metres and feet mixed";
     /// A line's elevation contradicts the lines around it.
@@ -133,7 +133,7 @@ kinds! {
     /// Two ends were joined across a gap wider than the snap distance.
     JoinedGap = "joined-gap", Note, "gaps joined";
     /// A stray vertex of a line was left out.
-    Straightened = "straightened", Note, "vertices left out";
+    Straightened = "straightened", Note, "stray vertices left out";
     /// The frame polygon reaches beyond the area that the contours describe; it was cut back.
     FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
     /// A lake meets contours of another level, the extension of a contour to the frame, or other water. It was cut back
@@ -146,7 +146,7 @@ kinds! {
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
-    NoHeight = "no-height", Note, "cells whose values are no heights";
+    NoHeight = "no-height", Note, "cells whose values are not heights";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
 }

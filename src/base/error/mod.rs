@@ -84,7 +84,7 @@ pub enum Error {
     },
     /// Two lines cross that must not: contours that were not cleaned, or a contour and the frame.
     #[error(
-        "lines cross near {:.3} {:.3}, where no two may; if contours do, clean them first, and if one crosses the frame, \
+        "lines cross near {:.3} {:.3}, which is not allowed: if both are contours, clean them first; if one is the frame, \
          move the frame's border a little",
         place.x,
         place.y
@@ -110,7 +110,7 @@ pub enum Error {
     },
     /// A coordinate of one system cannot be expressed in another.
     #[error(
-        "{:?} {:?} in {from} has no place in {to}; is that the right coordinate reference system?",
+        "{:?} {:?} in {from} cannot be transformed to {to}; is that the right coordinate reference system?",
         place.x,
         place.y
     )]
@@ -148,8 +148,8 @@ pub enum Error {
     },
     /// No cell of the grid lies in the area of the contours.
     #[error(
-        "none of its cells lies on the ground of the contours: do they overlap, and are the coordinate reference systems \
-         those that the files name?"
+        "none of its cells lies in the area of the contours: do they overlap, and do the files name the right coordinate \
+         reference systems?"
     )]
     NoOverlap,
     /// No field and no coordinate is known to hold the elevations.
@@ -185,7 +185,7 @@ pub enum Error {
     },
     /// All lines of some layers of a drawing have the elevation 0, and no layer was chosen.
     #[error(
-        "the lines of some layers all lie at 0, which may not be meant as their elevation: {flat}; its layers are {layers}"
+        "the lines of some layers all lie at 0, which may not be their elevation: {flat}; the layers of the drawing are {layers}"
     )]
     FlatLayers {
         /// Those layers.
@@ -300,7 +300,8 @@ fn needs_crs(need: CrsNeed) -> String {
     match need {
         CrsNeed::Projecting => "the coordinate reference system of the contours is not known".to_owned(),
         CrsNeed::OtherOutput => {
-            "the coordinate reference system of the contours is not known, so there is no way to another one".to_owned()
+            "the coordinate reference system of the contours is not known, so they cannot be transformed to another one"
+                .to_owned()
         }
         CrsNeed::WorkingCrs => format!("a system to work in needs {known}"),
         CrsNeed::CellsInDegrees => format!("cells in degrees need {known}"),

@@ -311,7 +311,7 @@ fn crossing_levels_lose_one_segment() {
 }
 
 #[test]
-fn every_crossing_of_two_lines_is_told() {
+fn every_crossing_of_two_lines_is_reported() {
     let straight = line(1, 10.0, &[(-5, 0), (100, 0)]);
     // So many vertices on each side that none strays.
     let side = |from: i32, y: i32| (from..from + 5).map(move |x| (x, y));

@@ -1,12 +1,15 @@
-//! The curve with a given number of control points that is nearest to the data: normal equations, solved directly.
+//! The curve with a given number of control points that is nearest to the data. The normal equations are solved
+//! directly.
 //!
-//! The matrix is a band; of a periodic curve its last three rows wrap round to the first columns, so they are kept apart.
+//! Their matrix is banded. For a periodic curve its last three rows wrap round to the first columns, so they are stored
+//! apart.
 
 use glam::DVec2;
 
 use super::curve::{Curve, basis};
 
-/// Weight of staying at the start, against that of a data point: what the points do not determine stays on the line.
+/// Weight of staying at the start position, relative to a data point. Control points that the data do not determine
+/// stay on the line.
 const STAY: f64 = 1e-6;
 
 /// Data along a line, and the length up to each.
@@ -25,11 +28,11 @@ impl Data {
     }
 }
 
-/// The curve with `n` control points nearest to the data, if it is within `limit` of them at their parameters.
+/// The curve with `n` control points nearest to the data, if it is within `limit` of the data at their parameters.
 pub(super) fn fit(data: &Data, closed: bool, n: usize, limit: f64) -> Option<Curve> {
     let spans = if closed { n } else { n - 3 };
     let scale = spans as f64 / data.lengths[data.lengths.len() - 1];
-    // Each control point starts on the line, at the middle of its function.
+    // Each control point starts on the line, at the middle of its basis function.
     let start = |i: usize| {
         let middle = if closed {
             (i as f64 - 1.0).rem_euclid(n as f64)
@@ -40,7 +43,7 @@ pub(super) fn fit(data: &Data, closed: bool, n: usize, limit: f64) -> Option<Cur
         data.at(middle / scale)
     };
     let mut curve = Curve { closed, control: (0..n).map(start).collect() };
-    // Of a closed line the last point is the first again.
+    // The last point of a closed line is its first point again.
     let used = data.points.len() - usize::from(closed);
     let rows = || data.lengths[..used].iter().map(|&s| basis(s * scale, spans, closed)).zip(&data.points);
     let mut matrix = Matrix::new(if closed { n - 3 } else { n }, n);
@@ -94,7 +97,7 @@ impl Matrix {
         }
     }
 
-    /// Row and column become those of the unit matrix. Only for a matrix without border.
+    /// Makes row and column those of the unit matrix. Only for a matrix without border.
     fn fix(&mut self, i: usize) {
         self.band[i] = [1.0, 0.0, 0.0, 0.0];
         for d in 1..4.min(self.inner - i) {
@@ -124,7 +127,7 @@ impl Matrix {
         }
     }
 
-    /// The three last unknowns, and what they take from the others.
+    /// Solves for the three last unknowns, and subtracts their effect on the others.
     fn solve_border(m: usize, band: &[[f64; 4]], border: &mut [[f64; 3]], r: &mut [DVec2]) {
         let mut corner = [[0.0; 3]; 3];
         for p in 0..3 {

@@ -1,9 +1,10 @@
 //! Fitting: smooth lines in place of ragged ones (Zhang, Konno and Tokuyama 2005, section 3.1).
 //!
-//! Each line is approximated by a cubic B-spline with uniform knots and chord-length parameters, periodic for a closed
-//! line, clamped at both ends for an open one, with as few control points as doubling and bisecting finds. Vertices are
-//! put on the curve where it bends, or evenly for sampling. Lines that would meet others, or pass over a line or a spot
-//! height without meeting it, are fitted again with half the tolerance, in the end left as they are.
+//! Each line is approximated by a cubic B-spline with uniform knots and chord-length parameters. The spline is periodic
+//! for a closed line, and clamped at both ends for an open one. Doubling and bisecting find a small number of control
+//! points. Vertices lie on the curve, dense where it bends, or at even distances for sampling. A line is fitted again
+//! with half the tolerance if it would meet another line, or pass over a line or a spot height. If that does not help,
+//! it is left unchanged.
 
 mod curve;
 mod least_squares;
@@ -22,18 +23,18 @@ use crate::base::error::{Error, Report, Result};
 use crate::clean::{self, CleanParams};
 use crate::contour::{Contour, ContourMap};
 
-/// How often the tolerance of a line is halved before the line is left as it is.
+/// Largest number of times that the tolerance of a line is halved. After that the line is left unchanged.
 const HALVINGS: u8 = 3;
-/// Rounds of looking for conflicts after which every line in one is left as it is.
+/// Rounds in which conflicts are looked for. After them each line in a conflict is left unchanged.
 const ROUNDS: usize = 6;
 
-/// How near the fitted lines stay.
+/// How near the fitted lines must stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitParams {
     /// Largest distance of a line's vertices from the fitted line and back, map units.
     pub tolerance: f64,
-    /// Vertices at even distances along the curves, as dense as [`sample`](fn@sample::sample) asks wherever they can lie
-    /// on the curve. None: where the curves bend.
+    /// If given, vertices lie at even distances along the curves, as dense as [`sample`](fn@sample::sample) asks
+    /// wherever they can lie on the curve. If `None`, they are dense where the curves bend.
     pub sampling: Option<SampleParams>,
 }
 
@@ -44,31 +45,31 @@ pub struct Fitted {
     pub map: ContourMap,
     /// Control points of all fitted lines.
     pub control_points: usize,
-    /// Largest distance from an input vertex to the fitted line or back, map units. An upper bound: looked for near the
-    /// same share of the lines' lengths.
+    /// Largest distance from an input vertex to the fitted line or back, map units. It is an upper bound, looked for
+    /// near the same share of the lines' lengths.
     pub deviation: f64,
     /// Vertices of the input.
     pub vertices_before: usize,
     /// Vertices of the fitted map.
     pub vertices_after: usize,
-    /// Lines fitted with half the tolerance, a quarter, an eighth, because they met or passed others.
+    /// Lines fitted with a half, a quarter and an eighth of the tolerance, because they met or passed over others.
     pub narrowed: [usize; HALVINGS as usize],
-    /// Lines left as they are, because they met others, have too few points, or no curve is near enough.
+    /// Lines left unchanged, because they met others, have too few points, or no curve is near enough.
     pub unchanged: usize,
 }
 
-/// A line with what its fit came to.
+/// A line and the result of its fit.
 struct State {
     line: Contour,
     halvings: u8,
     control_points: usize,
-    /// The curve, where more points of it may be wanted.
+    /// The curve, if more points of it may be needed.
     curve: Option<spline::Line>,
 }
 
 /// Fits all lines of a clean map; see the module's first lines.
 ///
-/// The ends of open lines stay bit for bit. The result passes [`validate`](clean::validate). Spot heights that come to
+/// The ends of open lines stay bit for bit. The result passes [`validate`](clean::validate). Spot heights that would
 /// lie on a contour are left out, with a finding.
 ///
 /// # Errors
@@ -135,7 +136,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     Ok(Report { value, findings })
 }
 
-/// Lines that meet others; if there are none, those that have passed over others.
+/// Lines that meet others; if there are none, those that have passed over others or were passed over.
 fn in_trouble(map: &ContourMap, lines: &[Contour], tolerance: f64, near: &CleanParams) -> Result<Vec<usize>> {
     let met = clean::lines_in_conflict(lines, near)?;
     if met.is_empty() { over::passed(&map.contours, lines, &map.spots, 2.0 * tolerance) } else { Ok(met) }
@@ -155,7 +156,7 @@ fn fit_line(contour: &Contour, halvings: u8, tolerance: f64, placing: Placing) -
     State { line: contour.clone(), halvings, control_points: 0, curve: None }
 }
 
-/// More points of the curves where sampling asks for them. Lines that would then be in trouble stay as they were.
+/// Adds points of the curves where sampling asks for them. Lines that would then be in trouble stay as they were.
 fn refine(
     map: &ContourMap,
     states: &mut [State],

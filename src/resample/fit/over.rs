@@ -1,8 +1,10 @@
-//! Lines and spot heights that fitted lines have passed over: they meet nothing, yet lie on the other side than before.
+//! Finds lines and spot heights that fitted lines have passed over: they meet nothing, but lie on the other side than
+//! before.
 //!
-//! A line that meets no other lies on one side of it as a whole, so one of its points tells. What counts is how often the
-//! other line winds round that point, an open line being closed by the straight way between its ends, which stay. The
-//! point itself moves when its line is fitted; when it crosses that straight way, this is made good for.
+//! A line that meets no other line lies on one side of it as a whole, so one of its points is enough for the test. The
+//! test counts how often the other line winds round that point. An open line is closed by the straight way between its
+//! ends, which do not move. The point itself moves when its line is fitted. If it crosses that straight way, the count
+//! is corrected.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,7 +14,7 @@ use crate::base::error::Result;
 use crate::clean::Segments;
 use crate::contour::Contour;
 
-/// A point before and after fitting, and the line it is of; none for a spot height.
+/// A point before and after fitting, and the line to which it belongs; `None` for a spot height.
 #[derive(Clone, Copy)]
 struct Moved {
     before: DVec2,
@@ -20,9 +22,9 @@ struct Moved {
     line: Option<usize>,
 }
 
-/// Numbers of the lines, ascending, that something is on the other side of, and of the lines that are.
+/// Numbers of the lines, ascending, that have passed over something, and of the lines that were passed over.
 ///
-/// The lines meet neither before nor after. No point was moved by more than half of `reach`.
+/// The lines meet neither before nor after. No point moved by more than half of `reach`.
 pub(super) fn passed(before: &[Contour], after: &[Contour], spots: &[DVec3], reach: f64) -> Result<Vec<usize>> {
     let runs = Segments::new(after)?.runs();
     let of_lines = before.iter().zip(after).enumerate().map(|(line, (b, a))| Moved {
@@ -61,13 +63,13 @@ pub(super) fn passed(before: &[Contour], after: &[Contour], spots: &[DVec3], rea
     Ok(found)
 }
 
-/// Those of the points that a line has passed over.
+/// The points that a line has passed over.
 fn passed_by(before: &[DVec2], after: &[DVec2], points: &[Moved]) -> Vec<Moved> {
     let old = windings(before, points.iter().map(|p| p.before));
     let new = windings(after, points.iter().map(|p| p.after));
     let (start, end) = (before[0], before[before.len() - 1]);
     let is_passed = |(p, (old, new)): (&Moved, (Option<i32>, Option<i32>))| {
-        // A point on the line, where lines of one level touch, is on no side.
+        // A point on the line, where lines of one level touch, is on neither side.
         let (Some(old), Some(new)) = (old, new) else { return None };
         let across = if start == end { 0 } else { crossing(end, start, p.before, p.after) };
         (new != old + across).then_some(*p)
@@ -80,14 +82,14 @@ fn side(a: DVec2, b: DVec2, p: DVec2) -> f64 {
     orient2d(coord(a), coord(b), coord(p))
 }
 
-/// 1 if the way from `p` to `q` crosses that from `a` to `b` from right to left, −1 for left to right, else 0.
+/// 1 if the way from `p` to `q` crosses that from `a` to `b` from right to left, −1 for left to right, otherwise 0.
 fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> i32 {
     let (left_p, left_q) = (side(a, b, p) > 0.0, side(a, b, q) > 0.0);
     let meets = left_p != left_q && (side(p, q, a) > 0.0) != (side(p, q, b) > 0.0);
     if meets { i32::from(left_q) - i32::from(left_p) } else { 0 }
 }
 
-/// How often a line, closed by the straight way back, winds round each point; None for points on it.
+/// How often a line, closed by the straight way back, winds round each point; `None` for points on the line.
 fn windings(line: &[DVec2], points: impl Iterator<Item = DVec2>) -> Vec<Option<i32>> {
     let points: Vec<DVec2> = points.collect();
     let mut by_y: Vec<usize> = (0..points.len()).collect();

@@ -1,4 +1,4 @@
-//! One line as a cubic B-spline: the smallest number of control points, vertices along the curve.
+//! Fits one line: a cubic B-spline with the smallest number of control points, and vertices along the curve.
 
 use glam::DVec2;
 
@@ -6,24 +6,24 @@ use super::curve::Curve;
 use super::least_squares::{self, Data};
 use super::vertices::{self, near};
 
-/// Part of the tolerance that the curve may use; the rest is for its polyline.
+/// Share of the tolerance for the curve. The rest is for the polyline of its vertices.
 const CURVE_SHARE: f64 = 0.8;
 
-/// A line fitted.
+/// A fitted line.
 pub(super) struct Line {
     pub(super) points: Vec<DVec2>,
     /// The curve's parameter at each point.
     pub(super) parameters: Vec<f64>,
     pub(super) curve: Curve,
-    /// What the curve's coordinates are relative to.
+    /// The origin of the curve's coordinates.
     pub(super) origin: DVec2,
 }
 
-/// Fits a line; `None` where no curve with fewer control points than points keeps the tolerance.
-/// Points put on long segments count too.
+/// Fits a line. `None` if no curve with fewer control points than points keeps the tolerance. Points added on long
+/// segments count as points too.
 ///
-/// The number of control points is doubled until the curve is near enough, then bisected down to one that is while one
-/// less is not.
+/// The number of control points is doubled until the curve is near enough. Bisecting then finds a number that is enough
+/// while one less is not.
 pub(super) fn fit(points: &[DVec2], closed: bool, tolerance: f64, placing: vertices::Placing) -> Option<Line> {
     let origin = points[0];
     let line: Vec<DVec2> = points.iter().map(|&p| p - origin).collect();
@@ -62,7 +62,7 @@ pub(super) fn fit(points: &[DVec2], closed: bool, tolerance: f64, placing: verti
     Some(Line { points: points_on, parameters, curve: best, origin })
 }
 
-/// The vertices, and points on long segments so that the curve cannot swing out between.
+/// The vertices, and further points on long segments, so that the curve cannot swing out between vertices.
 fn data_of(line: &[DVec2], tolerance: f64) -> Data {
     let total: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
     let step = (4.0 * tolerance).max(total / (8 * line.len()) as f64);

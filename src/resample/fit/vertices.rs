@@ -4,13 +4,13 @@ use glam::DVec2;
 
 use super::curve::Curve;
 
-/// Points a span at which the curve is looked at.
+/// Points per span at which the curve is computed.
 const FINE: usize = 8;
-/// No vertices are further apart than so many of those.
+/// Vertices are at most this many of those points apart.
 const WIDEST: usize = 512;
-/// So many points in a row that cannot be the next vertex end the search for it.
+/// The search for the next vertex ends after this many points in a row that cannot be it.
 const MISSES: usize = 64;
-/// How often the chords are made finer, by half, before the line counts as not to be fitted.
+/// Number of times that the chords are halved before the line counts as impossible to fit.
 const TRIALS: usize = 4;
 
 /// Where vertices are put.
@@ -22,8 +22,8 @@ pub(super) enum Placing {
     Bends,
 }
 
-/// Vertices on the curve that are near enough, with their parameters; None if `most` are not enough. `sagitta` is how far
-/// chords may be off the curve.
+/// Vertices on the curve that are near enough, with their parameters; `None` if `most` are not enough. `sagitta` is the
+/// largest distance of chords from the curve.
 pub(super) fn place(
     curve: &Curve,
     placing: Placing,
@@ -74,8 +74,9 @@ fn even(lengths: &[f64], count: usize) -> Vec<f64> {
     (0..=count).map(parameter).collect()
 }
 
-/// Numbers of points so that the chords between them pass all others within `sagitta`: each chord goes as far as the
-/// wedge of directions, seen from its start, that do so allows, and at most over `widest` points.
+/// Numbers of points such that the chords between them pass all other points within `sagitta`. Seen from a chord's
+/// start, the directions that do so form a wedge. Each chord goes as far as the wedge allows, and over at most `widest`
+/// points.
 fn by_bends(dense: &[DVec2], sagitta: f64, widest: usize) -> Vec<usize> {
     let last = dense.len() - 1;
     let widest = (last / 6).clamp(1, widest);
@@ -131,12 +132,12 @@ pub(super) fn lengths_of(line: &[DVec2]) -> Vec<f64> {
     std::iter::once(0.0).chain(steps).collect()
 }
 
-/// Whether every vertex of `a` has `b` within `tolerance`, at about the same share of the length.
+/// Whether each vertex of `a` is within `tolerance` of `b`, at about the same share of the length.
 pub(super) fn near(a: &[DVec2], b: &[DVec2], tolerance: f64) -> bool {
     largest_distance(a, b, tolerance) <= tolerance
 }
 
-/// Largest distance from a vertex of `a` to `b`, looked for around the same share of the length: never too small.
+/// Largest distance from a vertex of `a` to `b`, looked for around the same share of the length. It is never too small.
 pub(super) fn largest_distance(a: &[DVec2], b: &[DVec2], tolerance: f64) -> f64 {
     let (at, along) = (lengths_of(a), lengths_of(b));
     let scale = along[along.len() - 1] / at[at.len() - 1];

@@ -1,14 +1,13 @@
-//! Sampling: vertices dense enough for the contours around them (Zhang, Konno and Tokuyama 2005, section 3.1).
+//! Sampling: makes vertices dense enough for the contours around them (Zhang, Konno and Tokuyama 2005, section 3.1).
 //!
-//! A contour is an s-sample when each of its vertices has its neighbours on the line within `s` times the distance to the
-//! nearest other contour. Here both neighbours have to be so near, not only the nearer one, so that no gap is left beside
-//! a cluster. "Another contour" is any other line, of the same level too: where two arms of one line lie side by side,
-//! nothing is asked of them, as in the paper.
+//! A contour is an s-sample if the neighbours of each vertex on the line are within `s` times the distance to the
+//! nearest other contour. Here both neighbours must be so near, not only the nearer one. Otherwise a
+//! wide space could remain beside a cluster. "Another contour" is any other line, also of the same level. As in the paper,
+//! two arms of one line side by side do not affect each other.
 //!
-//! Points are added on the segments as they are and nothing is moved. Segments are halved until it holds; a piece
-//! that is short against the distance to other contours is split in equal parts at once, because that distance cannot
-//! change by more than the way gone. Where contours come close to touching, a lower limit keeps the pieces from becoming ever
-//! shorter.
+//! Points are added on the existing segments, and nothing moves. Segments are halved until the condition holds. A piece
+//! that is short compared with the distance to other contours is split into equal parts at once. Along it that distance
+//! cannot change by more than its length. Where contours nearly touch, a lower limit ends the halving.
 
 mod params;
 mod plan;
@@ -25,7 +24,7 @@ use crate::base::error::{Error, Report, Result};
 use crate::clean::{self, CleanParams};
 use crate::contour::{Contour, ContourMap};
 
-/// Rounds in which single segments are taken back that meet others when they have more points; then whole lines are.
+/// Rounds in which single segments lose their new points if these make lines meet. After them whole lines lose theirs.
 const ROUNDS: usize = 4;
 
 /// A sampled map, with figures.
@@ -35,18 +34,18 @@ pub struct Sampled {
     pub map: ContourMap,
     /// Points that were added.
     pub added: usize,
-    /// The lower limit, map units: where the ratio asks for pieces shorter than twice this, they need not be.
+    /// The lower limit, map units. Where the ratio asks for pieces shorter than twice this, longer pieces are allowed.
     pub least: f64,
     /// Pieces that are longer than the ratio asks because of the lower limit.
     pub held: usize,
-    /// Segments left without the points they need, because with them, rounded, lines would meet.
+    /// Segments without the points that they need. Because of rounding, lines would meet with these points.
     pub whole: usize,
 }
 
 /// Adds vertices to the lines of a clean map; see the module's first lines.
 ///
-/// All vertices there were stay bit for bit and in order. The result passes [`validate`](clean::validate). Spot
-/// heights that come to lie on a contour by rounding are left out, with a finding.
+/// All existing vertices stay bit for bit and in order. The result passes [`validate`](clean::validate). Spot heights
+/// that come to lie on a contour by rounding are left out, with a finding.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for a ratio that is not between 0 and 1, and for a lower limit that is not above 0.
@@ -73,7 +72,7 @@ pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) ->
             taken += take_back(&mut cuts[line], of_line.iter().map(|&(_, k)| k), round > ROUNDS);
         }
         if taken == 0 {
-            // Lines without added points do not meet, so this cannot be; yet the loop has to end.
+            // Lines without added points do not meet, so this cannot happen. Still, the loop must end.
             clean::validate(&ContourMap { contours: lines, ..ContourMap::default() }, near)?;
             return Err(Error::Data("sampled lines meet where nothing was added".to_owned()));
         }
@@ -91,10 +90,10 @@ pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) ->
     Ok(Report { value: Sampled { map, added, least, held, whole }, findings })
 }
 
-/// Takes the points of some segments out of a line's; `pieces` are numbers of segments with the points in. Gives the
-/// number of segments that lost theirs.
+/// Takes the added points of some segments out of a line. `pieces` are numbers of segments with the added points in.
+/// Returns the number of segments that lost points.
 fn take_back(cuts: &mut Vec<Cut>, pieces: impl Iterator<Item = usize>, all: bool) -> usize {
-    // Before the piece k there are as many points added as there are cuts on the way.
+    // Before piece k there are as many added points as cuts on the way.
     let segment_of = |k: usize, cuts: &[Cut]| {
         let before = partition(cuts.len(), |i| cuts[i].segment as usize + i < k);
         (k - before) as u32
@@ -106,7 +105,7 @@ fn take_back(cuts: &mut Vec<Cut>, pieces: impl Iterator<Item = usize>, all: bool
     before - segments_with_points(cuts)
 }
 
-/// The first of `0..n` for which `is_before` is not so, if it is so for all before that and none after.
+/// The first of `0..n` for which `is_before` is false. It must be true for all numbers before, and false for all after.
 fn partition(n: usize, is_before: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, n);
     while low < high {

@@ -5,13 +5,13 @@ use crate::base::error::{Error, Result};
 /// How dense the vertices are to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleParams {
-    /// Largest distance from a vertex to its neighbours on the line over that to the nearest other contour: more than 0,
-    /// less than 1. The paper's s.
+    /// Largest distance from a vertex to its neighbours on the line, divided by the distance to the nearest other
+    /// contour: more than 0, less than 1. The paper's s.
     pub ratio: f64,
-    /// No segment is split into pieces shorter than this, map units. None: a sixteenth of `ratio` times the median
+    /// No segment is split into pieces shorter than this, map units. `None`: a sixteenth of `ratio` times the median
     /// distance from the map's vertices to other contours.
     pub least: Option<f64>,
-    /// More added points than this are refused.
+    /// Largest number of added points. More are refused.
     pub most: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Where points are to be added, found before any is made, so that too many can be refused.
+//! Plans where points are added. No point is made before the plan is complete, so that too many can be refused.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -10,15 +10,17 @@ use crate::base::error::{Error, Result};
 use crate::clean::{Runs, Segments};
 use crate::contour::Contour;
 
-/// Share of the distance to other contours up to which a piece is split in equal parts without looking again.
+/// Largest piece that is split into equal parts without further distances, as a share of the distance to other
+/// contours.
 const SHORT: f64 = 0.25;
-/// About so many vertices tell the median distance to other contours.
+/// About this many vertices are used for the median distance to other contours.
 const MEDIAN_OF: usize = 50_000;
-/// The lower limit as a share of the usual spacing, where none is given.
+/// The lower limit as a share of the usual spacing, if none is given.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
-/// The lower limit is at least this share of the largest coordinate, so that pieces stay much longer than rounding.
+/// The lower limit is at least this share of the largest coordinate, so that pieces are much longer than rounding
+/// errors.
 const LEAST_OF_COORDINATE: f64 = 1e-13;
-/// And this share of the map's size, where the median says nothing.
+/// It is also at least this share of the map's size, for maps without a useful median.
 const LEAST_OF_SIZE: f64 = 1e-7;
 
 /// More points than this are always refused: vertices are numbered in 32 bits.
@@ -38,7 +40,7 @@ pub(crate) struct Plan {
     pub(crate) cuts: Vec<Vec<Cut>>,
     /// The lower limit that was used.
     pub(crate) least: f64,
-    /// Pieces that stay longer than the ratio asks.
+    /// Pieces that remain longer than the ratio asks.
     pub(crate) held: usize,
 }
 
@@ -47,22 +49,23 @@ pub(crate) fn plan(lines: &[Contour], params: &SampleParams) -> Result<Plan> {
     let runs = Segments::new(lines)?.runs();
     let least = lower_limit(lines, &runs, params);
     let most = params.most.min(MOST);
-    let ground = Ground { lines, runs: &runs, ratio: params.ratio, least, most, added: AtomicUsize::new(0) };
+    let shared = Shared { lines, runs: &runs, ratio: params.ratio, least, most, added: AtomicUsize::new(0) };
     let (cuts, held): (Vec<Vec<Cut>>, Vec<usize>) = (0..lines.len() as u32)
         .into_par_iter()
         .map(|line| {
-            let mut walk = Walk { ground: &ground, line, cuts: Vec::new(), held: 0 };
+            let mut walk = Walk { shared: &shared, line, cuts: Vec::new(), held: 0 };
             walk.line();
             (walk.cuts, walk.held)
         })
         .unzip();
-    if ground.added.into_inner() > most {
+    if shared.added.into_inner() > most {
         return Err(Error::TooManyPoints { ratio: params.ratio, most });
     }
     Ok(Plan { cuts, least, held: held.into_iter().sum() })
 }
 
-/// The lower limit: as given, else from the usual distance between contours; never below what rounding leaves of it.
+/// The lower limit: as given, otherwise from the usual distance between contours. It is never so small that rounding
+/// matters.
 fn lower_limit(lines: &[Contour], runs: &Runs, params: &SampleParams) -> f64 {
     let vertices = || (0u32..).zip(lines).flat_map(|(line, c)| c.points.iter().map(move |&p| (line, p)));
     let largest = vertices().map(|(_, p)| p.abs().max_element()).fold(0.0, f64::max);
@@ -83,7 +86,7 @@ fn lower_limit(lines: &[Contour], runs: &Runs, params: &SampleParams) -> f64 {
 }
 
 /// What all lines share.
-struct Ground<'a> {
+struct Shared<'a> {
     lines: &'a [Contour],
     runs: &'a Runs,
     ratio: f64,
@@ -92,24 +95,24 @@ struct Ground<'a> {
     added: AtomicUsize,
 }
 
-/// Planning one line.
+/// The plan of one line, while it is made.
 struct Walk<'a> {
-    ground: &'a Ground<'a>,
+    shared: &'a Shared<'a>,
     line: u32,
     cuts: Vec<Cut>,
     held: usize,
 }
 
-/// A place on a segment and its distance to the nearest other contour.
+/// A position on a segment, and its distance to the nearest other contour.
 #[derive(Clone, Copy)]
-struct Place {
+struct Probe {
     share: f64,
     distance: f64,
 }
 
-/// A segment of the line.
+/// A whole segment of the line.
 #[derive(Clone, Copy)]
-struct Whole {
+struct WholeSegment {
     number: u32,
     a: DVec2,
     b: DVec2,
@@ -118,19 +121,19 @@ struct Whole {
 
 impl Walk<'_> {
     fn distance(&self, p: DVec2) -> f64 {
-        self.ground.runs.distance_to_others(self.ground.lines, p, self.line)
+        self.shared.runs.distance_to_others(self.shared.lines, p, self.line)
     }
 
     fn line(&mut self) {
-        let ground = self.ground;
-        let points = &ground.lines[self.line as usize].points;
-        // The distance at the last place asked for says how small it can be near there: most vertices need not ask.
+        let shared = self.shared;
+        let points = &shared.lines[self.line as usize].points;
+        // The last distance gives a lower bound of the distances nearby, so most vertices need no search.
         let mut last = (points[0], self.distance(points[0]));
         let at_least = |last: (DVec2, f64), p: DVec2| last.1 - last.0.distance(p);
         for (number, w) in (0u32..).zip(points.windows(2)) {
             let (a, b) = (w[0], w[1]);
             let length = a.distance(b);
-            let enough = |last| length <= ground.ratio * at_least(last, a).min(at_least(last, b));
+            let enough = |last| length <= shared.ratio * at_least(last, a).min(at_least(last, b));
             if enough(last) {
                 continue;
             }
@@ -140,18 +143,18 @@ impl Walk<'_> {
                     continue;
                 }
             }
-            let from = Place { share: 0.0, distance: last.1 };
+            let from = Probe { share: 0.0, distance: last.1 };
             last = (b, self.distance(b));
-            self.piece(Whole { number, a, b, length }, from, Place { share: 1.0, distance: last.1 });
-            if ground.added.load(Ordering::Relaxed) > ground.most {
+            self.piece(WholeSegment { number, a, b, length }, from, Probe { share: 1.0, distance: last.1 });
+            if shared.added.load(Ordering::Relaxed) > shared.most {
                 return;
             }
         }
     }
 
     /// Plans a piece of a segment: the points strictly inside it.
-    fn piece(&mut self, whole: Whole, from: Place, to: Place) {
-        let Ground { ratio, least, .. } = *self.ground;
+    fn piece(&mut self, whole: WholeSegment, from: Probe, to: Probe) {
+        let Shared { ratio, least, .. } = *self.shared;
         let length = whole.length * (to.share - from.share);
         let nearest = from.distance.min(to.distance);
         if length <= ratio * nearest {
@@ -162,7 +165,7 @@ impl Walk<'_> {
             return;
         }
         if length <= SHORT * nearest {
-            // Inside, the distance is nowhere smaller than this.
+            // Inside the piece, the distance is nowhere smaller than this.
             let wanted = ratio * (from.distance + to.distance - length) / 2.0;
             let parts = (length / wanted).ceil().min((length / least).floor());
             let count = parts as usize - 1;
@@ -178,21 +181,22 @@ impl Walk<'_> {
             return;
         }
         let share = from.share.midpoint(to.share);
-        let middle = Place { share, distance: self.distance(on_segment(whole.a, whole.b, share)) };
+        let middle = Probe { share, distance: self.distance(on_segment(whole.a, whole.b, share)) };
         self.piece(whole, from, middle);
         self.cuts.push(Cut { segment: whole.number, share });
         self.piece(whole, middle, to);
     }
 
-    /// Counts points; whether they are still few enough to go on.
+    /// Counts added points. Returns whether there are still few enough to go on.
     fn add(&self, count: usize) -> bool {
         // Never so much at once that the sum could overflow.
-        let count = count.min(self.ground.most + 1);
-        self.ground.added.fetch_add(count, Ordering::Relaxed) + count <= self.ground.most
+        let count = count.min(self.shared.most + 1);
+        self.shared.added.fetch_add(count, Ordering::Relaxed) + count <= self.shared.most
     }
 }
 
-/// The same place to the last bit for either direction of the segment where the share is a multiple of a power of two.
+/// The position at a share of a segment. If the share is a multiple of a power of two, the position is the same to the
+/// last bit for both directions of the segment.
 pub(super) fn on_segment(a: DVec2, b: DVec2, share: f64) -> DVec2 {
     if share <= 0.5 { a + (b - a) * share } else { b + (a - b) * (1.0 - share) }
 }
