@@ -1,8 +1,8 @@
 //! Gaps and other open ends.
 //!
-//! Two ends of one level in the same sub-domain are taken as the two sides of a gap, the nearest and best aligned ones first.
-//! What is left over ends in the open: an auxiliary contour off the interval is meant to, others are told. Along a
-//! ragged outline lines end everywhere; that is no fault.
+//! Two ends of one level in the same sub-domain are the two sides of a gap. The nearest and best aligned pairs come
+//! first. The other ends lie inside the map. For an auxiliary contour that is normal; the others are reported. Along a
+//! ragged outline lines end everywhere, which is no fault.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -18,42 +18,43 @@ use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::subdomains::{FrameExtension, OpenEnd, Sight, line_starts};
 use crate::tin::NONE;
 
-/// Links to the frame longer than so many times that of nine in ten ends stop short of it.
+/// A line stops short of the frame if its frame extension is longer than this many times the usual length (90th
+/// percentile).
 const SHORT_OF_FRAME: f64 = 8.0;
-/// Ends nearer to the frame than so many times that lie on a ragged outline.
+/// Ends nearer to the frame than this many times the usual length lie on a ragged outline.
 const OUTLYING: f64 = 1.5;
 /// The widest gap between ends that point at each other, as a share of the map's diagonal.
 const WIDEST: f64 = 0.5;
-/// The widest one between others.
+/// The same for ends that do not point at each other.
 const WIDEST_ASKEW: f64 = 0.1;
-/// The largest turn between a line's end and the way across a gap that it points along: 60 degrees.
+/// Largest turn between the end of a line and the way across a gap to which it points, as a cosine: 60 degrees.
 const COS_POINTING: f64 = 0.5;
-/// Ends that gates chain together: from so many on they follow a cliff or an outline.
+/// Ends in a chain of barrier edges: from this number on they follow a cliff or an outline.
 const CLIFF: usize = 6;
-/// Ends of one level that are paired with each other; more of them are a map without order.
+/// Most ends of one level that are paired with each other. More of them mean that the map has no order.
 const MOST_OF_LEVEL: usize = 1000;
 
-/// An end that is looked at.
+/// An open end that is not explained yet.
 struct Loose {
     /// Its number among all ends.
     end: usize,
     /// The sub-domains around it.
     around: Vec<u32>,
-    /// Whether it is linked to the frame over a long way.
+    /// Whether a long frame extension leads from it to the frame.
     is_linked: bool,
-    /// Whether it is done with.
+    /// Whether it was reported.
     is_told: bool,
 }
 
 /// Two ends of a gap, by their numbers among all ends.
 type Pair = [usize; 2];
 
-/// Finds gaps and open ends. Lines in `wrong` are told already; their ends are passed over.
+/// Finds gaps and open ends. Lines in `wrong` were reported already; their ends are ignored.
 pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let ends = ground.ends;
     let usual = usual_link(ends, ground.extensions);
     let far = far_from_frame(ground, usual);
-    // As near to the frame as others that are linked to it.
+    // These ends are as near to the frame as others with a frame extension.
     let is_outlying = |i: usize| usual > 0.0 && distance_to_frame(ground, ends[i].position) <= OUTLYING * usual;
     let is_wrong = |line: u32| wrong.binary_search_by_key(&line, |w| w.line).is_ok();
     let is_level = |e: &OpenEnd| matches!(grid.label(e.elevation), Label::On(_));
@@ -83,7 +84,7 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
         });
     }
 
-    // Auxiliary contours end in the open; what lies beyond a ragged outline is no fault.
+    // Auxiliary contours end inside the map, and lines end along a ragged outline: neither is a fault.
     loose.retain(|_, l| {
         !l.is_told
             && is_level(&ends[l.end])
@@ -102,7 +103,7 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
     let sight = Sight::new(ground.map);
     for pair in pairs(&loose, &barriers, ends, ground.frame.diagonal()) {
         let [a, b] = pair.map(|i| &ends[i]);
-        // A little short of the other end, so that its own line does not hide it.
+        // The line of sight stops a little before the other end, because the line of that end would block it.
         let before = b.position.lerp(a.position, 1e-6);
         tell_gap(ground, pair, sight.sees(ground.map, a.position, before), judged);
         pair.iter().for_each(|end| {
@@ -112,7 +113,7 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
     tell_open(ground, &loose, judged);
 }
 
-/// How far nine in ten of the ends at the frame are linked to it at most, map units.
+/// The usual length of frame extensions, map units: the 90th percentile, with 0 for ends on the frame.
 fn usual_link(ends: &[OpenEnd], extensions: &[FrameExtension]) -> f64 {
     let linked = extensions.iter().map(|l| l.end.distance(l.frame));
     let on_frame = ends.iter().filter(|e| e.at_frame).count().saturating_sub(extensions.len());
@@ -121,7 +122,7 @@ fn usual_link(ends: &[OpenEnd], extensions: &[FrameExtension]) -> f64 {
     lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(0.0)
 }
 
-/// By end: whether it is linked to the frame over a way much longer than usual.
+/// By end: whether its frame extension is much longer than usual.
 fn far_from_frame(ground: &Ground, usual: f64) -> Vec<bool> {
     let Ground { ends, extensions, frame, .. } = *ground;
     let by_end: HashMap<[u64; 2], f64> = extensions.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
@@ -170,7 +171,7 @@ fn regions_around(ground: &Ground, end_at: &HashMap<u32, usize>) -> HashMap<usiz
     around
 }
 
-/// Ends that gates between different levels chain together.
+/// Chains of ends, joined by barrier edges between different levels.
 fn chains(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
     let mut next: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &[a, b] in barriers {
@@ -196,7 +197,7 @@ fn chains(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd]) -
     chains
 }
 
-/// The pairs of ends that belong together, the nearest and best aligned ones first.
+/// The pairs of ends that are the two sides of a gap, the nearest and best aligned ones first.
 fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
     let mut by_level: BTreeMap<u64, Vec<&Loose>> = BTreeMap::new();
     for l in loose.values() {
@@ -228,8 +229,8 @@ fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], di
     candidates.into_iter().map(|(_, pair)| pair).collect()
 }
 
-/// The distance between two ends, up to three times as much where they point away from each other; none where it is
-/// larger than the lines themselves or, on a map of this diagonal, larger than a gap can be.
+/// The distance between two ends, up to three times as much where they point away from each other. None where it is
+/// larger than the lines themselves, or larger than a gap can be on a map of this diagonal.
 fn gap_cost(a: &OpenEnd, b: &OpenEnd, diagonal: f64) -> Option<f64> {
     let across = b.position - a.position;
     let distance = across.length();
@@ -244,7 +245,7 @@ fn gap_cost(a: &OpenEnd, b: &OpenEnd, diagonal: f64) -> Option<f64> {
     (distance <= most).then_some(distance * (2.0 - facing))
 }
 
-/// A gap; `is_clear` when nothing lies between its ends, so that a straight piece can join them.
+/// Reports a gap. `is_clear` means that nothing lies between its ends: a straight piece can join them.
 fn tell_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
     let mut ends = pair.map(|i| &ground.ends[i]);
     ends.sort_by_key(|e| e.contour);
@@ -267,7 +268,7 @@ fn tell_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
     judged.findings.push(finding);
 }
 
-/// Many lines that end beside each other.
+/// Reports many lines that end beside each other.
 fn tell_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
     let levels = chain.iter().map(|&i| ground.ends[i].elevation);
     let (lo, hi) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
@@ -282,7 +283,7 @@ fn tell_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
         .push(lines.fold(finding, |f, e| f.about(ground.map.contours[e.contour as usize].feature, e.elevation)));
 }
 
-/// What is left over, one finding a line.
+/// Reports the remaining ends, one finding per line.
 fn tell_open(ground: &Ground, loose: &BTreeMap<usize, Loose>, judged: &mut Judged) {
     let mut by_line: BTreeMap<u32, Vec<&Loose>> = BTreeMap::new();
     for l in loose.values() {

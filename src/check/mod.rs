@@ -1,8 +1,8 @@
-//! Checks of a map: what is wrong with its contours, where, and what would mend it.
+//! Checks of a map: the faults of its contours, where they are, and their corrections.
 //!
-//! Faults that one line or a pair of lines shows are found while the map is read, by [`examine`], and by cleaning. Those that
-//! only the ground around shows (wrong elevations, missing contours, gaps) need its sub-domains, so they are found in the
-//! triangulation.
+//! Faults that one line or a pair of lines shows are found when the map is read, by [`examine`], and by cleaning. Wrong
+//! elevations, missing contours and gaps show only in the ground around them. They need the sub-domains, so they are
+//! found in the triangulation.
 
 mod bands;
 mod causes;
@@ -25,7 +25,7 @@ pub use lines::{LineParams, examine, merged};
 use self::graph::Graph;
 use self::grid::LevelGrid;
 
-/// Judges the labels, the ends and the completeness of a triangulated map by the bands of its sub-domains.
+/// Checks the labels, the ends and the completeness of a triangulated map, from the bands of its sub-domains.
 pub(crate) fn judge(ground: &Ground) -> Judged {
     let Ground { map, tin, regions, gaps, .. } = *ground;
     let mut judged = Judged::default();

@@ -1,7 +1,7 @@
-//! Lines that come over a contour away from the tip of a bend reach the lines beyond it.
+//! Lines that cross a contour away from the tip of a bend are connected with the lines beyond it.
 //!
-//! Where such a line arrives, the bend beyond may be one that elimination dropped, or the arrival is far from the tip. Then a
-//! side line leads from there through the chords of the dropped branch to the nearest line that was kept.
+//! Where such a line arrives, the bend beyond may have been dropped by elimination, or its tip may be too far away. A
+//! side line then leads from there through the chords of the dropped branch to the nearest line that was kept.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -11,10 +11,10 @@ use super::pieces::End;
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, TriangleKind};
 
-/// How many triangles are looked at for each arrival. A limit of time.
+/// Most triangles that are searched per arrival. It limits the time.
 const TRIALS: usize = 256;
 
-/// Adds side lines from arrivals that no line of the ground beyond ends at. `removed`: pieces that no longer count.
+/// Adds side lines from arrivals at which no line beyond ends. `removed` are pieces that no longer count.
 pub(super) fn attach(
     tin: &Tin,
     kinds: &[TriangleKind],
@@ -62,7 +62,7 @@ pub(super) fn attach(
             }
             let kept_fork = kinds[t as usize] == TriangleKind::Junction && draft.piece_of[t as usize] == NONE;
             let kept_fork = kept_fork && !elimination.dropped[t as usize];
-            // Inside a triangle that a line runs through, only that line's own ends can be reached without crossing it.
+            // In a triangle with a line, only the ends of that line can be reached without crossing it.
             let free = draft.piece_of[t as usize] == NONE || live[p as usize];
             if free && !kept_fork && !draft.crossed.contains(&t) {
                 queue.push_back((t, edge));
@@ -79,8 +79,8 @@ pub(super) fn attach(
     }
 }
 
-/// From the edges in `queue` through triangles without a line to the nearest line: for each step the triangle that it
-/// crosses and the axis point that it leads to.
+/// The way from the edges in `queue`, through triangles without a line, to the nearest line. Each step is the triangle
+/// that it crosses and the axis point to which it leads.
 fn way_to_line(
     tin: &Tin,
     elimination: &Elimination,

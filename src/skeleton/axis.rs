@@ -1,4 +1,4 @@
-//! The points of ridge and canyon lines: centres of the triangle edges that span a spur, a gully or a top.
+//! The points of ridge and canyon lines: midpoints of the triangle edges that span a spur, a gully or a top.
 
 use std::collections::HashSet;
 
@@ -13,20 +13,20 @@ use super::pieces::{Axis, End};
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
-/// Triangles no wider than this share of the map's size hold no points. Points nearer to each other than that are one to
-/// the frame and to the ends of contours too.
+/// Triangles no wider than this share of the map's size hold no points. For the frame and for the ends of contours too,
+/// points that close count as one.
 const NARROW: f64 = 1e-9;
 
-/// Nor do triangles no wider than so many steps between numbers of the size of the map's coordinates: points would lie
-/// beside them by rounding, perhaps beyond a contour.
+/// Triangles no wider than this many floating-point steps, at the size of the map's coordinates, hold no points either.
+/// Rounding would put points beside them, perhaps beyond a contour.
 const NARROW_STEPS: f64 = 64.0;
 
-/// Collects the axis points of all sub-domains and joins them through sleeves, tips and junctions.
+/// Finds the axis points of all sub-domains and joins them through sleeves, tips and junctions.
 ///
-/// In a junction with all corners on one level the lines meet in its centroid. In a triangle that reaches from one level
-/// to the next the line goes on to the corner on the next contour; where the line beyond ends at another vertex of the
-/// same bend, that end moves there, so that lines go on from sub-domain to sub-domain. Every piece lies inside one triangle,
-/// so none crosses a contour or another piece.
+/// In a junction with all corners on one level, the lines meet in its centroid. In a triangle that reaches from one
+/// level to the next, the line ends at the corner on the next contour. Where the line beyond ends at another vertex of
+/// the same bend, that end moves to this corner. So lines continue from sub-domain to sub-domain. Every piece lies
+/// inside one triangle, so it crosses no contour and no other piece.
 ///
 /// `join_reach` is [`SkeletonTuning::join_reach`](crate::tuning::SkeletonTuning::join_reach).
 pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination, join_reach: f64) -> Axis {
@@ -77,7 +77,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     draft.axis
 }
 
-/// The width, map units, that a triangle must have more of to hold points.
+/// Triangles no wider than this hold no points, map units.
 pub(crate) fn narrow(tin: &Tin) -> f64 {
     let extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (lo, hi) = tin.positions.iter().fold(extent, |(lo, hi), &p| (lo.min(p), hi.max(p)));
@@ -120,8 +120,8 @@ fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elim
     }
 }
 
-/// The piece from a chord to the next contour, in a triangle with two corners on one level and the third on the contour
-/// that the ground rises or falls to.
+/// The piece from a chord to the next contour. The triangle has two corners on one level, and the third on the contour
+/// to which the ground rises or falls.
 fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
     let Some(i) = (0..3).find(|&i| draft.of_edge[t as usize][i] != NONE) else { return };
     let kept = |t: u32| !elimination.dropped[t as usize];

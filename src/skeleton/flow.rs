@@ -1,23 +1,24 @@
-//! Which way ridge and canyon lines fall, and heights that fall that way.
+//! The direction in which ridge and canyon lines fall, and heights that fall that way.
 //!
-//! Equation (1) gives each point its height from the contours nearest to it, and so a canyon line gets bumps wherever its
-//! walls come closer or draw apart: a gully becomes a string of pits and dams. But between two contours water runs from
-//! the tips of the upper contour's bends to the lower contour. The rule:
+//! Equation (1) gives each point a height from the nearest contours. A canyon line then gets bumps wherever its walls
+//! come closer or draw apart: a gully becomes a string of pits and dams. But between two contours, water runs from the
+//! tips of the upper contour's bends to the lower contour. The rule:
 //!
-//! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *ways out* are the vertices
-//!    of the lower contour that it reaches. Without any they are the hollows: the lowest point, and each other low point
-//!    that lies deeper than a share of the band below the way over to a deeper one.
-//! 2. The network is flooded from its ways out, the lowest reachable point first. Every piece falls from the point that is
-//!    reached later to the one reached earlier. Two floods meet at a *saddle*, the highest point between two ways out.
-//! 3. A point's height becomes the mean of two: the highest of its own and all below it on the way down, and the lowest of
-//!    its own and all above it. Neither ever rises on the way down, so their mean does not. Points that were in order keep
-//!    the height of equation (1).
-//! 4. Where that leaves level stretches, they become ramps by distance, between the heights half way to the next points
-//!    above and below. Then every piece falls.
+//! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *outlets* are the
+//!    vertices of the lower contour that it reaches. If there are none, its outlets are the hollows. These are the
+//!    lowest point, and each other low point that lies deeper than a share of the band below the pass to a deeper one.
+//! 2. The network is flooded from its outlets, the lowest reachable point first (priority flood). Every piece falls
+//!    from the point reached later to the point reached earlier. Two floods meet at a *saddle*, the highest point
+//!    between two outlets.
+//! 3. A point's new height is the mean of two: the highest of its own and all below it on the way down, and the lowest
+//!    of its own and all above it. Neither ever rises on the way down, so their mean does not. Points that were in
+//!    order keep the height of equation (1).
+//! 4. Where this leaves level stretches, they become ramps by distance. A ramp lies between the heights half way to the
+//!    next points above and below. Then every piece falls.
 //!
-//! A ridge is the same upside down: within one band it rises steadily from the tips of the lower contour to the upper
-//! contour, and a saddle is its lowest point between two of them. On a top the ways out are the peaks.
-//! No height leaves the open interval between the network's level and the next.
+//! A ridge is the same upside down. Within one band it rises steadily from the tips of the lower contour to the upper
+//! contour, and a saddle is its lowest point between two of them. On a top the outlets are the peaks. No height leaves
+//! the open interval between the network's level and the next.
 
 use std::collections::{BinaryHeap, HashMap};
 
@@ -33,21 +34,23 @@ use crate::tuning::SkeletonTuning;
 /// How the pieces of an axis fall.
 #[derive(Debug, Clone, Default)]
 pub struct Flow {
-    /// Height of each axis point, metres: NaN where the input was.
+    /// Height of each axis point, metres; NaN where the input is.
     pub heights: Vec<f64>,
-    /// By axis point: its turn in the flood from the ways out. Pieces run from a later turn to an earlier one.
+    /// By axis point: its number in the order of the flood from the outlets. Pieces fall from a higher number to a
+    /// lower one.
     pub turn: Vec<u32>,
-    /// By axis point: length of the longest way to a source against the flow (tips, saddles), map units.
+    /// By axis point: length of the longest way upstream to a source (a tip or a saddle), map units.
     pub upstream: Vec<f64>,
-    /// By axis point: length of the longest way to a way out, map units.
+    /// By axis point: length of the longest way downstream to an outlet, map units.
     pub downstream: Vec<f64>,
-    /// Points whose height was changed.
+    /// Number of points whose height was changed.
     pub moved: usize,
     /// The largest change, metres.
     pub most_moved: f64,
 }
 
-/// Directs all pieces and makes heights steady along them. `heights` are those of equation (1), one an axis point.
+/// Gives all pieces a direction, and makes heights fall along them. `heights` are those of equation (1), one per axis
+/// point.
 pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning: &SkeletonTuning) -> Flow {
     let count = axis.points.len();
     let graph = Graph {
@@ -93,7 +96,7 @@ pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning
     flow
 }
 
-/// Whether a line at this level of a sub-domain runs in ground that lies above the level: a ridge.
+/// Whether the ground around a line at this level of a sub-domain lies above the level: then the line is a ridge.
 pub(super) fn is_ridge(regions: &Regions, region: u32, level: f64) -> bool {
     regions.regions[region as usize].side(level) != Some(Side::Below)
 }
@@ -107,7 +110,7 @@ struct Graph<'a> {
 }
 
 impl Graph<'_> {
-    /// The points that `first` is connected with.
+    /// The points connected with `first`.
     fn network(&self, first: u32, seen: &mut [bool]) -> Vec<u32> {
         seen[first as usize] = true;
         let mut members = vec![first];
@@ -125,7 +128,7 @@ impl Graph<'_> {
         members
     }
 
-    /// Where the pieces at a point lead, and their lengths.
+    /// The other ends of the pieces at a point, with the lengths of the pieces.
     fn around(&self, p: u32) -> impl Iterator<Item = (End, f64)> + '_ {
         self.pieces_at.of(p as usize).iter().map(move |&id| {
             let [a, b] = self.axis.pieces[id as usize];
@@ -142,25 +145,25 @@ impl Graph<'_> {
     }
 }
 
-/// What a piece leads to, seen from one of its ends in the direction of the flow. Points are meant by their turn.
+/// The other end of a piece, seen along the flow. Points are given by their flood number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrameExtension {
     /// A point further down.
     Below(usize),
     /// A point further up.
     Above(usize),
-    /// A way out, at this height.
+    /// An outlet at this height.
     Out(f64),
     /// The tip of a bend: the flow begins at the network's own level.
     Source,
 }
 
-/// One network. Heights in here are upside down if it is a ridge, so that the flow always falls.
+/// One network. For a ridge, heights are upside down here: the flow always falls.
 struct Network<'a> {
     graph: &'a Graph<'a>,
     /// 1 in a canyon, -1 on a ridge.
     sign: f64,
-    /// Ends of the open interval that the heights lie in.
+    /// Ends of the open interval in which the heights lie.
     floor: f64,
     ceiling: f64,
     /// The points in the order of the flood.
@@ -168,7 +171,7 @@ struct Network<'a> {
 }
 
 impl<'a> Network<'a> {
-    /// Floods a network from its ways out.
+    /// Floods a network from its outlets.
     fn new(graph: &'a Graph<'a>, regions: &Regions, members: Vec<u32>, flow: &mut Flow) -> Self {
         let AxisPoint { region, level, .. } = graph.axis.points[members[0] as usize];
         let level = level.unwrap_or(f64::NAN);
@@ -184,7 +187,7 @@ impl<'a> Network<'a> {
         if roots.is_empty() {
             roots = network.hollows(&members, flow);
         }
-        // A member's turn is unset until it is reached, then set when it is taken from the heap.
+        // A member's flood number is set when the point is taken from the heap.
         let mut heap: BinaryHeap<Reached> = BinaryHeap::new();
         let mut number = 0;
         let mut reach = |heap: &mut BinaryHeap<Reached>, point: u32, height: f64| {
@@ -211,21 +214,21 @@ impl<'a> Network<'a> {
         network
     }
 
-    /// The height of a way out, none for anything else.
+    /// The height of an outlet; none for anything else.
     fn way_out(&self, end: End) -> Option<f64> {
         let End::Vertex(v) = end else { return None };
         let height = self.sign * self.graph.tin.heights[v as usize];
         (height != self.ceiling).then_some(height)
     }
 
-    /// The lowest point and all that lie deep enough below the way over to a lower one.
+    /// The lowest point, and all points deep enough below the pass to a lower one.
     fn hollows(&self, members: &[u32], flow: &Flow) -> Vec<u32> {
         let height = |k: usize| self.sign * flow.heights[members[k] as usize];
         let mut sorted: Vec<usize> = (0..members.len()).collect();
         sorted.sort_by(|&a, &b| height(a).total_cmp(&height(b)).then(a.cmp(&b)));
         let number: HashMap<u32, usize> = members.iter().enumerate().map(|(k, &p)| (p, k)).collect();
         let depth = self.graph.tuning.hollow_depth * (self.ceiling - self.floor);
-        // Water rises over all points together; the root of each pool is its lowest point.
+        // The water rises everywhere at once. The root of each pool is its lowest point.
         let mut pools = UnionFind::new(members.len());
         let mut wet = vec![false; members.len()];
         let mut found = vec![members[sorted[0]]];
@@ -252,7 +255,7 @@ impl<'a> Network<'a> {
         found
     }
 
-    /// The pieces at the point of turn `k`, with their lengths.
+    /// The other ends of the pieces at the point of flood number `k`, with the lengths of the pieces.
     fn extensions(&self, k: usize, turn: &'a [u32]) -> impl Iterator<Item = (FrameExtension, f64)> + '_ {
         self.graph.around(self.order[k]).map(move |(end, length)| {
             let extension = match end {
@@ -265,7 +268,7 @@ impl<'a> Network<'a> {
     }
 }
 
-/// Lengths along the flow and steady heights of one network, by turn.
+/// Lengths along the flow and steady heights of one network, by flood number.
 struct Settled {
     upstream: Vec<f64>,
     downstream: Vec<f64>,
@@ -303,11 +306,11 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
         }
     }
     let mut heights: Vec<f64> = highest.iter().zip(&lowest).map(|(a, b)| a.midpoint(*b)).collect();
-    // NaN: no contour borders the sub-domain, so that there is nothing to put in order.
+    // NaN means that no contour borders the sub-domain: there is nothing to put in order.
     if heights.iter().all(|h| h.is_finite()) {
         ramps(network, turn, &mut heights);
         for k in 0..count {
-            // Rounding may leave two points level that the ramp set apart.
+            // Rounding may make two points of the ramp level again.
             for (extension, _) in network.extensions(k, turn) {
                 if let FrameExtension::Below(j) = extension
                     && heights[k] <= heights[j]
@@ -382,7 +385,7 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
     }
 }
 
-/// An entry of the flood: the lowest comes first, then the earlier one.
+/// An entry of the flood's heap: the lowest comes first, then the earlier one.
 #[derive(PartialEq)]
 struct Reached {
     height: f64,

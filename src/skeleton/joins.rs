@@ -1,10 +1,10 @@
-//! Lines of neighbouring sub-domains meet in one vertex of the contour between them.
+//! Makes lines of neighbouring sub-domains meet in one vertex of the contour between them.
 //!
-//! A line that comes over a contour ends at the vertex that the last triangle of its sub-domain has there. The line that
-//! goes on beyond starts at the tip of the contour's bend, which is the middle of the bend seen from its own triangles.
-//! Often these are two vertices. Walking inwards from the tip, each triangle leaves one vertex of the bend behind; from
-//! that vertex the centre of the triangle's next edge can be reached without leaving the triangle. So the line beyond can
-//! start at any vertex of the bend, and starts where another line arrives.
+//! A line that crosses a contour ends at the contour vertex of the last triangle in its sub-domain. The line beyond
+//! starts at the tip of the contour's bend, the middle of the bend as its own triangles see it. These are often two
+//! vertices. On a walk from the tip inwards, each triangle passes one vertex of the bend. From that vertex the midpoint
+//! of the triangle's next edge can be reached inside the triangle. So the line beyond can start at any vertex of the
+//! bend. It starts where another line arrives.
 
 use std::collections::{HashMap, HashSet};
 
@@ -14,12 +14,12 @@ use super::pieces::End;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin};
 
-/// Moves the ends of lines at the tips of bends to where lines from the other side of the contour arrive.
+/// Moves the ends of lines at the tips of bends to the vertices where lines from the other side of the contour arrive.
 ///
-/// Returns for each piece whether it is to go.
+/// Returns for each piece whether it must be removed.
 ///
-/// The arrival nearest to the tip replaces the end at the tip, if no line arrives there; further ones join as side lines.
-/// They are joined up to `reach` widths of the bend away from the tip, along the axis.
+/// If no line arrives at the tip itself, the nearest arrival replaces the end at the tip. Further arrivals are joined
+/// by side lines. Arrivals up to `reach` times the width of the bend from the tip, along the axis, are joined.
 pub(super) fn join(
     tin: &Tin,
     regions: &Regions,
@@ -34,7 +34,7 @@ pub(super) fn join(
     }
     let mut removed = vec![false; draft.axis.pieces.len()];
     let mut added = Vec::new();
-    // Where lines were joined; a walk from another tip must leave them their line.
+    // Points where lines were joined. A walk from another tip must not remove these lines.
     let mut held = HashSet::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let piece = draft.piece_of[t as usize];
@@ -87,15 +87,16 @@ pub(super) fn join(
 /// A step of the walk from a tip inwards.
 struct Step {
     triangle: u32,
-    /// The edge that leads on.
+    /// The edge through which the walk continues.
     edge: usize,
-    /// The axis point on the edge that led here.
+    /// The axis point on the edge through which it came.
     from: u32,
-    /// The vertex that is left behind.
+    /// The vertex that it passes.
     left: u32,
 }
 
-/// Through the triangle across edge `edge` of `t` if one line runs through it; none at forks and at the end.
+/// The step through the triangle across edge `edge` of `t`, if exactly one line runs through it. None at forks and at
+/// the end.
 fn next_chord(tin: &Tin, elimination: &Elimination, draft: &Draft, t: u32, edge: usize) -> Option<Step> {
     let n = tin.across(t, edge)?;
     let piece = draft.piece_of[n as usize];

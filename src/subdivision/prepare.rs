@@ -1,4 +1,4 @@
-//! A map cut to its frame, with what has to be triangulated.
+//! A map cut to its frame, with all that is triangulated besides it.
 
 use super::constraints::Constraints;
 use super::water::{Water, WaterBodies, sea_level};
@@ -7,7 +7,7 @@ use crate::contour::{Clipped, ContourMap, Interval, clip, find_interval};
 use crate::geometry::with_corners_at;
 use crate::subdomains::{Frame, FrameRing, OpenEnd, extend_open_ends, extensions_at, frame_ring};
 
-/// A map in its frame, ready to be triangulated.
+/// A map in its frame, ready for the triangulation.
 pub(crate) struct Prepared {
     /// The map, cut to the frame.
     pub map: ContourMap,
@@ -20,10 +20,10 @@ pub(crate) struct Prepared {
     pub(super) findings: Vec<Finding>,
 }
 
-/// Cuts a map to its frame, and sees what has to be triangulated.
+/// Cuts a map to its frame, and collects what is triangulated besides the contours.
 ///
 /// # Errors
-/// When the map has fewer than two levels, or as [`subdivide_with_water`] for the sea.
+/// When the map has fewer than two levels, or when no contour lies at the level of the sea.
 pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();

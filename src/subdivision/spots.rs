@@ -8,7 +8,7 @@ use crate::contour::ContourMap;
 use crate::subdomains::Regions;
 use crate::tin::{Tin, VertexKind};
 
-/// Spot heights that contradict the levels around them, by their number in the map.
+/// Spot heights that contradict the levels around them, with their number in the map.
 pub(super) fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
     let number: HashMap<[u64; 2], usize> = map.spots.iter().enumerate().map(|(i, s)| (bits(s.truncate()), i)).collect();
     let mut told = HashSet::new();

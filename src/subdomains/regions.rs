@@ -10,9 +10,9 @@ use crate::base::rows::Rows;
 use crate::contour::Interval;
 use crate::tin::{NONE, Tin};
 
-/// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
+/// Sub-domains whose levels are more than this many intervals apart contain missing contours.
 pub(crate) const WIDE: f64 = 1.5;
-/// Share of a sub-domain's border that is most of it.
+/// A larger share of a sub-domain's border than this is most of it.
 const MOST: f64 = 0.75;
 
 /// The side of a level that ground lies on.
@@ -34,8 +34,8 @@ pub struct Band {
 }
 
 impl Band {
-    /// The height moved strictly inside the band, at least a thousandth of the band's width from both levels; an infinite band
-    /// holds all.
+    /// Moves the height strictly inside the band: at least a thousandth of the band's width from both levels. An
+    /// infinite band holds every height.
     pub fn strictly_inside(&self, height: f64) -> f64 {
         let margin = 1e-3 * (self.hi - self.lo);
         if margin.is_finite() { height.clamp(self.lo + margin, self.hi - margin) } else { height }
@@ -56,9 +56,9 @@ pub struct Region {
     pub levels: Vec<(f64, Side)>,
     /// One of its triangles.
     pub triangle: u32,
-    /// Whether it reaches the frame through the gates of a ragged outline.
+    /// Whether it reaches the frame through barrier edges of a ragged outline.
     pub outer: bool,
-    /// Height of the water where it is a lake or the sea: the band then is this one height.
+    /// Height of the water of a lake or the sea, whose band is this one height; none on land.
     pub water: Option<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Region {
         self.levels.get(k).is_some_and(|(l, _)| *l == level).then_some(k)
     }
 
-    /// Distance between the lowest and the highest level on the border.
+    /// Difference between the highest and the lowest level on the border.
     fn gap(&self) -> f64 {
         match (self.levels.first(), self.levels.last()) {
             (Some(lowest), Some(highest)) => highest.0 - lowest.0,
@@ -100,7 +100,7 @@ impl Regions {
         self.regions.get(self.of_triangle[t as usize] as usize)
     }
 
-    /// From a level to the next one on that side.
+    /// The band from a level to the next one on that side.
     pub fn beyond(&self, level: f64, side: Side) -> Band {
         beyond(&self.interval, level, side)
     }
@@ -113,7 +113,7 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
     }
 }
 
-/// Finds the sub-domains and the levels on their borders, not their bands, which are told otherwise.
+/// Finds the sub-domains and the levels on their borders. The bands are left open: [`regions`] finds those too.
 pub fn sub_domains(tin: &Tin, interval: &Interval) -> Regions {
     let (of_triangle, regions) = flood(tin);
     Regions { of_triangle, regions, interval: *interval }
@@ -127,8 +127,8 @@ pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
     Regions { of_triangle, regions, interval: *interval }
 }
 
-/// Numbers the connected components and collects the levels on their borders, the lowest as one that the ground lies
-/// above, the others as ones that it lies below.
+/// Numbers the connected components and collects the levels on their borders. At first every sub-domain counts as above
+/// its lowest level and below the others.
 fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
@@ -206,13 +206,15 @@ fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
     Rows::new(count, || all.iter().copied())
 }
 
-/// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
+/// Gives every sub-domain its sides and its band. It begins with sub-domains between two neighbouring levels, where
+/// both sides are known, and goes on outwards.
 ///
-/// Two are enough though other levels are on the border, if theirs is most of it: a line with a wrong elevation, or what is
-/// left of a missing contour, does not make the ground around it unknown.
+/// Other levels may be on the border too, if those two are most of it. So a line with a wrong elevation, or the rest of
+/// a missing contour, does not make the ground around it unknown.
 ///
-/// For the others each level asks its known neighbours: crossing a contour changes the side, and the longer common border
-/// wins where they disagree. That is the rule for peaks and pits, and also for the ground where contours are missing.
+/// For the other sub-domains each level takes its side from the neighbours that are known: crossing a contour changes
+/// the side. Where neighbours disagree, the longer common border wins. This is the rule for peaks and pits, and also
+/// for ground where contours are missing.
 fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
     let mut known: Vec<bool> = vec![false; regions.len()];
     for (r, region) in regions.iter_mut().enumerate() {
@@ -248,7 +250,7 @@ fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval
     }
 }
 
-/// The lower one of the two neighbouring levels that tell a sub-domain's band, by its number; `None` if it has none.
+/// The lower one of the two neighbouring levels that give a sub-domain's band, by its number; none if there are no two.
 fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option<usize> {
     let near = WIDE * interval.step;
     if region.levels.len() < 2 {
@@ -272,7 +274,8 @@ fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option
     (0..lengths.len() - 1).filter(is_pair).max_by(|&j, &k| of_pair(j).total_cmp(&of_pair(k)))
 }
 
-/// The levels of a sub-domain with the sides that its known neighbours give; as they were where none does.
+/// The levels of a sub-domain with the sides that its known neighbours give. Without a known neighbour a side stays as
+/// it was.
 fn vote(region: u32, regions: &[Region], borders: &Rows<Border>, known: &[bool]) -> Vec<(f64, Side)> {
     let mut balance = vec![0.0; regions[region as usize].levels.len()];
     for border in borders.of(region as usize).iter().filter(|b| known[b.other as usize]) {

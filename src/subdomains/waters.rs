@@ -1,7 +1,7 @@
-//! Sub-domains with water: lakes cut pieces out of them, the sea takes them whole.
+//! Sub-domains with water: lakes cut pieces out of them, the sea takes whole ones.
 //!
-//! Bands are found without the water, because a shore is no contour: it may touch neighbouring levels and says nothing
-//! about the side that the ground lies on. Only then is every sub-domain parted along its shores.
+//! Bands are found without the water, because a shore is no contour. It may touch neighbouring levels, and does not say
+//! on which side the ground lies. Only after that are sub-domains split along the shores.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,9 @@ use glam::DVec2;
 use super::{Band, Region, Regions, Side};
 use crate::tin::{NONE, Tin};
 
-/// Lakes whose height does not lie in the band of the sub-domain around them, or whose water reaches a contour of another level
-/// because the shore is open: number, a place in the lake, the band. `regions` are those without water, `heights` those of the
-/// lakes by their numbers.
+/// Lakes that contradict the contours: number, a point in the lake, and the band of the sub-domain around it. The
+/// height of such a lake lies outside the band, or its shore is open and its water reaches a contour of another level.
+/// `regions` are the sub-domains without water, `heights` those of the lakes by their numbers.
 pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<(u32, DVec2, Band)> {
     let mut told = BTreeSet::new();
     let mut outside = Vec::new();
@@ -29,10 +29,10 @@ pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<
     outside
 }
 
-/// The sub-domains parted along the shores of lakes, and those flat that reach only down to the sea.
+/// Splits the sub-domains along the shores of lakes. Those that border only on the coast, from below, become the sea.
 ///
-/// Water has a band of one height. Beside water, land goes no lower than the lowest shore unless a contour below bounds it.
-/// `heights` are those of the lakes by their numbers, `sea` is the level of the coast.
+/// Water has a band of one height. Land beside water does not lie below the lowest shore, unless a contour below bounds
+/// it. `heights` are those of the lakes by their numbers, `sea` is the level of the coast.
 pub fn with_water(regions: Regions, tin: &Tin, heights: &[f64], sea: Option<f64>) -> Regions {
     let mut regions = if heights.is_empty() { regions } else { parted(&regions, tin, heights) };
     if let Some(sea) = sea {
@@ -74,7 +74,7 @@ fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
     Regions { of_triangle, regions, interval: whole.interval }
 }
 
-/// What lies around a piece of sub-domain.
+/// The levels on the border of a piece of sub-domain.
 #[derive(Default)]
 struct Border {
     levels: Vec<f64>,
@@ -100,7 +100,7 @@ impl Border {
         }
     }
 
-    /// The piece that this lies around, `parent` being the whole sub-domain.
+    /// The sub-domain inside this border; `parent` is the whole one that it is a piece of.
     fn region(self, parent: &Region, triangle: u32, water: Option<f64>) -> Region {
         let mut levels: Vec<(f64, Side)> =
             parent.levels.iter().copied().filter(|(level, _)| self.levels.contains(level)).collect();
@@ -108,7 +108,7 @@ impl Border {
         if let Some(height) = water {
             band = Band { lo: height, hi: height };
         } else if let Some(&lowest) = self.shores.first() {
-            // Where contours are missing, ground can be told to lie below a level that the shore lies above.
+            // Where contours are missing, ground can count as below a level although the shore lies above that level.
             if levels.iter().all(|(level, side)| *side == Side::Below && lowest <= *level) {
                 band.lo = band.lo.max(lowest).min(band.hi);
             }
@@ -174,7 +174,7 @@ mod tests {
             let parent = Region { band: Band { lo, hi: 30.0 }, levels, triangle: 0, outer: false, water: None };
             border().region(&parent, 0, None).band
         };
-        // Where contours are missing, ground from 0 to 30 can be told to lie below both.
+        // Where contours are missing, ground from 0 to 30 can count as below both levels.
         assert_eq!(land(vec![(0.0, Side::Below), (30.0, Side::Below)], -10.0).lo, -10.0);
         assert_eq!(land(vec![(30.0, Side::Below)], 20.0).lo, 20.0);
         assert_eq!(land(vec![(30.0, Side::Below)], 10.0).lo, 17.5);

@@ -1,7 +1,7 @@
-//! Vertices and lines far from all others, and coordinates that are degrees.
+//! Vertices and lines far from all others, and coordinates in degrees.
 //!
-//! A slip in one digit of a coordinate throws a vertex far out and the next one back. A wrong zone, or degrees among metres,
-//! throws whole lines: they are split off the map at the widest gaps between its lines, seen along x and along y.
+//! A wrong digit in a coordinate moves one vertex far out. A wrong zone, or degrees among metres, moves whole lines.
+//! These lines are found by splitting the map at the widest gaps between its lines, along x and along y.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -11,25 +11,26 @@ use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
 use crate::crs::{Crs, CrsKind};
 
-/// A vertex is far if both its segments are longer than so many usual ones of its line,
+/// A vertex is far away if three conditions hold. First: each of its two segments is longer than this many median
+/// segments of its line.
 const JUMP_STEPS: f64 = 50.0;
-/// and than this share of the map,
+/// Second: each is longer than this share of the map's diagonal.
 const JUMP_OF_MAP: f64 = 0.05;
-/// and its neighbours are nearer to each other than this share of them.
+/// Third: its neighbours are nearer to each other than this share of the shorter of the two segments.
 const JUMP_BACK: f64 = 0.1;
 
-/// Lines are far if they are further from all others than so many diagonals of those. Islands of one map lie within a few of
-/// their own sizes; another zone is hundreds of kilometres away.
+/// Lines are far away if their distance from all others is more than this many diagonals of those. Islands of one map
+/// lie within a few of their own sizes; another zone is hundreds of kilometres away.
 const FAR: f64 = 10.0;
-/// The others must have this share of the vertices at least.
+/// The others must hold at least this share of the vertices.
 const MOST: f64 = 0.5;
-/// Most gaps that a map is split at.
+/// Largest number of gaps at which a map is split.
 const GAPS: usize = 64;
-/// Coordinates with a smaller usual distance between vertices, in map units, are degrees if they fit in ±180 and ±90: contours
-/// in metres have a vertex every metre or ten.
+/// Coordinates are taken for degrees if they fit in ±180 and ±90 and their vertices are closer than this on average
+/// (median), map units. Contours in metres have a vertex every one to ten metres.
 const DEGREE_SPACING: f64 = 0.02;
 
-/// All of them.
+/// Finds all of these faults.
 pub(super) fn find(map: &ContourMap, shape: &Shape) -> Vec<Finding> {
     let kind = map.crs.as_ref().and_then(Crs::kind);
     let all = shape.boxes.iter().fold(Box2::EMPTY, |b, other| b.with(other));
@@ -57,12 +58,12 @@ pub(super) fn find(map: &ContourMap, shape: &Shape) -> Vec<Finding> {
     findings
 }
 
-/// The diagonal of the box around the middle vertices of the lines, which single bad vertices do not widen.
+/// The diagonal of the box around the middle vertices of the lines. Single wrong vertices do not enlarge it.
 fn middle_diagonal(map: &ContourMap) -> f64 {
     Box2::of(map.contours.iter().filter_map(|c| c.points.get(c.points.len() / 2).copied())).diagonal()
 }
 
-/// The vertices of a line that are thrown out.
+/// The vertices of a line that lie far away.
 struct Slip {
     line: usize,
     vertices: Vec<usize>,
@@ -93,10 +94,10 @@ impl Slip {
     }
 }
 
-/// A vertex with those before and after it.
+/// A vertex between the vertex before it and the one after it.
 fn around(line: &Contour, i: usize) -> [DVec2; 3] {
     let n = line.points.len();
-    // A ring's first point is its last one.
+    // The first point of a ring is its last point again.
     let before = if i == 0 { n - 2 } else { i - 1 };
     [line.points[before], line.points[i], line.points[i + 1]]
 }
@@ -112,7 +113,7 @@ fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
                 away > JUMP_OF_MAP * diagonal && before.distance(after) < JUMP_BACK * away
             })
             .collect();
-        // With fewer vertices left there is nothing that says what is usual.
+        // With fewer vertices left, a median length means nothing.
         if vertices.is_empty() || n < vertices.len() + 4 {
             return None;
         }
@@ -126,19 +127,20 @@ fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
     map.contours.par_iter().enumerate().filter_map(of_line).collect()
 }
 
-/// Lines on one side of a gap.
+/// The lines on the lighter side of a gap, and the width of the gap.
 struct Apart {
     lines: Vec<u32>,
     gap: f64,
 }
 
-/// One finding for each group of lines that is far from the others.
+/// One finding per group of lines that is far from the others.
 fn far_lines(map: &ContourMap, boxes: &[Box2], kind: Option<CrsKind>, spacing: f64) -> Vec<Finding> {
     let weight = |lines: &[u32]| lines.iter().map(|&i| map.contours[i as usize].points.len()).sum::<usize>();
     let mut body: Vec<u32> = (0u32..).zip(boxes).filter(|(_, b)| !b.is_empty()).map(|(i, _)| i).collect();
     let all = weight(&body) as f64;
     let mut parts: Vec<Apart> = Vec::new();
-    // The body whose gap was wide enough last, by the number of parts split off before, and its box.
+    // The last split whose gap was wide enough: the number of parts that were split off by then, and the box of the
+    // rest.
     let mut found: Option<(usize, Box2)> = None;
     while parts.len() < GAPS {
         let Some((gap, low, high)) = widest_gap(&body, boxes) else { break };

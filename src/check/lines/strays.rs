@@ -1,4 +1,4 @@
-//! Vertices that stand out of a line which is smooth otherwise: slips of the hand or of a digit.
+//! Vertices that stand out of a line that is smooth otherwise. Digitising or typing errors make them.
 
 use rayon::prelude::*;
 

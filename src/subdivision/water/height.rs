@@ -1,4 +1,4 @@
-//! The height of a lake that brings none: that of its shore.
+//! The height of a lake that has none in the data: that of its shore.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::net::Net;
 use super::shores::Shores;
 use crate::geometry::point_distance;
 
-/// A shore runs along a contour if it does so for this share of its length.
+/// A shore runs along a contour if it does so for at least this share of its length.
 const ALONG: f64 = 0.8;
 
 /// The level of the contour that runs along the shore within `near`, if there is one.
@@ -29,8 +29,8 @@ pub(crate) fn level_along(polygon: &Polygon<f64>, net: &Net, near: f64) -> Optio
     (longest.1 >= ALONG * total).then(|| f64::from_bits(longest.0))
 }
 
-/// The lowest height that the ground has along the shore, in the sub-domain that most of the shore lies in; none if no
-/// part of the shore lies on known ground.
+/// The lowest ground along the shore, in the sub-domain that contains most of the shore. None if no part of the shore
+/// lies on ground of known height.
 pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, ground: &Shores) -> Option<f64> {
     let mut by_region: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
     let mut t = 0;
@@ -51,7 +51,7 @@ pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, ground: &Shores) -> Option
     lowest.is_finite().then(|| lowest.clamp(band.lo, band.hi))
 }
 
-/// Points along the shore with the length that each stands for: every vertex and the middle of every segment.
+/// Points along the shore, each with the length that it represents: every vertex and the middle of every segment.
 fn samples(polygon: &Polygon<f64>) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     polygon.exterior().lines().flat_map(|line| {
         let [a, b] = [line.start, line.end].map(|c| DVec2::new(c.x, c.y));

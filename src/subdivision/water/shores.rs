@@ -1,10 +1,10 @@
-//! What lakes are settled in.
+//! The data for placing lakes.
 
 use crate::contour::ContourMap;
 use crate::subdomains::{FrameExtension, FrameRing, Regions};
 use crate::tin::Tin;
 
-/// The ground without lakes.
+/// The map and its subdivision without lakes.
 pub(crate) struct Shores<'a> {
     pub map: &'a ContourMap,
     pub extensions: &'a [FrameExtension],
