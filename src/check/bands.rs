@@ -127,9 +127,9 @@ impl Explanation<'_> {
     /// Extra cost of the cheapest explanation in which a contour with this label does lie between two sub-domains, for
     /// several labels and pairs of sub-domains. Infinite where there is nothing to compare.
     pub fn margins(&self, wanted: &[(Label, [u32; 2])]) -> Vec<f64> {
-        let beyond = self.beyond(wanted.iter().filter_map(|&(_, sides)| Some(self.link(sides)?.0)));
+        let beyond = self.beyond(wanted.iter().filter_map(|&(_, sides)| Some(self.tree_edge(sides)?.0)));
         let margin = |&(label, sides): &(Label, [u32; 2])| {
-            let Some((child, parent, pair)) = self.link(sides) else { return f64::INFINITY };
+            let Some((child, parent, pair)) = self.tree_edge(sides) else { return f64::INFINITY };
             let (mut all, mut right) = (f64::INFINITY, f64::INFINITY);
             for (&above, &rest) in self.states[parent as usize].iter().zip(&beyond[child as usize]) {
                 for (&state, &cost) in self.states[child as usize].iter().zip(&self.costs[child as usize]) {
@@ -146,7 +146,7 @@ impl Explanation<'_> {
     }
 
     /// Child, parent and pair of two sub-domains, if both exist and are neighbours in the tree.
-    fn link(&self, [a, b]: [u32; 2]) -> Option<(u32, u32, u32)> {
+    fn tree_edge(&self, [a, b]: [u32; 2]) -> Option<(u32, u32, u32)> {
         [(a, b), (b, a)].into_iter().find_map(|(child, other)| {
             let (parent, pair) = (*self.tree.parent.get(child as usize)?)?;
             (parent == other).then_some((child, parent, pair))

@@ -14,7 +14,7 @@ use crate::tin::{NONE, Tin};
 
 /// Sub-domains at the frame with this many barrier edges lie beyond a ragged outline. They border on every level and
 /// show nothing.
-const RAGGED_GATES: u32 = 8;
+const RAGGED_BARRIERS: u32 = 8;
 
 /// The part of a line between two given sub-domains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,6 +152,6 @@ fn barriers(tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> 
             }
         }
     }
-    let ragged = regions.regions.iter().zip(number).map(|(r, n)| r.outer && n >= RAGGED_GATES).collect();
+    let ragged = regions.regions.iter().zip(number).map(|(r, n)| r.outer && n >= RAGGED_BARRIERS).collect();
     (explained, ragged)
 }

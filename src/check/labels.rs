@@ -172,7 +172,7 @@ fn facing(
 }
 
 /// Reports wrong labels, with their corrections.
-pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let elevation = |w: &Wrong| map.contours[w.line as usize].elevation;
     let fits = |w: &Wrong| w.levels.first().map(|&y| grid.elevation(y));
     let in_other_unit = |w: &&Wrong| fits(w).is_some_and(|to| is_other_unit(elevation(w), to));
@@ -184,7 +184,8 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         let Some(to) = fits(w) else {
             if let [lowest, .., highest] = w.apart[..] {
                 let message = format!(
-                    "between contours {} and {} only feature {feature} ({from} m) lies: of {} to {} all but one are missing",
+                    "between contours {} and {} there is only feature {feature} ({from} m): of the contours \
+                     {} to {} all others are missing",
                     grid.elevation(lowest - 1),
                     grid.elevation(highest + 1),
                     grid.elevation(lowest),
@@ -239,7 +240,7 @@ struct Steep {
 }
 
 /// Reports skipped levels, one finding per sub-domain, unless a line of such a level ends inside it.
-pub fn tell_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
+pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
     let Ground { map, tin, regions, .. } = *ground;
     let mut wanted: BTreeMap<u32, (Vec<i64>, Option<Steep>)> = BTreeMap::new();
     for (r, span) in spans.iter().enumerate() {
@@ -293,7 +294,7 @@ pub fn tell_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[O
 }
 
 /// Reports auxiliary contours, one note per elevation off the interval whose lines lie between its two levels.
-pub fn tell_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+pub fn report_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let is_wrong = |line: usize| wrong.binary_search_by_key(&(line as u32), |w| w.line).is_ok();
     let mut by_level: BTreeMap<(i64, u64), Vec<usize>> = BTreeMap::new();
     for (line, contour) in map.contours.iter().enumerate() {

@@ -35,9 +35,9 @@ pub(crate) fn judge(ground: &Ground) -> Judged {
     let spans = &explained.spans;
     let mut wrong = labels::wrong_labels(map, &graph, &explained, &grid);
     labels::settle_innermost(ground, &graph, &grid, spans, &mut wrong);
-    labels::tell_wrong(map, &grid, &wrong, &mut judged);
-    labels::tell_skipped(ground, &graph, &grid, spans, &mut judged);
-    labels::tell_auxiliary(map, &grid, &wrong, &mut judged);
-    ends::tell_ends(ground, &graph, &grid, &wrong, &mut judged);
+    labels::report_wrong(map, &grid, &wrong, &mut judged);
+    labels::report_skipped(ground, &graph, &grid, spans, &mut judged);
+    labels::report_auxiliary(map, &grid, &wrong, &mut judged);
+    ends::report_ends(ground, &graph, &grid, &wrong, &mut judged);
     judged
 }

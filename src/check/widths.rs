@@ -42,7 +42,7 @@ pub fn for_missing(tin: &Tin, regions: &Regions, graph: &Graph) -> Vec<f64> {
         return vec![0.0; count];
     }
     let widths = widths(tin, regions, &wanted);
-    let said = |r: usize| {
+    let evidence = |r: usize| {
         if !skips(r) {
             return 0.0;
         }
@@ -57,7 +57,7 @@ pub fn for_missing(tin: &Tin, regions: &Regions, graph: &Graph) -> Vec<f64> {
             _ => 0.0,
         }
     };
-    (0..count).map(said).collect()
+    (0..count).map(evidence).collect()
 }
 
 /// The median distance between contours of different level across each of the wanted sub-domains, weighted by length.

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::attach::attach;
-use super::draft::{Arrival, Draft};
+use super::axis_builder::{Arrival, AxisBuilder};
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
 use super::pieces::{Axis, End};
@@ -30,7 +30,7 @@ const NARROW_STEPS: f64 = 64.0;
 ///
 /// `join_reach` is [`SkeletonTuning::join_reach`](crate::tuning::SkeletonTuning::join_reach).
 pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination, join_reach: f64) -> Axis {
-    let mut draft = Draft {
+    let mut builder = AxisBuilder {
         axis: Axis::default(),
         of_edge: vec![[NONE; 3]; tin.len()],
         piece_of: vec![NONE; tin.len()],
@@ -46,35 +46,35 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         (0..3).filter(move |&i| is_chord(tin, t, i) && has_room(tin.neighbours[t as usize][i])).map(move |i| (t, i))
     });
     for (t, i) in chords.collect::<Vec<(u32, usize)>>() {
-        if draft.of_edge[t as usize][i] != NONE {
+        if builder.of_edge[t as usize][i] != NONE {
             continue;
         }
         let [u, v] = tin.edge(t, i);
         let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
-        let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
-        draft.of_edge[t as usize][i] = id;
+        let id = builder.add_point(regions, t, middle, tin.heights[u as usize]);
+        builder.of_edge[t as usize][i] = id;
         let n = tin.neighbours[t as usize][i];
         if let Some(j) = tin.edge_towards(n, t) {
-            draft.of_edge[n as usize][j] = id;
+            builder.of_edge[n as usize][j] = id;
         }
     }
     let is_flat = |t: u32| {
         let [a, b, c] = tin.corner_heights(t);
         a == b && b == c
     };
-    let bearing = triangles().filter(|&t| is_flat(t) || draft.of_edge[t as usize] != [NONE; 3]);
+    let bearing = triangles().filter(|&t| is_flat(t) || builder.of_edge[t as usize] != [NONE; 3]);
     for t in bearing.collect::<Vec<u32>>() {
         if is_flat(t) {
-            add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
+            add_flat(tin, kinds[t as usize], regions, elimination, &mut builder, t);
         } else {
-            add_arrival(tin, regions, elimination, &mut draft, t);
+            add_arrival(tin, regions, elimination, &mut builder, t);
         }
     }
-    let removed = join(tin, regions, elimination, &mut draft, join_reach);
-    attach(tin, kinds, regions, elimination, &mut draft, &removed);
+    let removed = join(tin, regions, elimination, &mut builder, join_reach);
+    attach(tin, kinds, regions, elimination, &mut builder, &removed);
     let mut removed = removed.into_iter().chain(std::iter::repeat(false));
-    draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
-    draft.axis
+    builder.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
+    builder.axis
 }
 
 /// Triangles no wider than this hold no points, map units.
@@ -86,34 +86,41 @@ pub(crate) fn narrow(tin: &Tin) -> f64 {
 }
 
 /// The pieces in a triangle with all corners on one level.
-fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
-    let of_edge = draft.of_edge[t as usize];
+fn add_flat(
+    tin: &Tin,
+    kind: TriangleKind,
+    regions: &Regions,
+    elimination: &Elimination,
+    builder: &mut AxisBuilder,
+    t: u32,
+) {
+    let of_edge = builder.of_edge[t as usize];
     let chords: Vec<u32> = of_edge.iter().copied().filter(|&p| p != NONE).collect();
     let level = tin.heights[tin.triangles[t as usize][0] as usize];
     let [a, b, c] = tin.corners(t);
     let kept = !elimination.dropped[t as usize];
     match kind {
         TriangleKind::Isolated => {
-            draft.add_point(regions, t, (a + b + c) / 3.0, level);
+            builder.add_point(regions, t, (a + b + c) / 3.0, level);
         }
         TriangleKind::Terminal if kept && chords.len() == 1 => {
             let i = (0..3).find(|&i| of_edge[i] != NONE).unwrap_or(0);
             if (1..3).all(|k| tin.border_level(t, (i + k) % 3).is_some()) {
                 let tip = tin.triangles[t as usize][(i + 2) % 3];
-                draft.add_piece(t, chords[0], End::Vertex(tip));
+                builder.add_piece(t, chords[0], End::Vertex(tip));
             }
         }
-        TriangleKind::Sleeve if kept && chords.len() == 2 => draft.add_piece(t, chords[0], End::Axis(chords[1])),
+        TriangleKind::Sleeve if kept && chords.len() == 2 => builder.add_piece(t, chords[0], End::Axis(chords[1])),
         TriangleKind::Junction if kept && chords.len() == 3 => {
             let live: Vec<u32> = (0..3)
                 .filter(|&i| tin.across(t, i).is_some_and(|n| !elimination.dropped[n as usize]))
                 .map(|i| of_edge[i])
                 .collect();
             if let [p, q] = live[..] {
-                draft.add_piece(t, p, End::Axis(q));
+                builder.add_piece(t, p, End::Axis(q));
             } else {
-                let centre = draft.add_point(regions, t, (a + b + c) / 3.0, level);
-                draft.axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
+                let centre = builder.add_point(regions, t, (a + b + c) / 3.0, level);
+                builder.axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
             }
         }
         _ => {}
@@ -122,8 +129,8 @@ fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elim
 
 /// The piece from a chord to the next contour. The triangle has two corners on one level, and the third on the contour
 /// to which the ground rises or falls.
-fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
-    let Some(i) = (0..3).find(|&i| draft.of_edge[t as usize][i] != NONE) else { return };
+fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, builder: &mut AxisBuilder, t: u32) {
+    let Some(i) = (0..3).find(|&i| builder.of_edge[t as usize][i] != NONE) else { return };
     let kept = |t: u32| !elimination.dropped[t as usize];
     if !kept(t) || !tin.across(t, i).is_some_and(kept) {
         return;
@@ -137,8 +144,8 @@ fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &
         None => false,
     };
     if onwards && tin.kinds[apex as usize] == VertexKind::Contour {
-        draft.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
-        draft.add_piece(t, draft.of_edge[t as usize][i], End::Vertex(apex));
+        builder.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
+        builder.add_piece(t, builder.of_edge[t as usize][i], End::Vertex(apex));
     }
 }
 

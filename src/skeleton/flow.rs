@@ -38,7 +38,7 @@ pub struct Flow {
     pub heights: Vec<f64>,
     /// By axis point: its number in the order of the flood from the outlets. Pieces fall from a higher number to a
     /// lower one.
-    pub turn: Vec<u32>,
+    pub flood_number: Vec<u32>,
     /// By axis point: length of the longest way upstream to a source (a tip or a saddle), map units.
     pub upstream: Vec<f64>,
     /// By axis point: length of the longest way downstream to an outlet, map units.
@@ -69,7 +69,7 @@ pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning
     };
     let mut flow = Flow {
         heights: heights.clone(),
-        turn: vec![NONE; count],
+        flood_number: vec![NONE; count],
         upstream: vec![0.0; count],
         downstream: vec![0.0; count],
         ..Flow::default()
@@ -117,7 +117,7 @@ impl Graph<'_> {
         let mut next = 0;
         while let Some(&p) = members.get(next) {
             next += 1;
-            for (end, _) in self.around(p) {
+            for (end, _) in self.neighbours(p) {
                 if let End::Axis(q) = end
                     && !std::mem::replace(&mut seen[q as usize], true)
                 {
@@ -129,7 +129,7 @@ impl Graph<'_> {
     }
 
     /// The other ends of the pieces at a point, with the lengths of the pieces.
-    fn around(&self, p: u32) -> impl Iterator<Item = (End, f64)> + '_ {
+    fn neighbours(&self, p: u32) -> impl Iterator<Item = (End, f64)> + '_ {
         self.pieces_at.of(p as usize).iter().map(move |&id| {
             let [a, b] = self.axis.pieces[id as usize];
             let other = if a == End::Axis(p) { b } else { a };
@@ -147,13 +147,13 @@ impl Graph<'_> {
 
 /// The other end of a piece, seen along the flow. Points are given by their flood number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrameExtension {
+enum Neighbour {
     /// A point further down.
     Below(usize),
     /// A point further up.
     Above(usize),
     /// An outlet at this height.
-    Out(f64),
+    Outlet(f64),
     /// The tip of a bend: the flow begins at the network's own level.
     Source,
 }
@@ -182,7 +182,7 @@ impl<'a> Network<'a> {
         let mut network = Self { graph, sign, floor, ceiling: sign * level, order: Vec::new() };
         let height = |p: u32, flow: &Flow| sign * flow.heights[p as usize];
         let leads_out =
-            |p: &u32| graph.around(*p).any(|(end, _)| network.way_out(end).is_some_and(|out| out.is_finite()));
+            |p: &u32| graph.neighbours(*p).any(|(end, _)| network.outlet(end).is_some_and(|out| out.is_finite()));
         let mut roots: Vec<u32> = members.iter().copied().filter(leads_out).collect();
         if roots.is_empty() {
             roots = network.hollows(&members, flow);
@@ -198,14 +198,14 @@ impl<'a> Network<'a> {
             reach(&mut heap, p, height(p, flow));
         }
         while let Some(Reached { height: reached, point, .. }) = heap.pop() {
-            if flow.turn[point as usize] != NONE {
+            if flow.flood_number[point as usize] != NONE {
                 continue;
             }
-            flow.turn[point as usize] = network.order.len() as u32;
+            flow.flood_number[point as usize] = network.order.len() as u32;
             network.order.push(point);
-            for (end, _) in graph.around(point) {
+            for (end, _) in graph.neighbours(point) {
                 if let End::Axis(q) = end
-                    && flow.turn[q as usize] == NONE
+                    && flow.flood_number[q as usize] == NONE
                 {
                     reach(&mut heap, q, reached.max(height(q, flow)));
                 }
@@ -215,7 +215,7 @@ impl<'a> Network<'a> {
     }
 
     /// The height of an outlet; none for anything else.
-    fn way_out(&self, end: End) -> Option<f64> {
+    fn outlet(&self, end: End) -> Option<f64> {
         let End::Vertex(v) = end else { return None };
         let height = self.sign * self.graph.tin.heights[v as usize];
         (height != self.ceiling).then_some(height)
@@ -234,7 +234,7 @@ impl<'a> Network<'a> {
         let mut found = vec![members[sorted[0]]];
         for &k in &sorted {
             wet[k] = true;
-            for (end, _) in self.graph.around(members[k]) {
+            for (end, _) in self.graph.neighbours(members[k]) {
                 let End::Axis(q) = end else { continue };
                 let other = number[&q];
                 if !wet[other] {
@@ -256,14 +256,16 @@ impl<'a> Network<'a> {
     }
 
     /// The other ends of the pieces at the point of flood number `k`, with the lengths of the pieces.
-    fn extensions(&self, k: usize, turn: &'a [u32]) -> impl Iterator<Item = (FrameExtension, f64)> + '_ {
-        self.graph.around(self.order[k]).map(move |(end, length)| {
-            let extension = match end {
-                End::Axis(q) if (turn[q as usize] as usize) < k => FrameExtension::Below(turn[q as usize] as usize),
-                End::Axis(q) => FrameExtension::Above(turn[q as usize] as usize),
-                End::Vertex(_) => self.way_out(end).map_or(FrameExtension::Source, FrameExtension::Out),
+    fn directed(&self, k: usize, flood_number: &'a [u32]) -> impl Iterator<Item = (Neighbour, f64)> + '_ {
+        self.graph.neighbours(self.order[k]).map(move |(end, length)| {
+            let neighbour = match end {
+                End::Axis(q) if (flood_number[q as usize] as usize) < k => {
+                    Neighbour::Below(flood_number[q as usize] as usize)
+                }
+                End::Axis(q) => Neighbour::Above(flood_number[q as usize] as usize),
+                End::Vertex(_) => self.outlet(end).map_or(Neighbour::Source, Neighbour::Outlet),
             };
-            (extension, length)
+            (neighbour, length)
         })
     }
 }
@@ -277,30 +279,30 @@ struct Settled {
 
 fn settle(network: &Network, flow: &Flow) -> Settled {
     let count = network.order.len();
-    let turn = &flow.turn;
+    let flood_number = &flow.flood_number;
     let own: Vec<f64> = network.order.iter().map(|&p| network.sign * flow.heights[p as usize]).collect();
     let (mut downstream, mut upstream) = (vec![0.0f64; count], vec![0.0f64; count]);
     let (mut highest, mut lowest) = (own.clone(), own);
     for k in 0..count {
-        for (extension, length) in network.extensions(k, turn) {
-            match extension {
-                FrameExtension::Below(j) => {
+        for (neighbour, length) in network.directed(k, flood_number) {
+            match neighbour {
+                Neighbour::Below(j) => {
                     downstream[k] = downstream[k].max(length + downstream[j]);
                     highest[k] = highest[k].max(highest[j]);
                 }
-                FrameExtension::Out(_) => downstream[k] = downstream[k].max(length),
+                Neighbour::Outlet(_) => downstream[k] = downstream[k].max(length),
                 _ => {}
             }
         }
     }
     for k in (0..count).rev() {
-        for (extension, length) in network.extensions(k, turn) {
-            match extension {
-                FrameExtension::Above(j) => {
+        for (neighbour, length) in network.directed(k, flood_number) {
+            match neighbour {
+                Neighbour::Above(j) => {
                     upstream[k] = upstream[k].max(length + upstream[j]);
                     lowest[k] = lowest[k].min(lowest[j]);
                 }
-                FrameExtension::Source => upstream[k] = upstream[k].max(length),
+                Neighbour::Source => upstream[k] = upstream[k].max(length),
                 _ => {}
             }
         }
@@ -308,11 +310,11 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
     let mut heights: Vec<f64> = highest.iter().zip(&lowest).map(|(a, b)| a.midpoint(*b)).collect();
     // NaN means that no contour borders the sub-domain: there is nothing to put in order.
     if heights.iter().all(|h| h.is_finite()) {
-        ramps(network, turn, &mut heights);
+        ramps(network, flood_number, &mut heights);
         for k in 0..count {
             // Rounding may make two points of the ramp level again.
-            for (extension, _) in network.extensions(k, turn) {
-                if let FrameExtension::Below(j) = extension
+            for (neighbour, _) in network.directed(k, flood_number) {
+                if let Neighbour::Below(j) = neighbour
                     && heights[k] <= heights[j]
                 {
                     heights[k] = heights[j].next_up();
@@ -324,7 +326,7 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
 }
 
 /// Turns level stretches into ramps by distance, between the heights half way to the neighbours above and below.
-fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
+fn ramps(network: &Network, flood_number: &[u32], heights: &mut [f64]) {
     let count = heights.len();
     let level = heights.to_vec();
     let mut seen = vec![false; count];
@@ -339,17 +341,17 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let (mut above, mut below) = (f64::INFINITY, f64::NEG_INFINITY);
         while let Some(&k) = stretch.get(next) {
             next += 1;
-            for (extension, _) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Below(j) | FrameExtension::Above(j) if level[j] == height => {
+            for (neighbour, _) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Below(j) | Neighbour::Above(j) if level[j] == height => {
                         if !std::mem::replace(&mut seen[j], true) {
                             stretch.push(j);
                         }
                     }
-                    FrameExtension::Below(j) => below = below.max(level[j]),
-                    FrameExtension::Above(j) => above = above.min(level[j]),
-                    FrameExtension::Out(out) => below = below.max(out),
-                    FrameExtension::Source => above = above.min(network.ceiling),
+                    Neighbour::Below(j) => below = below.max(level[j]),
+                    Neighbour::Above(j) => above = above.min(level[j]),
+                    Neighbour::Outlet(out) => below = below.max(out),
+                    Neighbour::Source => above = above.min(network.ceiling),
                 }
             }
         }
@@ -362,19 +364,19 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let top = if above.is_finite() { height.midpoint(above) } else { height + spread * (network.ceiling - height) };
         stretch.sort_unstable();
         for &k in &stretch {
-            for (extension, length) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
-                    FrameExtension::Below(_) | FrameExtension::Out(_) => down[k] = down[k].max(length),
+            for (neighbour, length) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
+                    Neighbour::Below(_) | Neighbour::Outlet(_) => down[k] = down[k].max(length),
                     _ => {}
                 }
             }
         }
         for &k in stretch.iter().rev() {
-            for (extension, length) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
-                    FrameExtension::Above(_) | FrameExtension::Source => up[k] = up[k].max(length),
+            for (neighbour, length) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
+                    Neighbour::Above(_) | Neighbour::Source => up[k] = up[k].max(length),
                     _ => {}
                 }
             }

@@ -8,7 +8,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::draft::{Draft, beyond};
+use super::axis_builder::{AxisBuilder, beyond};
 use super::eliminate::Elimination;
 use super::pieces::End;
 use crate::subdomains::{Regions, Side};
@@ -24,25 +24,25 @@ pub(super) fn join(
     tin: &Tin,
     regions: &Regions,
     elimination: &Elimination,
-    draft: &mut Draft,
+    builder: &mut AxisBuilder,
     reach: f64,
 ) -> Vec<bool> {
     let mut arrivals: HashMap<u32, Vec<(u32, Option<Side>)>> = HashMap::new();
-    for arrival in &draft.arrivals {
+    for arrival in &builder.arrivals {
         let side = beyond(tin, regions, arrival);
         arrivals.entry(arrival.vertex).or_default().push((arrival.region, side));
     }
-    let mut removed = vec![false; draft.axis.pieces.len()];
+    let mut removed = vec![false; builder.axis.pieces.len()];
     let mut added = Vec::new();
     // Points where lines were joined. A walk from another tip must not remove these lines.
     let mut held = HashSet::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
-        let piece = draft.piece_of[t as usize];
+        let piece = builder.piece_of[t as usize];
         if piece == NONE {
             continue;
         }
-        let [End::Axis(first), End::Vertex(tip)] = draft.axis.pieces[piece as usize] else { continue };
-        let level = draft.axis.points[first as usize].level;
+        let [End::Axis(first), End::Vertex(tip)] = builder.axis.pieces[piece as usize] else { continue };
+        let level = builder.axis.points[first as usize].level;
         if level != Some(tin.heights[tip as usize]) {
             continue;
         }
@@ -52,35 +52,35 @@ pub(super) fn join(
             arrivals.get(&v).is_some_and(|from| from.iter().any(|&(other, way)| other != region && way == side))
         };
         let mut ends_here = arrives(tip);
-        let mut stub = vec![piece];
-        let mut length = draft.axis.points[first as usize].position.distance(tin.positions[tip as usize]);
-        let Some(edge) = (0..3).find(|&i| draft.of_edge[t as usize][i] == first) else { continue };
+        let mut passed = vec![piece];
+        let mut length = builder.axis.points[first as usize].position.distance(tin.positions[tip as usize]);
+        let Some(edge) = (0..3).find(|&i| builder.of_edge[t as usize][i] == first) else { continue };
         let (mut t, mut edge) = (t, edge);
-        while let Some(step) = next_chord(tin, elimination, draft, t, edge) {
+        while let Some(step) = next_chord(tin, elimination, builder, t, edge) {
             (t, edge) = (step.triangle, step.edge);
-            let here = draft.of_edge[t as usize][edge];
+            let here = builder.of_edge[t as usize][edge];
             let width = tin.edge_length(t, edge);
-            let position = draft.axis.points[here as usize].position;
-            length += position.distance(draft.axis.points[step.from as usize].position);
+            let position = builder.axis.points[here as usize].position;
+            length += position.distance(builder.axis.points[step.from as usize].position);
             if length > reach * width || held.contains(&here) {
                 break;
             }
-            stub.push(draft.piece_of[t as usize]);
-            if arrives(step.left) && draft.crossed.insert(t) {
+            passed.push(builder.piece_of[t as usize]);
+            if arrives(step.left) && builder.crossed.insert(t) {
                 held.insert(here);
                 added.push([End::Axis(here), End::Vertex(step.left)]);
                 if !std::mem::replace(&mut ends_here, true) {
-                    stub.iter().for_each(|&p| removed[p as usize] = true);
+                    passed.iter().for_each(|&p| removed[p as usize] = true);
                 }
             }
         }
     }
     for t in 0..tin.len() {
-        if draft.piece_of[t] != NONE && removed[draft.piece_of[t] as usize] {
-            draft.piece_of[t] = NONE;
+        if builder.piece_of[t] != NONE && removed[builder.piece_of[t] as usize] {
+            builder.piece_of[t] = NONE;
         }
     }
-    draft.axis.pieces.extend(added);
+    builder.axis.pieces.extend(added);
     removed
 }
 
@@ -97,16 +97,16 @@ struct Step {
 
 /// The step through the triangle across edge `edge` of `t`, if exactly one line runs through it. None at forks and at
 /// the end.
-fn next_chord(tin: &Tin, elimination: &Elimination, draft: &Draft, t: u32, edge: usize) -> Option<Step> {
+fn next_chord(tin: &Tin, elimination: &Elimination, builder: &AxisBuilder, t: u32, edge: usize) -> Option<Step> {
     let n = tin.across(t, edge)?;
-    let piece = draft.piece_of[n as usize];
+    let piece = builder.piece_of[n as usize];
     if piece == NONE || elimination.dropped[n as usize] {
         return None;
     }
-    let from = draft.of_edge[t as usize][edge];
-    let [a, b] = draft.axis.pieces[piece as usize];
+    let from = builder.of_edge[t as usize][edge];
+    let [a, b] = builder.axis.pieces[piece as usize];
     let on = if a == End::Axis(from) { b } else { a };
     let End::Axis(on) = on else { return None };
-    let edge = draft.of_edge[n as usize].iter().position(|&p| p == on)?;
+    let edge = builder.of_edge[n as usize].iter().position(|&p| p == on)?;
     Some(Step { triangle: n, edge, from, left: tin.triangles[n as usize][(edge + 2) % 3] })
 }

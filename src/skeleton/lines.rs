@@ -50,7 +50,7 @@ pub fn break_lines(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow) -> Ve
 /// The ends of a piece in the direction of the flow: down in canyons, up on ridges.
 fn directed(tin: &Tin, axis: &Axis, flow: &Flow, [a, b]: [End; 2]) -> [End; 2] {
     let forward = match (a, b) {
-        (End::Axis(p), End::Axis(q)) => flow.turn[p as usize] > flow.turn[q as usize],
+        (End::Axis(p), End::Axis(q)) => flow.flood_number[p as usize] > flow.flood_number[q as usize],
         (End::Axis(p), End::Vertex(v)) => axis.points[p as usize].level != Some(tin.heights[v as usize]),
         (End::Vertex(v), End::Axis(p)) => axis.points[p as usize].level == Some(tin.heights[v as usize]),
         (End::Vertex(_), End::Vertex(_)) => true,

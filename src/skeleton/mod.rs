@@ -6,10 +6,10 @@
 
 mod attach;
 mod axis;
+mod axis_builder;
 mod break_line;
 mod build;
 mod caps;
-mod draft;
 mod edges;
 mod eliminate;
 mod flow;

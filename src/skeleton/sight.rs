@@ -83,7 +83,7 @@ fn onwards(tin: &Tin, t: u32, vertex: u32, sight: &Sight) -> Option<u32> {
             _ => false,
         }
     };
-    around(tin, t, vertex).find(leads_on).map(|(t, _)| t)
+    reachable_around(tin, t, vertex).find(leads_on).map(|(t, _)| t)
 }
 
 /// A view through an edge: the triangle that it leaves, the edge, and the directions of the right and left limit of
@@ -171,7 +171,7 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
 /// The segment itself may be hidden.
 fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
     let at = tin.positions[vertex as usize];
-    around(tin, t, vertex).any(|(t, k)| {
+    reachable_around(tin, t, vertex).any(|(t, k)| {
         // Edge k leads from the vertex, edge k + 2 to it.
         [(k, k + 1), (k + 2, k + 2)].into_iter().any(|(edge, end)| {
             let away = tin.corners(t)[end % 3] - at;
@@ -182,7 +182,7 @@ fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
 
 /// The triangles around a vertex that can be reached from `first` without crossing a contour or the frame, each with
 /// the corner number of the vertex.
-fn around(tin: &Tin, first: u32, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+fn reachable_around(tin: &Tin, first: u32, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
     let corner = move |t: u32| tin.triangles[t as usize].iter().position(|&v| v == vertex).map(|k| (t, k));
     let turn = move |step: usize| {
         std::iter::successors(corner(first), move |&(t, k)| {

@@ -48,18 +48,18 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
         Frame::Polygon(_) => frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
-    let on_links = extensions_at(&map.spots, &extensions, tolerance);
-    for (spot, extension) in map.spots.iter().zip(&on_links) {
+    let on_extensions = extensions_at(&map.spots, &extensions, tolerance);
+    for (spot, extension) in map.spots.iter().zip(&on_extensions) {
         if let Some(extension) = extension.filter(|extension| extension.elevation != spot.z) {
             let message = format!(
-                "the spot height {} m lies where the contour {} m leads on to the frame; it is left out",
+                "the spot height {} m lies on the extension of the contour {} m to the frame; it is left out",
                 spot.z, extension.elevation
             );
             let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
             findings.push(finding.of_elevations([spot.z, extension.elevation]));
         }
     }
-    let spots = on_links.iter().map(Option::is_none).collect();
+    let spots = on_extensions.iter().map(Option::is_none).collect();
     let constraints =
         Constraints { is_polygon, extensions, tolerance, spots, water_bodies: WaterBodies::default(), sea };
     Ok(Prepared { map, frame, interval, ends, constraints, findings })

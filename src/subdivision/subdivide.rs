@@ -7,7 +7,7 @@ use super::constraints::{Constraints, Found};
 use super::frame_heights::with_frame_heights;
 use super::known::known_regions;
 use super::prepare::{Prepared, prepare};
-use super::water::{Shores, Water, settle};
+use super::water::{DrySubdivision, Water, settle};
 use crate::base::error::{Report, Result};
 use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge};
@@ -81,14 +81,14 @@ impl Prepared {
         let mut found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         if !water.lakes.is_empty() {
             let ground = with_frame_heights(found.tin, &found.regions, &|_| None);
-            let shores = Shores {
+            let dry = DrySubdivision {
                 map: &map,
                 extensions: &constraints.extensions,
                 frame: &frame,
                 tin: &ground,
                 regions: &found.regions,
             };
-            let (water_bodies, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+            let (water_bodies, with_ends) = settle(&water.lakes, &dry, &mut findings)?;
             (constraints.water_bodies, frame) = (water_bodies, with_ends);
             found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         }

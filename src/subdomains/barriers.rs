@@ -13,10 +13,10 @@ use crate::base::bits::bits;
 use crate::tin::{Tin, VertexKind};
 
 /// Largest turn between the end of a line and the gap closure that continues it, as a cosine: 60 degrees.
-const COS_BRIDGE_TURN: f64 = 0.5;
+const COS_CLOSURE_TURN: f64 = 0.5;
 
 /// Longest gap closure, as a share of the length of the shorter line.
-const BRIDGE_SHARE: f64 = 0.5;
+const CLOSURE_SHARE: f64 = 0.5;
 
 /// Edges that close openings between the ends of contours, as pairs of vertices.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -50,30 +50,30 @@ pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> GapEdges {
             if (a.at_frame && b.at_frame) || (a.elevation - b.elevation).abs() > 1.001 * step {
                 continue;
             }
-            if is_bridge(a, b) {
+            if is_closure(a, b) {
                 gaps.closures.push([u, v]);
             } else if a.contour != b.contour {
                 gaps.barriers.push([u, v]);
             }
         }
     }
-    gaps.keep_single_bridges(tin);
+    gaps.keep_single_closures(tin);
     gaps
 }
 
-fn is_bridge(a: &OpenEnd, b: &OpenEnd) -> bool {
+fn is_closure(a: &OpenEnd, b: &OpenEnd) -> bool {
     let across = b.position - a.position;
     let length = across.length();
-    let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_BRIDGE_TURN * length;
+    let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_CLOSURE_TURN * length;
     a.elevation == b.elevation
-        && length <= BRIDGE_SHARE * a.length.min(b.length)
+        && length <= CLOSURE_SHARE * a.length.min(b.length)
         && ahead(a, across)
         && ahead(b, -across)
 }
 
 impl GapEdges {
     /// Leaves each end its shortest gap closure; the longer ones become barrier edges.
-    fn keep_single_bridges(&mut self, tin: &Tin) {
+    fn keep_single_closures(&mut self, tin: &Tin) {
         let length = |[u, v]: [u32; 2]| tin.positions[u as usize].distance(tin.positions[v as usize]);
         self.closures.sort_by(|a, b| length(*a).total_cmp(&length(*b)).then(a.cmp(b)));
         let mut taken = HashSet::new();
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ragged_outline_is_closed_by_gates() {
+    fn a_ragged_outline_is_closed_by_barrier_edges() {
         // Lines whose right ends draw back from the hull in the middle.
         let (tin, gaps) = gaps_of(&[
             (0.0, &[(0.0, 0.0), (100.0, 0.0), (300.0, 0.0)]),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_is_bridged_where_the_ends_point_at_each_other() {
+    fn a_gap_is_closed_where_the_ends_point_at_each_other() {
         let (tin, gaps) = gaps_of(&[
             (0.0, &[(0.0, 0.0), (50.0, 0.0), (100.0, 0.0)]),
             (10.0, &[(0.0, 20.0), (25.0, 20.0), (47.0, 20.0)]),

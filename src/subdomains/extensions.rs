@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_that_see_the_frame_are_linked_and_others_stay_open() {
+    fn ends_that_see_the_frame_are_extended_and_others_stay_open() {
         // The middle line stops short of the frame on the left; on the right a wall of another level blocks the view.
         let map = map(&[
             (0.0, &[(0.0, 0.0), (100.0, 0.0)]),
@@ -241,8 +241,8 @@ mod tests {
     }
 
     #[test]
-    fn no_link_ends_on_a_contour_along_the_frame() {
-        // The nearest point of the frame lies, up to rounding, on the slanting line of level 0 that is part of the hull.
+    fn no_extension_ends_on_a_contour_along_the_frame() {
+        // Up to rounding, the nearest point of the frame lies on the slanting line of level 0, a part of the hull.
         for k in 0..20 {
             let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
             let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
@@ -253,8 +253,8 @@ mod tests {
     }
 
     #[test]
-    fn no_link_ends_where_a_contour_does() {
-        // The nearest point of the frame is the end of another level, but for a rounding error to one side or the other.
+    fn no_extension_ends_where_a_contour_does() {
+        // The nearest point of the frame is the end of another level, but for a rounding error to either side.
         for off in [0.0, 3e-14, -3e-14] {
             let map = map(&[
                 (0.0, &[(20.0, 150.0), (190.0, 50.0), (200.0, 300.0), (20.0, 300.0)]),
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn no_link_passes_a_vertex_by() {
+    fn no_extension_runs_close_by_a_vertex() {
         // The way down to the frame passes a vertex of level 20, but for a rounding error to one side or the other.
         for off in [0.0, 3e-14, -3e-14] {
             let map = map(&[
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_ends_at_the_corner_beside_it_and_spot_heights_on_it_are_known() {
+    fn an_extension_ends_at_the_corner_beside_it_and_spot_heights_on_it_are_known() {
         let map = map(&[(0.0, &[(0.0, 0.0), (100.0, 0.0)]), (10.0, &[(2.0, 50.0), (100.0, 50.0)])]);
         let ring = FrameRing {
             area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
@@ -294,8 +294,9 @@ mod tests {
         assert_eq!(of_10.len(), 1);
         assert_eq!(of_10[0].frame, DVec2::new(1e-13, 50.0));
         let spots = [DVec3::new(0.0, 50.0, 3.0), DVec3::new(1.0, 50.0 + 1e-9, 3.0), DVec3::new(1.0, 51.0, 3.0)];
-        let on_link: Vec<bool> = extensions_at(&spots, &extensions, tolerance).iter().map(Option::is_some).collect();
-        assert_eq!(on_link, [true, true, false]);
+        let on_extension: Vec<bool> =
+            extensions_at(&spots, &extensions, tolerance).iter().map(Option::is_some).collect();
+        assert_eq!(on_extension, [true, true, false]);
     }
 
     #[test]

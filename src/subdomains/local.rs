@@ -25,11 +25,11 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
                 .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
     };
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
-    let told = |t: u32| Some((t, corner_band(tin, t)?));
+    let known = |t: u32| Some((t, corner_band(tin, t)?));
     let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t) && !is_beside_wrong(t));
-    let told: Vec<(u32, Band)> = wide.filter_map(told).collect();
-    let mut bands: HashMap<u32, Band> = told.iter().copied().collect();
-    let mut open: VecDeque<(u32, Band)> = told.into();
+    let known: Vec<(u32, Band)> = wide.filter_map(known).collect();
+    let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
+    let mut open: VecDeque<(u32, Band)> = known.into();
     while let Some((t, band)) = open.pop_front() {
         for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong(n)) {
             bands.entry(n).or_insert_with(|| {

@@ -1,8 +1,8 @@
 //! Sub-domains and their bands (paper, section 3.2, for open contours too).
 //!
-//! A sub-domain is what a flood over the triangulation reaches without crossing a contour; the frame closes it where
-//! contours run off the map. Two levels on its border give its band. Where there is only one, the side is known from the
-//! neighbour: crossing a contour changes the side.
+//! A sub-domain is a set of triangles that are connected without crossing a contour. Where contours run off the map,
+//! the frame closes it. Two levels on its border give its band. Where there is only one level, the neighbour decides
+//! the side: crossing a contour changes the side.
 
 use rayon::prelude::*;
 
@@ -144,7 +144,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                 levels.push(level);
             }
         };
-        let (mut at_frame, mut at_gate) = (false, false);
+        let (mut at_frame, mut at_barrier) = (false, false);
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -155,7 +155,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                 }
                 if tin.is_barrier(t, i) {
                     tin.edge(t, i).iter().for_each(|&v| add(tin.heights[v as usize]));
-                    at_gate = true;
+                    at_barrier = true;
                     continue;
                 }
                 match tin.inner_neighbour(t, i) {
@@ -175,7 +175,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
             band: Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY },
             levels: levels.into_iter().enumerate().map(|(k, level)| (level, side(k))).collect(),
             triangle: first,
-            outer: at_frame && at_gate,
+            outer: at_frame && at_barrier,
             water: None,
         });
     }
@@ -184,25 +184,25 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
 
 /// A piece of contour between two sub-domains, seen from one of them.
 #[derive(Debug, Clone, Copy, Default)]
-struct Border {
+struct SharedBorder {
     other: u32,
     level: f64,
     length: f64,
 }
 
 /// The borders of every sub-domain with its neighbours.
-fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
+fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<SharedBorder> {
     let border = &|t: u32, i: usize| {
         let level = tin.contour_level(t, i)?;
         let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
         let own = of_triangle[t as usize];
         let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
-        let seen = Border { other, level, length: u.distance(v) };
+        let seen = SharedBorder { other, level, length: u.distance(v) };
         (own != other).then_some((own as usize, seen))
     };
     let of_triangle = |t: u32| (0..3).filter_map(move |i| border(t, i));
     let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
-    let all: Vec<(usize, Border)> = inside.flat_map_iter(of_triangle).collect();
+    let all: Vec<(usize, SharedBorder)> = inside.flat_map_iter(of_triangle).collect();
     Rows::new(count, || all.iter().copied())
 }
 
@@ -215,7 +215,7 @@ fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
 /// For the other sub-domains each level takes its side from the neighbours that are known: crossing a contour changes
 /// the side. Where neighbours disagree, the longer common border wins. This is the rule for peaks and pits, and also
 /// for ground where contours are missing.
-fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
+fn propagate(regions: &mut [Region], borders: &Rows<SharedBorder>, interval: &Interval) {
     let mut known: Vec<bool> = vec![false; regions.len()];
     for (r, region) in regions.iter_mut().enumerate() {
         let lower = main_pair(region, borders.of(r), interval);
@@ -251,7 +251,7 @@ fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval
 }
 
 /// The lower one of the two neighbouring levels that give a sub-domain's band, by its number; none if there are no two.
-fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option<usize> {
+fn main_pair(region: &Region, borders: &[SharedBorder], interval: &Interval) -> Option<usize> {
     let near = WIDE * interval.step;
     if region.levels.len() < 2 {
         return None;
@@ -276,7 +276,7 @@ fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option
 
 /// The levels of a sub-domain with the sides that its known neighbours give. Without a known neighbour a side stays as
 /// it was.
-fn vote(region: u32, regions: &[Region], borders: &Rows<Border>, known: &[bool]) -> Vec<(f64, Side)> {
+fn vote(region: u32, regions: &[Region], borders: &Rows<SharedBorder>, known: &[bool]) -> Vec<(f64, Side)> {
     let mut balance = vec![0.0; regions[region as usize].levels.len()];
     for border in borders.of(region as usize).iter().filter(|b| known[b.other as usize]) {
         let own = regions[region as usize].number_of(border.level);

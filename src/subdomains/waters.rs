@@ -14,13 +14,13 @@ use crate::tin::{NONE, Tin};
 /// height of such a lake lies outside the band, or its shore is open and its water reaches a contour of another level.
 /// `regions` are the sub-domains without water, `heights` those of the lakes by their numbers.
 pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<(u32, DVec2, Band)> {
-    let mut told = BTreeSet::new();
+    let mut seen = BTreeSet::new();
     let mut outside = Vec::new();
     for t in 0..tin.len() as u32 {
         let (Some(lake), Some(region)) = (tin.lake(t), regions.region(t)) else { continue };
         let height = heights[lake as usize];
         let is_open = || (0..3).filter_map(|i| tin.contour_level(t, i)).any(|level| level != height);
-        if (!region.band.contains(height) || is_open()) && told.insert(lake) {
+        if (!region.band.contains(height) || is_open()) && seen.insert(lake) {
             let middle = tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
             outside.push((lake, middle, region.band));
         }
@@ -54,7 +54,7 @@ fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
             continue;
         }
         let id = regions.len() as u32;
-        let mut border = Border::default();
+        let mut border = BorderLevels::default();
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -76,13 +76,13 @@ fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
 
 /// The levels on the border of a piece of sub-domain.
 #[derive(Default)]
-struct Border {
+struct BorderLevels {
     levels: Vec<f64>,
     shores: Vec<f64>,
-    has_gate: bool,
+    has_barrier: bool,
 }
 
-impl Border {
+impl BorderLevels {
     fn add(&mut self, tin: &Tin, t: u32, i: usize) {
         let insert = |levels: &mut Vec<f64>, level: f64| {
             if let Err(at) = levels.binary_search_by(|l| l.total_cmp(&level)) {
@@ -93,7 +93,7 @@ impl Border {
             insert(&mut self.levels, level);
         } else if tin.is_barrier(t, i) {
             tin.edge(t, i).iter().for_each(|&v| insert(&mut self.levels, tin.heights[v as usize]));
-            self.has_gate = true;
+            self.has_barrier = true;
         }
         if tin.is_shore(t, i) {
             insert(&mut self.shores, tin.heights[tin.edge(t, i)[0] as usize]);
@@ -119,7 +119,7 @@ impl Border {
             }
             levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        Region { band, levels, triangle, outer: parent.outer && self.has_gate, water }
+        Region { band, levels, triangle, outer: parent.outer && self.has_barrier, water }
     }
 }
 
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_shore_above_a_contour_is_not_the_lowest_ground() {
-        let border = || Border { levels: vec![0.0, 30.0], shores: vec![17.5], has_gate: false };
+        let border = || BorderLevels { levels: vec![0.0, 30.0], shores: vec![17.5], has_barrier: false };
         let land = |levels: Vec<(f64, Side)>, lo: f64| {
             let parent = Region { band: Band { lo, hi: 30.0 }, levels, triangle: 0, outer: false, water: None };
             border().region(&parent, 0, None).band

@@ -25,14 +25,14 @@ pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
     let level = |end: End| lines[end / 2].elevation;
     let jumps =
         |end: End| partner(end).filter(|&other| level(end) != level(other) && (level(end) - level(other)).is_finite());
-    let mut told = vec![false; lines.len()];
+    let mut seen = vec![false; lines.len()];
     for line in 0..lines.len() {
         let own = [2 * line, 2 * line + 1];
-        if told[line] || own.iter().all(|&end| jumps(end).is_none()) {
+        if seen[line] || own.iter().all(|&end| jumps(end).is_none()) {
             continue;
         }
         let way = chain(own[0], partner);
-        way.iter().for_each(|end| told[end / 2] = true);
+        way.iter().for_each(|end| seen[end / 2] = true);
         let closes = partner(way[0]).is_some();
         let right = elevation_of(lines, &way, closes);
         if let Some(elevation) = right {
@@ -104,11 +104,11 @@ fn finding(lines: &[Contour], [end, other]: [End; 2], right: Option<f64>) -> Fin
         (wrong, next) = (next, wrong);
     }
     let says = match right {
-        Some(z) => format!("the other pieces of the line say {z} m"),
-        None => "nothing tells which of the two is right".to_owned(),
+        Some(z) => format!("the other pieces of the line have {z} m"),
+        None => "it is not known which of the two is right".to_owned(),
     };
     let message = format!(
-        "the contour {} m (feature {}) goes on as {} m (feature {}); {says}",
+        "the contour {} m (feature {}) continues as {} m (feature {}); {says}",
         wrong.elevation, wrong.feature, next.elevation, next.feature
     );
     let (p, q) = (place(lines, end), place(lines, other));

@@ -48,10 +48,10 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
     judged.findings.extend(strays.findings.into_iter().filter(|f| !far.contains(&place(f))));
     judged.corrections.extend(strays.corrections);
     judged.findings.extend(levels::find(map));
-    let told =
+    let reported =
         judged.findings.iter().filter(|f| matches!(f.kind, FindingKind::FarAway | FindingKind::LooksLikeDegrees));
-    let told: HashSet<u64> = told.flat_map(|f| f.features.iter().copied()).collect();
-    judged.findings.extend(short::find(map, &shape, &ends, &told));
+    let reported: HashSet<u64> = reported.flat_map(|f| f.features.iter().copied()).collect();
+    judged.findings.extend(short::find(map, &shape, &ends, &reported));
     judged.findings.sort_by(compare);
     judged
 }
@@ -59,12 +59,12 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
 /// Joins the findings about the lines with those of cleaning, each fault once. Two levels that meet where an elevation
 /// jumps are reported with the jump. A vertex that cleaning left out, because its line strays across another, is
 /// reported by cleaning only. Positions within `reach` (map units) count as one.
-pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec<Finding> {
+pub fn merged(mut reported: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec<Finding> {
     let left_out = places(&cleaning, |kind| matches!(kind, FindingKind::LevelsCross | FindingKind::SelfCross));
-    told.retain(|f| f.kind != FindingKind::StrayVertex || !left_out.contains(&place(f)));
-    let jumps: Vec<usize> = (0..told.len()).filter(|&i| told[i].kind == FindingKind::LevelJump).collect();
+    reported.retain(|f| f.kind != FindingKind::StrayVertex || !left_out.contains(&place(f)));
+    let jumps: Vec<usize> = (0..reported.len()).filter(|&i| reported[i].kind == FindingKind::LevelJump).collect();
     // Sorted by x, to look only at those near a position.
-    let mut jumps: Vec<(f64, usize)> = jumps.into_iter().filter_map(|i| Some((told[i].place?.x, i))).collect();
+    let mut jumps: Vec<(f64, usize)> = jumps.into_iter().filter_map(|i| Some((reported[i].place?.x, i))).collect();
     jumps.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut rest = Vec::with_capacity(cleaning.len());
     for finding in cleaning {
@@ -72,17 +72,17 @@ pub fn merged(mut told: Vec<Finding>, cleaning: Vec<Finding>, reach: f64) -> Vec
             let from = jumps.partition_point(|j| j.0 < place.x - reach);
             let near = jumps[from..].iter().take_while(|j| j.0 <= place.x + reach);
             near.map(|j| j.1).find(|&i| {
-                told[i].place.is_some_and(|p| p.distance(place) <= reach)
-                    && finding.elevations.iter().all(|z| told[i].elevations.contains(z))
+                reported[i].place.is_some_and(|p| p.distance(place) <= reach)
+                    && finding.elevations.iter().all(|z| reported[i].elevations.contains(z))
             })
         });
         match jump {
-            Some(i) => told[i].message = format!("{}; {}", told[i].message, finding.message),
+            Some(i) => reported[i].message = format!("{}; {}", reported[i].message, finding.message),
             None => rest.push(finding),
         }
     }
-    told.append(&mut rest);
-    told
+    reported.append(&mut rest);
+    reported
 }
 
 /// The positions of findings of some kinds.

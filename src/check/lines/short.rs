@@ -16,21 +16,24 @@ const SHORT: f64 = 1e-3;
 /// times as long as wide.
 const FLAT: f64 = 1e-6;
 
-/// Finds these lines. Features in `told` have another finding already.
-pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], told: &HashSet<u64>) -> Vec<Finding> {
+/// Finds these lines. Features in `reported` have another finding already.
+pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &HashSet<u64>) -> Vec<Finding> {
     let found = map.contours.par_iter().enumerate().filter_map(|(i, line)| {
         let length = shape.lengths[i];
         // Lines without any length are left to cleaning. Pieces that others continue are parts of a line.
         let is_alone = ends[2 * i] == At::Nothing && ends[2 * i + 1] == At::Nothing;
-        if told.contains(&line.feature) || !(length > 0.0 && line.elevation.is_finite() && is_alone) {
+        if reported.contains(&line.feature) || !(length > 0.0 && line.elevation.is_finite() && is_alone) {
             return None;
         }
         let name = format!("the contour {} m (feature {})", line.elevation, line.feature);
         let reach = shape.boxes[i].diagonal();
         let message = if reach < SHORT * shape.spacing {
-            format!("{name} is {length:.2e} map units long; vertices are {:.3} apart mostly", shape.spacing)
+            format!(
+                "{name} is {length:.2e} map units long; the median distance between vertices is {:.3}",
+                shape.spacing
+            )
         } else if is_flat(line, length, shape.spacing) {
-            format!("{name} is a ring of {length:.3} map units without any area to speak of")
+            format!("{name} is a ring of {length:.3} map units with almost no area")
         } else {
             return None;
         };

@@ -25,7 +25,7 @@ const SHORT: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Clash {
     pub level: f64,
-    pub is_link: bool,
+    pub is_extension: bool,
     pub place: DVec2,
 }
 
@@ -47,8 +47,8 @@ pub(crate) fn cut_back(
     let mut points: BTreeMap<[i64; 2], Point<f64>> = BTreeMap::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
-        let is_link = net.courses[piece.line as usize].is_link;
-        if piece.level == height && !is_link {
+        let is_extension = net.courses[piece.line as usize].is_extension;
+        if piece.level == height && !is_extension {
             continue;
         }
         let ends = piece.ends;
@@ -66,8 +66,8 @@ pub(crate) fn cut_back(
             let cell = ((ends.a - corner(bounds.min())) / (SHORT * distance)).to_array().map(|v| v as i64);
             points.entry(cell).or_insert(Point::new(ends.a.x, ends.a.y));
         }
-        if clashes.iter().all(|clash| clash.level != piece.level || clash.is_link != is_link) {
-            clashes.push(Clash { level: piece.level, is_link, place: at });
+        if clashes.iter().all(|clash| clash.level != piece.level || clash.is_extension != is_extension) {
+            clashes.push(Clash { level: piece.level, is_extension, place: at });
         }
     }
     let mut rest = area.clone();

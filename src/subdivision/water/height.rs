@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use geo::Polygon;
 use glam::DVec2;
 
+use super::dry::DrySubdivision;
 use super::net::Net;
-use super::shores::Shores;
 use crate::geometry::point_distance;
 
 /// A shore runs along a contour if it does so for at least this share of its length.
@@ -31,23 +31,23 @@ pub(crate) fn level_along(polygon: &Polygon<f64>, net: &Net, near: f64) -> Optio
 
 /// The lowest ground along the shore, in the sub-domain that contains most of the shore. None if no part of the shore
 /// lies on ground of known height.
-pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, ground: &Shores) -> Option<f64> {
+pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, dry: &DrySubdivision) -> Option<f64> {
     let mut by_region: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
     let mut t = 0;
     for (place, length) in samples(polygon) {
-        let local = place - ground.tin.origin;
-        let Some(found) = ground.tin.locate(t, local) else { continue };
+        let local = place - dry.tin.origin;
+        let Some(found) = dry.tin.locate(t, local) else { continue };
         t = found;
-        if ground.regions.region(t).is_none() {
+        if dry.regions.region(t).is_none() {
             continue;
         }
-        let height = height_in(ground, t, local);
-        let entry = by_region.entry(ground.regions.of_triangle[t as usize]).or_insert((0.0, f64::INFINITY));
+        let height = height_in(dry, t, local);
+        let entry = by_region.entry(dry.regions.of_triangle[t as usize]).or_insert((0.0, f64::INFINITY));
         entry.0 += length;
         entry.1 = entry.1.min(height);
     }
     let (region, (_, lowest)) = by_region.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(&a.0)))?;
-    let band = ground.regions.regions[region as usize].band;
+    let band = dry.regions.regions[region as usize].band;
     lowest.is_finite().then(|| lowest.clamp(band.lo, band.hi))
 }
 
@@ -61,9 +61,9 @@ fn samples(polygon: &Polygon<f64>) -> impl Iterator<Item = (DVec2, f64)> + '_ {
 }
 
 /// Height of a place in or on triangle `t`.
-fn height_in(ground: &Shores, t: u32, place: DVec2) -> f64 {
-    let [a, b, c] = ground.tin.corners(t);
-    let [za, zb, zc] = ground.tin.corner_heights(t);
+fn height_in(dry: &DrySubdivision, t: u32, place: DVec2) -> f64 {
+    let [a, b, c] = dry.tin.corners(t);
+    let [za, zb, zc] = dry.tin.corner_heights(t);
     let area = (b - a).perp_dot(c - a);
     if area <= 0.0 {
         return za.min(zb).min(zc);

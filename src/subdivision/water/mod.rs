@@ -6,15 +6,15 @@
 
 mod bodies;
 mod cut;
+mod dry;
 mod height;
 mod net;
 mod nodes;
 mod settle;
-mod shores;
 
 pub(crate) use bodies::{WaterBodies, lake_finding};
+pub(crate) use dry::DrySubdivision;
 pub(crate) use settle::{leave_out_vanished, settle};
-pub(crate) use shores::Shores;
 
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, Lake, distinct_levels};
@@ -45,14 +45,15 @@ pub(crate) fn sea_level(water: &Water, map: &ContourMap, findings: &mut Vec<Find
     let Some(level) = levels.first().copied().filter(|l| (l - sea).abs() <= SAME_LEVEL) else {
         let near: Vec<String> = levels.iter().take(LISTED).map(f64::to_string).collect();
         return Err(Error::Parameter(format!(
-            "there is no contour at the level of the sea, {sea}: the coast is known from contours of that level; the \
-             levels nearest to it are {}",
+            "no contour has the level of the sea, {sea}, and only contours of that level show the coast; the nearest \
+             levels are {}",
             near.join(", ")
         )));
     };
     if let Some(below) = map.contours.iter().find(|c| c.elevation < level) {
         let message = format!(
-            "contour {} lies below the sea ({level}): ground between the coast and such contours is left as they say",
+            "contour {} lies below the sea ({level}): the ground between the coast and such contours does not \
+             become sea",
             below.elevation
         );
         let finding = Finding::new(FindingKind::BelowSea, below.points.first().copied(), message);

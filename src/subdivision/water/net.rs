@@ -17,7 +17,7 @@ pub(crate) struct Course<'a> {
     pub level: f64,
     pub points: Cow<'a, [DVec2]>,
     /// Whether it is a frame extension and no contour.
-    pub is_link: bool,
+    pub is_extension: bool,
 }
 
 /// A piece of a segment between two vertices; added vertices count too.
@@ -42,12 +42,15 @@ pub(crate) struct Net<'a> {
 impl<'a> Net<'a> {
     /// Takes the segments within `reach` of the boxes around lakes.
     pub fn new(map: &'a ContourMap, extensions: &[FrameExtension], lakes: &[Lake], reach: f64) -> Self {
-        let contours =
-            map.contours.iter().map(|c| Course { level: c.elevation, points: Cow::from(&c.points), is_link: false });
+        let contours = map.contours.iter().map(|c| Course {
+            level: c.elevation,
+            points: Cow::from(&c.points),
+            is_extension: false,
+        });
         let extensions = extensions.iter().map(|l| Course {
             level: l.elevation,
             points: Cow::from(vec![l.end, l.frame]),
-            is_link: true,
+            is_extension: true,
         });
         let courses: Vec<Course> = contours.chain(extensions).collect();
         let grown = |r: Rect<f64>| {

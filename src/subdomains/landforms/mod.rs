@@ -18,8 +18,8 @@ use rings::{Outlines, outlines};
 /// A sub-domain as a piece of terrain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landform {
-    /// The exterior boundary, counter-clockwise, then the interior ones, clockwise. They touch in single points at most, so
-    /// they are a valid polygon.
+    /// The exterior boundary, counter-clockwise, then the interior ones, clockwise. They touch in single points only,
+    /// so together they are a valid polygon.
     pub rings: Vec<Ring>,
     /// The landform class.
     pub class: LandformClass,

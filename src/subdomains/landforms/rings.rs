@@ -15,7 +15,7 @@ pub enum BorderKind {
     /// A contour of this level, metres, or its frame extension or gap closure.
     Contour(f64),
     /// A barrier edge: it closes the opening between two ends of contours.
-    Gate,
+    Barrier,
     /// The shore of a lake of this height, metres, where no contour runs along it.
     Shore(f64),
     /// The frame, where no contour runs along it.
@@ -66,7 +66,7 @@ impl Ring {
     /// Whether the whole ring is one contour, or consists of shores and perhaps contours.
     pub fn is_closed(&self) -> bool {
         let is_shore = |border: &Border| matches!(border.kind, BorderKind::Shore(_));
-        let is_open = |border: &Border| matches!(border.kind, BorderKind::Gate | BorderKind::Frame);
+        let is_open = |border: &Border| matches!(border.kind, BorderKind::Barrier | BorderKind::Frame);
         self.closed_level().is_some() || (self.borders.iter().any(is_shore) && !self.borders.iter().any(is_open))
     }
 
@@ -74,7 +74,7 @@ impl Ring {
     pub fn levels(&self) -> impl Iterator<Item = f64> {
         self.borders.iter().filter_map(|border| match border.kind {
             BorderKind::Contour(level) => Some(level),
-            BorderKind::Gate | BorderKind::Shore(_) | BorderKind::Frame => None,
+            BorderKind::Barrier | BorderKind::Shore(_) | BorderKind::Frame => None,
         })
     }
 }
@@ -137,7 +137,7 @@ impl Outlines {
         edges.iter().for_each(|&(t, i)| self.of_edge[t as usize][i] = id);
         let kind = |&(t, i): &(u32, usize)| match tin.contour_level(t, i) {
             Some(level) => BorderKind::Contour(level),
-            None if tin.is_barrier(t, i) => BorderKind::Gate,
+            None if tin.is_barrier(t, i) => BorderKind::Barrier,
             None if tin.is_shore(t, i) => BorderKind::Shore(tin.heights[tin.edge(t, i)[0] as usize]),
             None => BorderKind::Frame,
         };

@@ -5,7 +5,7 @@ use crate::subdomains::{FrameExtension, FrameRing, Regions};
 use crate::tin::Tin;
 
 /// The map and its subdivision without lakes.
-pub(crate) struct Shores<'a> {
+pub(crate) struct DrySubdivision<'a> {
     pub map: &'a ContourMap,
     pub extensions: &'a [FrameExtension],
     pub frame: &'a FrameRing,

@@ -9,7 +9,7 @@ use crate::subdomains::{Regions, Side};
 use crate::tin::Tin;
 
 /// The axis while it is built, and where its pieces run.
-pub(super) struct Draft {
+pub(super) struct AxisBuilder {
     pub axis: Axis,
     /// The axis point on each edge of each triangle, [`NONE`] where the edge is no chord.
     pub of_edge: Vec<[u32; 3]>,
@@ -32,7 +32,7 @@ pub(super) struct Arrival {
     pub triangle: u32,
 }
 
-impl Draft {
+impl AxisBuilder {
     /// Adds the point of a level in a triangle, and returns its number.
     pub fn add_point(&mut self, regions: &Regions, t: u32, position: DVec2, level: f64) -> u32 {
         let region = regions.of_triangle[t as usize];
