@@ -230,7 +230,7 @@ pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged:
     }
 }
 
-/// A place in a sub-domain where contours are missing.
+/// The edge with the largest rise, in a sub-domain where contours are missing.
 #[derive(Debug, Clone, Copy)]
 struct Steep {
     rise: f64,

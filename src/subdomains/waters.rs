@@ -34,7 +34,7 @@ pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<
 /// Water has a band of one height. Land beside water does not lie below the lowest shore, unless a contour below bounds
 /// it. `heights` are those of the lakes by their numbers, `sea` is the level of the coast.
 pub fn with_water(regions: Regions, tin: &Tin, heights: &[f64], sea: Option<f64>) -> Regions {
-    let mut regions = if heights.is_empty() { regions } else { parted(&regions, tin, heights) };
+    let mut regions = if heights.is_empty() { regions } else { split_at_shores(&regions, tin, heights) };
     if let Some(sea) = sea {
         for region in regions.regions.iter_mut().filter(|r| r.levels[..] == [(sea, Side::Below)]) {
             region.water = Some(sea);
@@ -44,7 +44,7 @@ pub fn with_water(regions: Regions, tin: &Tin, heights: &[f64], sea: Option<f64>
     regions
 }
 
-fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
+fn split_at_shores(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();

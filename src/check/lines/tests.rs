@@ -101,7 +101,7 @@ fn most_pieces_of_a_ring_tell_its_elevation() {
 #[test]
 fn ends_that_meet_by_right_are_no_jumps() {
     let base = line(1, 10.0, &[(0.0, 0.0), (9.0, 0.0)]);
-    // Of one level; further apart than the snap distance; three at one place; a level's vertex that is no end.
+    // Ends of one level; ends further apart than the snap distance; three ends at one point; a vertex that is no end.
     for others in [
         vec![line(2, 10.0, &[(9.0, 0.0), (20.0, 0.0)])],
         vec![line(2, 20.0, &[(9.0, 0.02), (20.0, 0.0)])],

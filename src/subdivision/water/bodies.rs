@@ -52,7 +52,7 @@ impl WaterBodies {
     /// Adds lines of one level each (the map's contours, then the frame extensions), and the shores. The lines' own
     /// points come first.
     pub fn push<'a>(&self, input: &mut TinInput, courses: impl Iterator<Item = (f64, Cow<'a, [DVec2]>)>) {
-        let mut parted: Vec<(u32, f64, &[DVec2])> = Vec::new();
+        let mut split: Vec<(u32, f64, &[DVec2])> = Vec::new();
         for (line, (level, points)) in (0u32..).zip(courses) {
             if self.nodes.range((line, 0)..=(line, u32::MAX)).next().is_none() {
                 input.push_line(&points, level, VertexKind::Contour);
@@ -62,14 +62,14 @@ impl WaterBodies {
             for (i, &p) in (0u32..).zip(points.iter()) {
                 let v = input.push(p, level, VertexKind::Contour);
                 match (before, i.checked_sub(1).and_then(|segment| self.nodes.get(&(line, segment)))) {
-                    (Some(u), Some(nodes)) => parted.extend([(u, level, &nodes[..]), (v, f64::NAN, &[][..])]),
+                    (Some(u), Some(nodes)) => split.extend([(u, level, &nodes[..]), (v, f64::NAN, &[][..])]),
                     (Some(u), None) => input.push_edge(u, v),
                     (None, _) => {}
                 }
                 before = Some(v);
             }
         }
-        for pair in parted.chunks_exact(2) {
+        for pair in split.chunks_exact(2) {
             let ((mut from, level, nodes), (to, ..)) = (pair[0], pair[1]);
             for &node in nodes {
                 let v = input.push(node, level, VertexKind::Contour);

@@ -60,7 +60,7 @@ fn samples(polygon: &Polygon<f64>) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     })
 }
 
-/// Height of a place in or on triangle `t`.
+/// Height at a point in or on triangle `t`.
 fn height_in(dry: &DrySubdivision, t: u32, place: DVec2) -> f64 {
     let [a, b, c] = dry.tin.corners(t);
     let [za, zb, zc] = dry.tin.corner_heights(t);

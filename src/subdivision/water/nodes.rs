@@ -99,7 +99,7 @@ fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -
 
 /// Adds the vertices of the contour that lie beside a segment of the shore to that segment.
 fn with_contour_vertices(shore: &[DVec2], level: f64, net: &Net, snap: f64) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let pieces = own(net, s.a, s.b, level, snap);
         let ends = pieces.flat_map(|piece| [piece.ends.a, piece.ends.b]);
         ends.filter(|&v| {
@@ -112,7 +112,7 @@ fn with_contour_vertices(shore: &[DVec2], level: f64, net: &Net, snap: f64) -> V
 
 /// Adds the crossings with the contour to both lines.
 fn with_crossings(shore: &[DVec2], level: f64, net: &mut Net) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let crossed: Vec<Piece> =
             own(net, s.a, s.b, level, 0.0).filter(|piece| meeting(s, &piece.ends) == Meeting::Cross).collect();
         let add = |piece: &Piece| {
@@ -127,7 +127,7 @@ fn with_crossings(shore: &[DVec2], level: f64, net: &mut Net) -> Vec<DVec2> {
 /// Adds a vertex to every segment that joins two vertices of contours without being a piece of contour. Otherwise it
 /// would count as one.
 fn without_chords(shore: &[DVec2], level: f64, net: &Net) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let pieces: Vec<Piece> = own(net, s.a, s.b, level, 0.0).collect();
         let has_end = |p: DVec2| pieces.iter().any(|piece| piece.ends.a == p || piece.ends.b == p);
         let is_piece = |piece: &Piece| {
@@ -160,7 +160,7 @@ fn without_spikes(mut shore: Vec<DVec2>) -> Vec<DVec2> {
 }
 
 /// The line with further points, which `within` gives for each segment; they are put in order along the segment.
-fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
+fn with_points_within(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
     let mut points: Vec<DVec2> = shore.first().copied().into_iter().collect();
     for w in shore.windows(2) {
         let segment = Segment { a: w[0], b: w[1] };
