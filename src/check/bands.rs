@@ -1,36 +1,36 @@
-//! The most plausible band of every sub-domain, given that some labels are wrong and some contours missing.
+//! The most plausible band of every sub-domain, if some labels may be wrong and some contours missing.
 //!
-//! A sub-domain lies between level k and level k + 1, or spans several such bands where contours are missing. A contour is
-//! explained when its level lies between the bands on its two sides. Everything else costs: a wrong label, a missing
-//! contour, a gap, as negative logarithms of how often such faults come. The graph of the sub-domains is a tree (or nearly
-//! so: cycles are cut at their shortest border), so the cheapest explanation of the whole map is found exactly, from
-//! the leaves to the root and back.
+//! A sub-domain lies between level k and level k + 1. Where contours are missing, it spans several such bands. A
+//! contour is explained if its level lies between the bands on its two sides. Everything else has a cost: a wrong
+//! label, a missing contour, a gap. The cost is the negative logarithm of how often such faults occur. The graph of the
+//! sub-domains is a tree, or nearly so: cycles are cut at their shortest border. So the cheapest explanation of the
+//! whole map is found exactly, by dynamic programming from the leaves to the root and back.
 
 use super::graph::{Graph, Pair};
 use super::grid::Label;
 use crate::base::union_find::UnionFind;
 
-/// A contour whose label is wrong: one in some hundred.
+/// Cost of a contour with a wrong label: about one in a hundred.
 const WRONG: f64 = 5.0;
-/// More of that for a contour with ground on its sides that no level lies between.
+/// Extra cost if no level lies between the bands on the two sides of the contour.
 const NO_LEVEL: f64 = 2.0;
-/// A level missing between two neighbouring contours, before their distance is looked at.
+/// Cost of a missing level between two neighbouring contours, before their distance is considered.
 const MISSING: f64 = 5.5;
-/// The same where lines of the level end in the open: the contour is there, and has a gap.
+/// The same where lines of the level end inside the map: the contour is there, but has a gap.
 const GAP: f64 = 1.5;
-/// A contour off the interval within its band, an auxiliary one.
+/// Cost of a contour between two levels, within its band: an auxiliary contour.
 const AUXILIARY: f64 = 1.0;
-/// Bands that a sub-domain can span: more than that is no missing contour.
+/// Most bands that a sub-domain can span. A larger difference does not come from missing contours.
 const MOST_SPANNED: i64 = 12;
-/// Levels of a sub-domain's border that are tried, the longest ones.
+/// Number of levels on a sub-domain's border that are tried, the longest first.
 const OWN_LEVELS: usize = 10;
-/// Levels of a neighbour's border that are tried.
+/// Number of levels on a neighbour's border that are tried.
 const NEAR_LEVELS: usize = 4;
 
 /// The bands that a sub-domain lies in: from level `lo` to level `hi + 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
-    /// Number of its lower level.
+    /// Number of its lowest level.
     pub lo: i64,
     /// Number of its highest band; the same as `lo` where no level is missing.
     pub hi: i64,
@@ -49,7 +49,7 @@ impl Span {
         }
     }
 
-    /// Levels strictly inside.
+    /// The levels strictly inside.
     pub fn skipped(self) -> impl Iterator<Item = i64> {
         self.lo + 1..=self.hi
     }
@@ -68,23 +68,23 @@ pub fn levels_between(a: Span, b: Span) -> impl Iterator<Item = i64> {
     (a.lo.max(b.lo)..=a.hi.min(b.hi).saturating_add(1)).filter(move |&y| separates(Label::On(y), a, b))
 }
 
-/// The cheapest explanation of a map, and what the others cost.
+/// The cheapest explanation of a map, and the costs of the others.
 pub struct Explanation<'a> {
-    /// The span of every sub-domain, none where no contour tells anything.
+    /// The span of every sub-domain; none where there is no contour to decide.
     pub spans: Vec<Option<Span>>,
     graph: &'a Graph,
     tree: Tree,
     /// The spans that were tried for each sub-domain.
     states: Vec<Vec<Span>>,
-    /// For each of them, the cost of the best explanation of the sub-domain and all below it.
+    /// For each of them, the cost of the best explanation of the sub-domain and of all below it in the tree.
     costs: Vec<Vec<f64>>,
-    /// For each state of the parent, the cost of the best explanation of the border to it and all below.
+    /// For each state of the parent, the cost of the best explanation of the border to the parent and of all below it.
     below: Vec<Vec<f64>>,
 }
 
-/// Explains a map.
+/// Finds the cheapest explanation of a map.
 ///
-/// `for_missing` says by sub-domain how plausible its width makes a missing contour.
+/// `for_missing` gives, by sub-domain, the evidence of its width for a missing contour.
 pub fn explain<'a>(graph: &'a Graph, for_missing: &[f64]) -> Explanation<'a> {
     let count = graph.ragged.len();
     let tree = Tree::new(graph, count);
@@ -124,12 +124,12 @@ pub fn explain<'a>(graph: &'a Graph, for_missing: &[f64]) -> Explanation<'a> {
 }
 
 impl Explanation<'_> {
-    /// How much more than the cheapest explanation the cheapest one costs in which a contour with this label does lie
-    /// between two sub-domains, for several labels and pairs of sub-domains. Infinite where nothing is known of it.
+    /// Extra cost of the cheapest explanation in which a contour with this label does lie between two sub-domains, for
+    /// several labels and pairs of sub-domains. Infinite where there is nothing to compare.
     pub fn margins(&self, wanted: &[(Label, [u32; 2])]) -> Vec<f64> {
-        let beyond = self.beyond(wanted.iter().filter_map(|&(_, sides)| Some(self.link(sides)?.0)));
+        let beyond = self.beyond(wanted.iter().filter_map(|&(_, sides)| Some(self.tree_edge(sides)?.0)));
         let margin = |&(label, sides): &(Label, [u32; 2])| {
-            let Some((child, parent, pair)) = self.link(sides) else { return f64::INFINITY };
+            let Some((child, parent, pair)) = self.tree_edge(sides) else { return f64::INFINITY };
             let (mut all, mut right) = (f64::INFINITY, f64::INFINITY);
             for (&above, &rest) in self.states[parent as usize].iter().zip(&beyond[child as usize]) {
                 for (&state, &cost) in self.states[child as usize].iter().zip(&self.costs[child as usize]) {
@@ -145,15 +145,16 @@ impl Explanation<'_> {
         wanted.iter().map(margin).collect()
     }
 
-    /// Child, parent and pair of two sub-domains, if there are both and they are neighbours in the tree.
-    fn link(&self, [a, b]: [u32; 2]) -> Option<(u32, u32, u32)> {
+    /// Child, parent and pair of two sub-domains, if both exist and are neighbours in the tree.
+    fn tree_edge(&self, [a, b]: [u32; 2]) -> Option<(u32, u32, u32)> {
         [(a, b), (b, a)].into_iter().find_map(|(child, other)| {
             let (parent, pair) = (*self.tree.parent.get(child as usize)?)?;
             (parent == other).then_some((child, parent, pair))
         })
     }
 
-    /// For these sub-domains: for each state of the parent, the cost of the best explanation of all that is not below them.
+    /// For these sub-domains and each state of the parent: the cost of the best explanation of everything else but the
+    /// subtree.
     fn beyond(&self, wanted: impl Iterator<Item = u32>) -> Vec<Vec<f64>> {
         let mut is_wanted = vec![false; self.states.len()];
         for r in wanted {
@@ -182,7 +183,7 @@ fn lowest(costs: &[f64]) -> u32 {
     (0..costs.len() as u32).min_by(|&a, &b| costs[a as usize].total_cmp(&costs[b as usize])).unwrap_or(0)
 }
 
-/// What a sub-domain's state costs by itself.
+/// The cost of a sub-domain's state by itself.
 fn alone(graph: &Graph, for_missing: f64, r: usize, span: Span) -> f64 {
     let ends: &[(Label, f64)] = &graph.dangling[r];
     let has_ends = |level: i64| ends.iter().any(|(l, _)| *l == Label::On(level));
@@ -193,7 +194,7 @@ fn alone(graph: &Graph, for_missing: f64, r: usize, span: Span) -> f64 {
     skipped + unmet.map(|(_, share)| WRONG * share).sum::<f64>()
 }
 
-/// What the contours between two sub-domains cost.
+/// The cost of the contours between two sub-domains.
 fn between(pair: &Pair, a: Span, b: Span) -> f64 {
     let cost = |label: Label| match (separates(label, a, b), label) {
         (true, Label::On(_)) => 0.0,
@@ -204,7 +205,7 @@ fn between(pair: &Pair, a: Span, b: Span) -> f64 {
     pair.labels.iter().map(|&(label, share)| share * cost(label)).sum()
 }
 
-/// By sub-domain: the levels on its border with their shares, the largest first.
+/// By sub-domain: the levels on its border with their shares, largest first.
 fn own_levels(graph: &Graph, count: usize) -> Vec<Vec<(Label, f64)>> {
     let mut own: Vec<Vec<(Label, f64)>> =
         (0..count).map(|r| [&graph.one_sided[r][..], &graph.dangling[r]].concat()).collect();
@@ -250,7 +251,7 @@ fn states(r: usize, graph: &Graph, own: &[Vec<(Label, f64)>], tree: &Tree) -> Ve
                 Label::Within(k) => bands.extend(k - 1..=k + 1),
             }
         }
-        // One neighbour in the tree stands for many: the levels repeat.
+        // Levels repeat, because one neighbour in the tree stands for many.
         if bands.len() > 4 * OWN_LEVELS * NEAR_LEVELS {
             bands.sort_unstable();
             bands.dedup();

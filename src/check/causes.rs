@@ -1,12 +1,14 @@
-//! One fault, one finding: what follows from a fault that is told already is not told again.
+//! One fault, one finding: the consequences of a reported fault are not reported again.
 
 use std::collections::HashSet;
 
 use crate::base::error::{Finding, FindingKind, Proposal};
 
-/// The findings without those that only follow from another: a line whose elevation is known to be wrong contradicts the
-/// ground around it as well, a piece that was cut out leaves a gap, and a line far from the others moves the frame away from
-/// all ends.
+/// Removes findings that only follow from another one:
+///
+/// - a line with a wrong elevation also contradicts the ground around it;
+/// - a piece that was cut out leaves a gap;
+/// - a line far from the others moves the frame away from all ends.
 pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
     use FindingKind::{FarAway, Gap, LevelJump, LooksLikeDegrees, OpenEnd, WrongLabel, ZeroElevation};
     let mut zero = HashSet::new();
@@ -17,7 +19,7 @@ pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
     let known: HashSet<u64> = findings.iter().filter(known).flat_map(|f| f.features.iter().copied()).collect();
     let is_cut = |f: &&Finding| is_cut(f.kind);
     let mut cuts: Vec<Finding> = findings.iter().filter(is_cut).cloned().collect();
-    // By x, so that only those near a gap are looked at.
+    // Sorted by x, to look only at those near a gap.
     cuts.sort_by(|a, b| x_of(a).total_cmp(&x_of(b)));
     findings.retain(|f| match f.kind {
         WrongLabel => !all_in(&f.features, &known),

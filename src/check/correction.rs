@@ -1,11 +1,11 @@
-//! Changes to a map that its findings propose, and the map with them.
+//! Corrections that findings propose, and the map with these corrections.
 
 use glam::DVec2;
 
 use crate::base::error::{Finding, FindingKind, Report};
 use crate::contour::{Contour, ContourMap};
 
-/// A change to a clean map.
+/// A correction of a clean map.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Correction {
     /// Give a line another elevation.
@@ -15,37 +15,37 @@ pub enum Correction {
         /// The elevation that fits, metres.
         elevation: f64,
     },
-    /// Join two ends by a straight piece.
+    /// Join two ends with a straight piece.
     Join {
-        /// Numbers of the two lines in the map; the same where a line is closed.
+        /// Numbers of the two lines in the map; equal if a line is closed this way.
         lines: [u32; 2],
         /// The ends, map units.
         ends: [DVec2; 2],
     },
-    /// Leave out a vertex, so that the line goes straight past it.
+    /// Remove a vertex: the line goes straight past it.
     LeaveOut {
         /// The line's number in the map.
         line: u32,
-        /// The vertex's number on the line; of a closed line's first and last vertex the first.
+        /// The vertex's number on the line. The first and last vertex of a closed line count as the first.
         vertex: u32,
     },
 }
 
-/// What a check of a clean map found, and the changes that would mend it.
+/// The result of checking a clean map.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Judged {
     /// The findings, in a fixed order.
     pub findings: Vec<Finding>,
-    /// The corrections that they propose.
+    /// The corrections that the findings propose.
     pub corrections: Vec<Correction>,
-    /// Numbers of the lines that the ground around contradicts without telling what their elevation should be, ascending.
+    /// Numbers of the lines that contradict the ground around them, without a clear elevation for them; ascending.
     pub doubted: Vec<u32>,
 }
 
-/// Makes the changes. The map needs cleaning after it: lines of one level may meet now, and the ends of new pieces lie on
-/// those of the lines that they join.
+/// Applies the corrections. The map needs cleaning afterwards: lines of one level may meet now, and the ends of new
+/// pieces lie on the ends of the lines that they join.
 ///
-/// The findings tell every change that was made.
+/// The findings report every correction that was applied.
 pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<ContourMap> {
     let mut findings = Vec::new();
     let mut pieces = Vec::new();
@@ -85,7 +85,7 @@ pub fn correct(mut map: ContourMap, corrections: &[Correction]) -> Report<Contou
             }
         }
     }
-    // From behind, so that the numbers of the others stay.
+    // From the last vertex to the first: the numbers of the others stay valid.
     left_out.sort_unstable();
     left_out.dedup();
     for (line, vertex) in left_out.into_iter().rev() {

@@ -1,8 +1,8 @@
 //! Gaps and other open ends.
 //!
-//! Two ends of one level in the same sub-domain are taken as the two sides of a gap, the nearest and best aligned ones first.
-//! What is left over ends in the open: an auxiliary contour off the interval is meant to, others are told. Along a
-//! ragged outline lines end everywhere; that is no fault.
+//! Two ends of one level in the same sub-domain are the two sides of a gap. The nearest and best aligned pairs come
+//! first. The other ends lie inside the map. For an auxiliary contour that is normal; the others are reported. Along a
+//! ragged outline lines end everywhere, which is no fault.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -18,42 +18,43 @@ use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::subdomains::{FrameExtension, OpenEnd, Sight, line_starts};
 use crate::tin::NONE;
 
-/// Links to the frame longer than so many times that of nine in ten ends stop short of it.
+/// A line stops short of the frame if its frame extension is longer than this many times the usual length (90th
+/// percentile).
 const SHORT_OF_FRAME: f64 = 8.0;
-/// Ends nearer to the frame than so many times that lie on a ragged outline.
+/// Ends nearer to the frame than this many times the usual length lie on a ragged outline.
 const OUTLYING: f64 = 1.5;
 /// The widest gap between ends that point at each other, as a share of the map's diagonal.
 const WIDEST: f64 = 0.5;
-/// The widest one between others.
+/// The same for ends that do not point at each other.
 const WIDEST_ASKEW: f64 = 0.1;
-/// The largest turn between a line's end and the way across a gap that it points along: 60 degrees.
+/// Largest turn between the end of a line and the way across a gap to which it points, as a cosine: 60 degrees.
 const COS_POINTING: f64 = 0.5;
-/// Ends that gates chain together: from so many on they follow a cliff or an outline.
+/// Ends in a chain of barrier edges: from this number on they follow a cliff or an outline.
 const CLIFF: usize = 6;
-/// Ends of one level that are paired with each other; more of them are a map without order.
+/// Most ends of one level that are paired with each other. More of them mean that the map has no order.
 const MOST_OF_LEVEL: usize = 1000;
 
-/// An end that is looked at.
-struct Loose {
+/// An open end that is not explained yet.
+struct Unexplained {
     /// Its number among all ends.
     end: usize,
     /// The sub-domains around it.
     around: Vec<u32>,
-    /// Whether it is linked to the frame over a long way.
-    is_linked: bool,
-    /// Whether it is done with.
-    is_told: bool,
+    /// Whether a long frame extension leads from it to the frame.
+    is_extended: bool,
+    /// Whether it was reported.
+    is_reported: bool,
 }
 
 /// Two ends of a gap, by their numbers among all ends.
 type Pair = [usize; 2];
 
-/// Finds gaps and open ends. Lines in `wrong` are told already; their ends are passed over.
-pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+/// Finds gaps and open ends. Lines in `wrong` were reported already; their ends are ignored.
+pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let ends = ground.ends;
-    let usual = usual_link(ends, ground.extensions);
+    let usual = usual_extension(ends, ground.extensions);
     let far = far_from_frame(ground, usual);
-    // As near to the frame as others that are linked to it.
+    // These ends are as near to the frame as others with a frame extension.
     let is_outlying = |i: usize| usual > 0.0 && distance_to_frame(ground, ends[i].position) <= OUTLYING * usual;
     let is_wrong = |line: u32| wrong.binary_search_by_key(&line, |w| w.line).is_ok();
     let is_level = |e: &OpenEnd| matches!(grid.label(e.elevation), Label::On(_));
@@ -65,63 +66,63 @@ pub fn tell_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wron
     let vertex_of = vertices(ground, &wanted);
     let end_at: HashMap<u32, usize> = vertex_of.iter().map(|(&end, &v)| (v, end)).collect();
     let around = regions_around(ground, &end_at);
-    let mut loose: BTreeMap<usize, Loose> = BTreeMap::new();
+    let mut unexplained: BTreeMap<usize, Unexplained> = BTreeMap::new();
     for &end in &wanted {
         let around = around.get(&end).cloned().unwrap_or_default();
-        loose.insert(end, Loose { end, around, is_linked: far[end], is_told: false });
+        unexplained.insert(end, Unexplained { end, around, is_extended: far[end], is_reported: false });
     }
 
     let pair_of = |edge: &[u32; 2]| Some([*end_at.get(&edge[0])?, *end_at.get(&edge[1])?]);
-    let mut bridged: Vec<Pair> = ground.gaps.closures.iter().filter_map(pair_of).collect();
-    bridged.sort_unstable();
-    for pair in bridged {
+    let mut closed: Vec<Pair> = ground.gaps.closures.iter().filter_map(pair_of).collect();
+    closed.sort_unstable();
+    for pair in closed {
         if !pair.iter().all(|&end| is_outlying(end)) {
-            tell_gap(ground, pair, true, judged);
+            report_gap(ground, pair, true, judged);
         }
         pair.iter().for_each(|end| {
-            loose.entry(*end).and_modify(|l| l.is_told = true);
+            unexplained.entry(*end).and_modify(|l| l.is_reported = true);
         });
     }
 
-    // Auxiliary contours end in the open; what lies beyond a ragged outline is no fault.
-    loose.retain(|_, l| {
-        !l.is_told
+    // Auxiliary contours end inside the map, and lines end along a ragged outline: neither is a fault.
+    unexplained.retain(|_, l| {
+        !l.is_reported
             && is_level(&ends[l.end])
             && !is_outlying(l.end)
             && !l.around.iter().any(|&r| graph.ragged[r as usize])
     });
     let barriers: Vec<Pair> = ground.gaps.barriers.iter().filter_map(pair_of).collect();
-    let chains = chains(&loose, &barriers, ends);
+    let chains = chains(&unexplained, &barriers, ends);
     for chain in chains.iter().filter(|c| c.len() >= CLIFF) {
-        tell_cliff(ground, chain, judged);
+        report_cliff(ground, chain, judged);
         chain.iter().for_each(|end| {
-            loose.remove(end);
+            unexplained.remove(end);
         });
     }
 
     let sight = Sight::new(ground.map);
-    for pair in pairs(&loose, &barriers, ends, ground.frame.diagonal()) {
+    for pair in pairs(&unexplained, &barriers, ends, ground.frame.diagonal()) {
         let [a, b] = pair.map(|i| &ends[i]);
-        // A little short of the other end, so that its own line does not hide it.
+        // The line of sight stops a little before the other end, because the line of that end would block it.
         let before = b.position.lerp(a.position, 1e-6);
-        tell_gap(ground, pair, sight.sees(ground.map, a.position, before), judged);
+        report_gap(ground, pair, sight.sees(ground.map, a.position, before), judged);
         pair.iter().for_each(|end| {
-            loose.remove(end);
+            unexplained.remove(end);
         });
     }
-    tell_open(ground, &loose, judged);
+    report_open(ground, &unexplained, judged);
 }
 
-/// How far nine in ten of the ends at the frame are linked to it at most, map units.
-fn usual_link(ends: &[OpenEnd], extensions: &[FrameExtension]) -> f64 {
-    let linked = extensions.iter().map(|l| l.end.distance(l.frame));
+/// The usual length of frame extensions, map units: the 90th percentile, with 0 for ends on the frame.
+fn usual_extension(ends: &[OpenEnd], extensions: &[FrameExtension]) -> f64 {
+    let extended = extensions.iter().map(|l| l.end.distance(l.frame));
     let on_frame = ends.iter().filter(|e| e.at_frame).count().saturating_sub(extensions.len());
-    let mut lengths: Vec<f64> = std::iter::repeat_n(0.0, on_frame).chain(linked).collect();
+    let mut lengths: Vec<f64> = std::iter::repeat_n(0.0, on_frame).chain(extended).collect();
     lengths.sort_unstable_by(f64::total_cmp);
     lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(0.0)
 }
 
-/// By end: whether it is linked to the frame over a way much longer than usual.
+/// By end: whether its frame extension is much longer than usual.
 fn far_from_frame(ground: &Ground, usual: f64) -> Vec<bool> {
     let Ground { ends, extensions, frame, .. } = *ground;
     let by_end: HashMap<[u64; 2], f64> = extensions.iter().map(|l| (bits(l.end), l.end.distance(l.frame))).collect();
@@ -170,11 +171,11 @@ fn regions_around(ground: &Ground, end_at: &HashMap<u32, usize>) -> HashMap<usiz
     around
 }
 
-/// Ends that gates between different levels chain together.
-fn chains(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
+/// Chains of ends, joined by barrier edges between different levels.
+fn chains(unexplained: &BTreeMap<usize, Unexplained>, barriers: &[Pair], ends: &[OpenEnd]) -> Vec<Vec<usize>> {
     let mut next: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &[a, b] in barriers {
-        if ends[a].elevation != ends[b].elevation && loose.contains_key(&a) && loose.contains_key(&b) {
+        if ends[a].elevation != ends[b].elevation && unexplained.contains_key(&a) && unexplained.contains_key(&b) {
             next.entry(a).or_default().push(b);
             next.entry(b).or_default().push(a);
         }
@@ -196,10 +197,10 @@ fn chains(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd]) -
     chains
 }
 
-/// The pairs of ends that belong together, the nearest and best aligned ones first.
-fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
-    let mut by_level: BTreeMap<u64, Vec<&Loose>> = BTreeMap::new();
-    for l in loose.values() {
+/// The pairs of ends that are the two sides of a gap, the nearest and best aligned ones first.
+fn pairs(unexplained: &BTreeMap<usize, Unexplained>, barriers: &[Pair], ends: &[OpenEnd], diagonal: f64) -> Vec<Pair> {
+    let mut by_level: BTreeMap<u64, Vec<&Unexplained>> = BTreeMap::new();
+    for l in unexplained.values() {
         by_level.entry(ends[l.end].elevation.to_bits()).or_default().push(l);
     }
     let barriers: HashSet<Pair> = barriers.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
@@ -207,8 +208,8 @@ fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], di
     for of_level in by_level.values().filter(|of_level| of_level.len() <= MOST_OF_LEVEL) {
         for (i, a) in of_level.iter().enumerate() {
             for b in &of_level[i + 1..] {
-                let gated = || barriers.contains(&[a.end.min(b.end), a.end.max(b.end)]);
-                if (a.around.iter().any(|r| b.around.contains(r)) || gated())
+                let has_barrier = || barriers.contains(&[a.end.min(b.end), a.end.max(b.end)]);
+                if (a.around.iter().any(|r| b.around.contains(r)) || has_barrier())
                     && let Some(cost) = gap_cost(&ends[a.end], &ends[b.end], diagonal)
                 {
                     candidates.push((cost, [a.end, b.end]));
@@ -228,8 +229,8 @@ fn pairs(loose: &BTreeMap<usize, Loose>, barriers: &[Pair], ends: &[OpenEnd], di
     candidates.into_iter().map(|(_, pair)| pair).collect()
 }
 
-/// The distance between two ends, up to three times as much where they point away from each other; none where it is
-/// larger than the lines themselves or, on a map of this diagonal, larger than a gap can be.
+/// The distance between two ends, up to three times as much where they point away from each other. None where it is
+/// larger than the lines themselves, or larger than a gap can be on a map of this diagonal.
 fn gap_cost(a: &OpenEnd, b: &OpenEnd, diagonal: f64) -> Option<f64> {
     let across = b.position - a.position;
     let distance = across.length();
@@ -244,8 +245,8 @@ fn gap_cost(a: &OpenEnd, b: &OpenEnd, diagonal: f64) -> Option<f64> {
     (distance <= most).then_some(distance * (2.0 - facing))
 }
 
-/// A gap; `is_clear` when nothing lies between its ends, so that a straight piece can join them.
-fn tell_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
+/// Reports a gap. `is_clear` means that nothing lies between its ends: a straight piece can join them.
+fn report_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
     let mut ends = pair.map(|i| &ground.ends[i]);
     ends.sort_by_key(|e| e.contour);
     let [a, b] = ends;
@@ -267,12 +268,13 @@ fn tell_gap(ground: &Ground, pair: Pair, is_clear: bool, judged: &mut Judged) {
     judged.findings.push(finding);
 }
 
-/// Many lines that end beside each other.
-fn tell_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
+/// Reports many lines that end beside each other.
+fn report_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
     let levels = chain.iter().map(|&i| ground.ends[i].elevation);
     let (lo, hi) = levels.fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(z), m.1.max(z)));
     let message = format!(
-        "{} contours from {lo} to {hi} m end in the open beside each other: a cliff, or a part of the map is missing",
+        "{} contours from {lo} to {hi} m end inside the map beside each other: a cliff, or a part of the map \
+         is missing",
         chain.len()
     );
     let finding = Finding::at(FindingKind::OpenEnd, ground.ends[chain[chain.len() / 2]].position, message);
@@ -282,19 +284,19 @@ fn tell_cliff(ground: &Ground, chain: &[usize], judged: &mut Judged) {
         .push(lines.fold(finding, |f, e| f.about(ground.map.contours[e.contour as usize].feature, e.elevation)));
 }
 
-/// What is left over, one finding a line.
-fn tell_open(ground: &Ground, loose: &BTreeMap<usize, Loose>, judged: &mut Judged) {
-    let mut by_line: BTreeMap<u32, Vec<&Loose>> = BTreeMap::new();
-    for l in loose.values() {
+/// Reports the remaining ends, one finding per line.
+fn report_open(ground: &Ground, unexplained: &BTreeMap<usize, Unexplained>, judged: &mut Judged) {
+    let mut by_line: BTreeMap<u32, Vec<&Unexplained>> = BTreeMap::new();
+    for l in unexplained.values() {
         by_line.entry(ground.ends[l.end].contour).or_default().push(l);
     }
     for (line, of_line) in by_line {
         let contour = &ground.map.contours[line as usize];
         let (elevation, feature) = (contour.elevation, contour.feature);
         let what = match of_line[..] {
-            [one] if one.is_linked => "stops short of the frame: a piece may be missing",
-            [_] => "ends in the open: a piece of it is missing, or it ends at a cliff",
-            _ => "ends in the open on both sides: a piece of a contour, or an auxiliary one",
+            [one] if one.is_extended => "stops short of the frame: a piece may be missing",
+            [_] => "ends inside the map: a piece of it is missing, or it ends at a cliff",
+            _ => "ends inside the map on both sides: a piece of a contour, or an auxiliary contour",
         };
         let message = format!("the contour {elevation} m (feature {feature}) {what}");
         let place = ground.ends[of_line[0].end].position;

@@ -1,7 +1,7 @@
-//! Sub-domains as nodes, the contours between them as edges.
+//! The graph of the sub-domains: its nodes are the sub-domains, its edges the contours between them.
 //!
-//! Contours do not cross and end on the frame or close, so the graph is a tree; gates and lines that touch can add cycles.
-//! A contour with the same sub-domain on both sides separates nothing: it ends in the open.
+//! Contours do not cross, and they close or end on the frame. So the graph is a tree; barrier edges and lines that
+//! touch can add cycles. A contour with the same sub-domain on both sides separates nothing: it ends inside the map.
 
 use std::collections::BTreeMap;
 
@@ -12,24 +12,25 @@ use crate::contour::ContourMap;
 use crate::subdomains::{GapEdges, Regions, line_starts, piece_of};
 use crate::tin::{NONE, Tin};
 
-/// Regions at the frame with so many gates lie beyond a ragged outline: they border on every level and tell nothing.
-const RAGGED_GATES: u32 = 8;
+/// Sub-domains at the frame with this many barrier edges lie beyond a ragged outline. They border on every level and
+/// show nothing.
+const RAGGED_BARRIERS: u32 = 8;
 
-/// Lengths of a line between the same two sub-domains.
+/// The part of a line between two given sub-domains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// The contour's number.
     pub line: u32,
     /// Sub-domains on its sides, the smaller number first; [`NONE`] beyond the frame.
     pub sides: [u32; 2],
-    /// Map units.
+    /// Length, map units.
     pub length: f64,
     /// Share of the contour's length inside the frame.
     pub share: f64,
 }
 
 impl Stretch {
-    /// Whether it ends in the open: the same ground lies on both sides.
+    /// Whether it ends inside the map: the same sub-domain lies on both sides.
     pub fn dangles(&self) -> bool {
         self.sides[0] == self.sides[1]
     }
@@ -42,27 +43,28 @@ pub struct Pair {
     pub sides: [u32; 2],
     /// Length of their common border, map units.
     pub length: f64,
-    /// Labels of the lines, with the sum of the shares that each line has of its length here.
+    /// Labels of the lines, each with the sum over its lines of their share of length here.
     pub labels: Vec<(Label, f64)>,
 }
 
-/// The sub-domains' neighbourhood.
+/// The graph of neighbouring sub-domains.
 #[derive(Debug, Clone)]
 pub struct Graph {
     /// By line, the longest first within a line.
     pub stretches: Vec<Stretch>,
     /// Pairs of sub-domains that a contour separates, by their numbers.
     pub pairs: Vec<Pair>,
-    /// By sub-domain: labels of lines that have it on one side alone (the frame or a ragged outline lies beyond), with shares.
+    /// By sub-domain: labels of lines that have it on one side only (beyond is the frame or a ragged outline), with
+    /// shares.
     pub one_sided: Vec<Vec<(Label, f64)>>,
-    /// By sub-domain: labels of lines that end in the open in it, with shares.
+    /// By sub-domain: labels of lines that end inside it, with shares.
     pub dangling: Vec<Vec<(Label, f64)>>,
     /// By sub-domain: whether it lies beyond a ragged outline.
     pub ragged: Vec<bool>,
 }
 
 impl Graph {
-    /// Gathers the borders of all sub-domains.
+    /// Collects the borders of all sub-domains.
     pub fn new(map: &ContourMap, tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> Self {
         let count = regions.regions.len();
         let stretches = stretches(map, tin, regions);
@@ -136,7 +138,7 @@ fn stretches(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<Stretch> {
     stretches
 }
 
-/// By sub-domain: the levels whose lines end at a gate of it, and whether it lies beyond a ragged outline.
+/// By sub-domain: the levels whose lines end at one of its barrier edges, and whether it lies beyond a ragged outline.
 fn barriers(tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> (Vec<Vec<(Label, f64)>>, Vec<bool>) {
     let count = regions.regions.len();
     let (mut explained, mut number) = (vec![Vec::new(); count], vec![0u32; count]);
@@ -150,6 +152,6 @@ fn barriers(tin: &Tin, regions: &Regions, gaps: &GapEdges, grid: &LevelGrid) -> 
             }
         }
     }
-    let ragged = regions.regions.iter().zip(number).map(|(r, n)| r.outer && n >= RAGGED_GATES).collect();
+    let ragged = regions.regions.iter().zip(number).map(|(r, n)| r.outer && n >= RAGGED_BARRIERS).collect();
     (explained, ragged)
 }

@@ -1,19 +1,20 @@
-//! Elevations as numbers of levels, and how one is mistaken for another.
+//! Elevations as level numbers, and the usual ways to mistake one elevation for another.
 
 use std::collections::HashMap;
 
 use crate::contour::{ContourMap, Interval};
 
-/// How far from a level an elevation may be and still be that level, as a share of the step: feet in metres are rounded.
+/// Largest distance from a level for an elevation that still counts as that level, as a share of the interval. Feet
+/// converted to metres are rounded.
 const ON_LEVEL: f64 = 0.025;
 
-/// Levels further from the base than so many are absurd.
+/// Levels further from the base than this many intervals are absurd.
 const FARTHEST: f64 = 1e12;
 
-/// Metres in a foot.
+/// Metres per foot.
 pub const FOOT: f64 = 0.3048;
 
-/// An elevation by the levels of the vertical interval.
+/// An elevation, given by level numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Label {
     /// The level of this number.
@@ -22,7 +23,7 @@ pub enum Label {
     Within(i64),
 }
 
-/// The levels of a map: those of its interval, as they stand in the map.
+/// The levels of a map: those of its interval, with the values that the map has for them.
 #[derive(Debug, Clone)]
 pub struct LevelGrid {
     interval: Interval,
@@ -30,7 +31,7 @@ pub struct LevelGrid {
 }
 
 impl LevelGrid {
-    /// The grid of an interval; levels that the map has are taken from it, the most frequent writing of each.
+    /// The levels of an interval. For a level that the map has, the value is the most frequent one in the map.
     pub fn new(map: &ContourMap, interval: &Interval) -> Self {
         let mut grid = Self { interval: *interval, written: HashMap::new() };
         let mut levels: Vec<f64> = map.contours.iter().map(|c| c.elevation).collect();
@@ -47,9 +48,9 @@ impl LevelGrid {
         grid
     }
 
-    /// The elevation's place among the levels.
+    /// The level number of an elevation.
     pub fn label(&self, elevation: f64) -> Label {
-        // Absurd elevations stay apart from the others and can be counted on from.
+        // Absurd elevations must differ from all others, and still allow counting up and down from them.
         let k = ((elevation - self.interval.base) / self.interval.step).clamp(-FARTHEST, FARTHEST);
         let nearest = k.round();
         if (k - nearest).abs() <= ON_LEVEL { Label::On(nearest as i64) } else { Label::Within(k.floor() as i64) }
@@ -72,8 +73,8 @@ pub fn is_other_unit(label: f64, truth: f64) -> bool {
     near(truth / FOOT) || near(truth * FOOT)
 }
 
-/// How much more plausible than any other wrong label this one is, as a difference of negative logarithms: two digits
-/// swapped, one digit wrong, another unit. A label is another level in another unit by chance once in some thirty times.
+/// How much more plausible this wrong label is than any other, as a difference of negative logarithms: for two digits
+/// swapped, one digit wrong, or another unit. By chance, one label in about thirty equals a level in another unit.
 pub fn likeness(label: f64, truth: f64) -> f64 {
     if is_other_unit(label, truth) {
         return 3.0;

@@ -1,10 +1,10 @@
-//! What checks look at: a map with its triangulation.
+//! The input of checks: a map with its triangulation.
 
 use crate::contour::ContourMap;
 use crate::subdomains::{FrameExtension, FrameRing, GapEdges, OpenEnd, Regions};
 use crate::tin::Tin;
 
-/// A triangulated map, as it is judged.
+/// A triangulated map to be checked.
 #[derive(Clone, Copy)]
 pub(crate) struct Ground<'a> {
     /// The clean map, cut to the frame.
@@ -17,8 +17,8 @@ pub(crate) struct Ground<'a> {
     pub frame: &'a FrameRing,
     /// All ends of open contours.
     pub ends: &'a [OpenEnd],
-    /// From ends to the frame.
+    /// The frame extensions of open ends.
     pub extensions: &'a [FrameExtension],
-    /// What closes the openings between ends.
+    /// The edges that close openings between ends.
     pub gaps: &'a GapEdges,
 }

@@ -1,4 +1,4 @@
-//! Wrong labels and missing contours, told by the bands around them.
+//! Wrong labels and missing contours, found from the bands around them.
 
 use std::collections::BTreeMap;
 
@@ -14,14 +14,14 @@ use crate::contour::ContourMap;
 use crate::subdomains::{line_at, line_starts};
 use crate::tin::{NONE, VertexKind};
 
-/// How much less plausible it is that an innermost contour has the level of the contours around it.
+/// Cost of giving an innermost contour the level of the contours around it, as a difference of negative logarithms.
 const FACING: f64 = 1.0;
-/// How much less plausible every other way to mend a label must be, as a difference of negative logarithms, for it to be
-/// proposed: one that is as good would be a guess.
+/// A correction of a label is proposed only if every other one costs this much more, as a difference of negative
+/// logarithms. Otherwise the proposal would be a guess.
 const CLEAR: f64 = 0.5;
-/// So many labels that are their proposal in feet, or in metres, are no coincidence.
+/// From this many labels on that equal their proposal in feet or in metres, the unit is wrong, not each label.
 const OTHER_UNIT: usize = 3;
-/// Features that a finding about many lines names.
+/// Most features that a finding about many lines names.
 const NAMED: usize = 20;
 
 /// A contour whose label contradicts the ground around it.
@@ -29,18 +29,18 @@ const NAMED: usize = 20;
 pub struct Wrong {
     /// Number of the contour.
     pub line: u32,
-    /// The levels it can have instead, the most plausible first; none if the ground tells nothing.
+    /// The levels that it can have instead, the most plausible first; none if the ground gives no level.
     pub levels: Vec<i64>,
-    /// The levels from the ground on one side to that on the other if they are several, in order: but for this line, their
-    /// contours are missing.
+    /// The levels between the ground on its two sides, ascending, if there are several. All of them but this line are
+    /// missing.
     pub apart: Vec<i64>,
-    /// Whether another line can be the wrong one as well.
+    /// Whether another line may be the wrong one instead.
     pub or_another: bool,
-    /// Whether the first level is no better than the second.
+    /// Whether the first level is not clearly better than the second.
     pub is_open: bool,
 }
 
-/// The contours whose labels contradict the ground on their sides.
+/// The contours whose labels contradict the ground on their two sides.
 pub fn wrong_labels(map: &ContourMap, graph: &Graph, explained: &Explanation, grid: &LevelGrid) -> Vec<Wrong> {
     let span = |r: u32| explained.spans.get(r as usize).copied().flatten().filter(|_| !graph.ragged[r as usize]);
     let mut wrong = Vec::new();
@@ -73,16 +73,19 @@ pub fn wrong_labels(map: &ContourMap, graph: &Graph, explained: &Explanation, gr
     wrong
 }
 
-/// The levels from one sub-domain up or down to another if there are several; none where the two meet.
+/// The levels between two sub-domains if there are several; otherwise none.
 fn levels_apart(a: Span, b: Span) -> Vec<i64> {
     let (low, high) = if a.lo <= b.lo { (a, b) } else { (b, a) };
     let levels = low.hi + 1..=high.lo;
     if levels.end() > levels.start() { levels.collect() } else { Vec::new() }
 }
 
-/// The innermost contours among the wrong ones could as well enclose a top as a pit: both levels of the ground around them
-/// fit. What tells: whether the map's other innermost contours enclose tops or pits, the level of the contours around (a slope
-/// goes on more often than it turns), and which level is easily mistaken for the label.
+/// Chooses the levels of innermost contours among the wrong ones. Such a contour could enclose a top or a pit: both
+/// levels of the ground around it fit. The choice considers:
+///
+/// - whether the map's other innermost contours enclose tops or pits;
+/// - the level of the contours around it, because a slope goes on more often than it turns;
+/// - which level is easily mistaken for the label.
 pub fn settle_innermost(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], wrong: &mut [Wrong]) {
     let map = ground.map;
     let innermost = innermost(graph, ground.regions.regions.len());
@@ -121,7 +124,7 @@ pub fn settle_innermost(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans:
     }
 }
 
-/// The contours that alone bound a sub-domain, with it and the one on their other side.
+/// The contours that alone bound a sub-domain, each with this sub-domain and the one on its other side.
 fn innermost(graph: &Graph, count: usize) -> BTreeMap<u32, [u32; 2]> {
     let mut borders = vec![0u32; count];
     let apart = || graph.stretches.iter().filter(|s| !s.dangles());
@@ -140,7 +143,7 @@ fn innermost(graph: &Graph, count: usize) -> BTreeMap<u32, [u32; 2]> {
     innermost
 }
 
-/// Adds, for each line asked for, the levels of the contours that it faces, with the length along which it does. Other
+/// Adds, for each line in `asked`, the levels of the contours that it faces, each with the length that faces it. Other
 /// innermost contours do not count: they stand beside it on the same slope.
 fn facing(
     ground: &Ground,
@@ -168,8 +171,8 @@ fn facing(
     }
 }
 
-/// The findings about wrong labels, with the corrections.
-pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+/// Reports wrong labels, with their corrections.
+pub fn report_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let elevation = |w: &Wrong| map.contours[w.line as usize].elevation;
     let fits = |w: &Wrong| w.levels.first().map(|&y| grid.elevation(y));
     let in_other_unit = |w: &&Wrong| fits(w).is_some_and(|to| is_other_unit(elevation(w), to));
@@ -181,7 +184,8 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         let Some(to) = fits(w) else {
             if let [lowest, .., highest] = w.apart[..] {
                 let message = format!(
-                    "between contours {} and {} only feature {feature} ({from} m) lies: of {} to {} all but one are missing",
+                    "between contours {} and {} there is only feature {feature} ({from} m): of the contours \
+                     {} to {} all others are missing",
                     grid.elevation(lowest - 1),
                     grid.elevation(highest + 1),
                     grid.elevation(lowest),
@@ -206,7 +210,7 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
         } else {
             (FindingKind::WrongLabel, "contradicts the contours around it")
         };
-        // The next level but one inside a contour: its neighbour may be missing as well.
+        // A label one level away from one that fits is right if the contour between is missing.
         let is_next = |&y: &i64| matches!(grid.label(from), Label::On(x) if x.abs_diff(y) == 1);
         let missing = if w.levels.len() > 1 && w.levels.iter().any(is_next) {
             ", unless a contour beside it is missing"
@@ -226,7 +230,7 @@ pub fn tell_wrong(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &
     }
 }
 
-/// A place in a sub-domain where contours are missing.
+/// The edge with the largest rise, in a sub-domain where contours are missing.
 #[derive(Debug, Clone, Copy)]
 struct Steep {
     rise: f64,
@@ -235,8 +239,8 @@ struct Steep {
     place: DVec2,
 }
 
-/// One finding for each sub-domain where levels are skipped and no line of them ends in the open.
-pub fn tell_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
+/// Reports skipped levels, one finding per sub-domain, unless a line of such a level ends inside it.
+pub fn report_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[Option<Span>], judged: &mut Judged) {
     let Ground { map, tin, regions, .. } = *ground;
     let mut wanted: BTreeMap<u32, (Vec<i64>, Option<Steep>)> = BTreeMap::new();
     for (r, span) in spans.iter().enumerate() {
@@ -289,8 +293,8 @@ pub fn tell_skipped(ground: &Ground, graph: &Graph, grid: &LevelGrid, spans: &[O
     }
 }
 
-/// One note for each elevation off the interval whose lines lie between its two levels, as an auxiliary contour does.
-pub fn tell_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
+/// Reports auxiliary contours, one note per elevation off the interval whose lines lie between its two levels.
+pub fn report_auxiliary(map: &ContourMap, grid: &LevelGrid, wrong: &[Wrong], judged: &mut Judged) {
     let is_wrong = |line: usize| wrong.binary_search_by_key(&(line as u32), |w| w.line).is_ok();
     let mut by_level: BTreeMap<(i64, u64), Vec<usize>> = BTreeMap::new();
     for (line, contour) in map.contours.iter().enumerate() {

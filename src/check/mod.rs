@@ -1,8 +1,8 @@
-//! Checks of a map: what is wrong with its contours, where, and what would mend it.
+//! Checks of a map: the faults of its contours, where they are, and their corrections.
 //!
-//! Faults that one line or a pair of lines shows are found while the map is read, by [`examine`], and by cleaning. Those that
-//! only the ground around shows (wrong elevations, missing contours, gaps) need its sub-domains, so they are found in the
-//! triangulation.
+//! Faults that one line or a pair of lines shows are found when the map is read, by [`examine`], and by cleaning. Wrong
+//! elevations, missing contours and gaps show only in the ground around them. They need the sub-domains, so they are
+//! found in the triangulation.
 
 mod bands;
 mod causes;
@@ -25,7 +25,7 @@ pub use lines::{LineParams, examine, merged};
 use self::graph::Graph;
 use self::grid::LevelGrid;
 
-/// Judges the labels, the ends and the completeness of a triangulated map by the bands of its sub-domains.
+/// Checks the labels, the ends and the completeness of a triangulated map, from the bands of its sub-domains.
 pub(crate) fn judge(ground: &Ground) -> Judged {
     let Ground { map, tin, regions, gaps, .. } = *ground;
     let mut judged = Judged::default();
@@ -35,9 +35,9 @@ pub(crate) fn judge(ground: &Ground) -> Judged {
     let spans = &explained.spans;
     let mut wrong = labels::wrong_labels(map, &graph, &explained, &grid);
     labels::settle_innermost(ground, &graph, &grid, spans, &mut wrong);
-    labels::tell_wrong(map, &grid, &wrong, &mut judged);
-    labels::tell_skipped(ground, &graph, &grid, spans, &mut judged);
-    labels::tell_auxiliary(map, &grid, &wrong, &mut judged);
-    ends::tell_ends(ground, &graph, &grid, &wrong, &mut judged);
+    labels::report_wrong(map, &grid, &wrong, &mut judged);
+    labels::report_skipped(ground, &graph, &grid, spans, &mut judged);
+    labels::report_auxiliary(map, &grid, &wrong, &mut judged);
+    ends::report_ends(ground, &graph, &grid, &wrong, &mut judged);
     judged
 }

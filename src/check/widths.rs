@@ -1,4 +1,4 @@
-//! How wide sub-domains are against those beside them, which tells a missing contour from a wrong label.
+//! Widths of sub-domains against those of their neighbours. They distinguish a missing contour from a wrong label.
 
 use super::graph::Graph;
 use super::grid::Label;
@@ -7,13 +7,14 @@ use crate::tin::{Tin, VertexKind};
 
 /// Spread of the widths of neighbouring sub-domains, as a standard deviation of their logarithms.
 const SPREAD: f64 = 0.5;
-/// The most that widths say, as a difference of negative logarithms.
+/// The strongest evidence that widths can give, as a difference of negative logarithms.
 const MOST: f64 = 2.0;
 
-/// By sub-domain: how much more plausible its width makes it that one contour is missing in it than that none is, as a
-/// difference of negative logarithms. Zero where nothing can be said, and for sub-domains that skip no level.
+/// Evidence that one contour is missing in a sub-domain, by sub-domain, as a difference of negative logarithms.
+/// Positive where a missing contour is more plausible than none. Zero where the width shows nothing, and for
+/// sub-domains that skip no level.
 ///
-/// With a contour missing it is twice as wide as its neighbours, give or take.
+/// The model: with one contour missing, a sub-domain is about twice as wide as its neighbours.
 pub fn for_missing(tin: &Tin, regions: &Regions, graph: &Graph) -> Vec<f64> {
     let count = regions.regions.len();
     let mut near: Vec<Vec<u32>> = vec![Vec::new(); count];
@@ -41,7 +42,7 @@ pub fn for_missing(tin: &Tin, regions: &Regions, graph: &Graph) -> Vec<f64> {
         return vec![0.0; count];
     }
     let widths = widths(tin, regions, &wanted);
-    let said = |r: usize| {
+    let evidence = |r: usize| {
         if !skips(r) {
             return 0.0;
         }
@@ -56,10 +57,10 @@ pub fn for_missing(tin: &Tin, regions: &Regions, graph: &Graph) -> Vec<f64> {
             _ => 0.0,
         }
     };
-    (0..count).map(said).collect()
+    (0..count).map(evidence).collect()
 }
 
-/// The middle distance between contours of different level across each of the wanted sub-domains.
+/// The median distance between contours of different level across each of the wanted sub-domains, weighted by length.
 fn widths(tin: &Tin, regions: &Regions, wanted: &[bool]) -> Vec<Option<f64>> {
     let mut across: Vec<(u32, f64, f64)> = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {

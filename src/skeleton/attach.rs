@@ -1,31 +1,31 @@
-//! Lines that come over a contour away from the tip of a bend reach the lines beyond it.
+//! Lines that cross a contour away from the tip of a bend are connected with the lines beyond it.
 //!
-//! Where such a line arrives, the bend beyond may be one that elimination dropped, or the arrival is far from the tip. Then a
-//! side line leads from there through the chords of the dropped branch to the nearest line that was kept.
+//! Where such a line arrives, the bend beyond may have been dropped by elimination, or its tip may be too far away. A
+//! side line then leads from there through the chords of the dropped branch to the nearest line that was kept.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
-use super::draft::{Draft, beyond};
+use super::axis_builder::{AxisBuilder, beyond};
 use super::eliminate::Elimination;
 use super::pieces::End;
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, TriangleKind};
 
-/// How many triangles are looked at for each arrival. A limit of time.
+/// Most triangles that are searched per arrival. It limits the time.
 const TRIALS: usize = 256;
 
-/// Adds side lines from arrivals that no line of the ground beyond ends at. `removed`: pieces that no longer count.
+/// Adds side lines from arrivals at which no line beyond ends. `removed` are pieces that no longer count.
 pub(super) fn attach(
     tin: &Tin,
     kinds: &[TriangleKind],
     regions: &Regions,
     elimination: &Elimination,
-    draft: &mut Draft,
+    builder: &mut AxisBuilder,
     removed: &[bool],
 ) {
-    let mut live = vec![false; draft.axis.points.len()];
+    let mut live = vec![false; builder.axis.points.len()];
     let mut taken: HashSet<(u32, u32)> = HashSet::new();
-    for (id, [from, to]) in draft.axis.pieces.iter().enumerate() {
+    for (id, [from, to]) in builder.axis.pieces.iter().enumerate() {
         if removed.get(id).copied().unwrap_or(false) {
             continue;
         }
@@ -34,11 +34,11 @@ pub(super) fn attach(
         match *to {
             End::Axis(q) => live[q as usize] = true,
             End::Vertex(v) => {
-                taken.insert((v, draft.axis.points[p as usize].region));
+                taken.insert((v, builder.axis.points[p as usize].region));
             }
         }
     }
-    for arrival in std::mem::take(&mut draft.arrivals) {
+    for arrival in std::mem::take(&mut builder.arrivals) {
         let way = beyond(tin, regions, &arrival);
         let level = tin.heights[arrival.vertex as usize];
         let fan: Vec<u32> = fan(tin, arrival.triangle, arrival.vertex)
@@ -56,41 +56,41 @@ pub(super) fn attach(
         for &t in fan.iter().filter(|&&t| flat(t)) {
             let Some(j) = tin.triangles[t as usize].iter().position(|&v| v == arrival.vertex) else { continue };
             let edge = (j + 1) % 3;
-            let p = draft.of_edge[t as usize][edge];
+            let p = builder.of_edge[t as usize][edge];
             if p == NONE {
                 continue;
             }
-            let kept_fork = kinds[t as usize] == TriangleKind::Junction && draft.piece_of[t as usize] == NONE;
+            let kept_fork = kinds[t as usize] == TriangleKind::Junction && builder.piece_of[t as usize] == NONE;
             let kept_fork = kept_fork && !elimination.dropped[t as usize];
-            // Inside a triangle that a line runs through, only that line's own ends can be reached without crossing it.
-            let free = draft.piece_of[t as usize] == NONE || live[p as usize];
-            if free && !kept_fork && !draft.crossed.contains(&t) {
+            // In a triangle with a line, only the ends of that line can be reached without crossing it.
+            let free = builder.piece_of[t as usize] == NONE || live[p as usize];
+            if free && !kept_fork && !builder.crossed.contains(&t) {
                 queue.push_back((t, edge));
             }
         }
-        let Some(path) = way_to_line(tin, elimination, draft, &live, queue, flat) else { continue };
-        draft.axis.pieces.push([End::Axis(path[0].1), End::Vertex(arrival.vertex)]);
-        draft.axis.pieces.extend(path.windows(2).map(|w| [End::Axis(w[0].1), End::Axis(w[1].1)]));
+        let Some(path) = way_to_line(tin, elimination, builder, &live, queue, flat) else { continue };
+        builder.axis.pieces.push([End::Axis(path[0].1), End::Vertex(arrival.vertex)]);
+        builder.axis.pieces.extend(path.windows(2).map(|w| [End::Axis(w[0].1), End::Axis(w[1].1)]));
         taken.insert((arrival.vertex, regions.of_triangle[path[0].0 as usize]));
         for (t, p) in path {
             live[p as usize] = true;
-            draft.crossed.insert(t);
+            builder.crossed.insert(t);
         }
     }
 }
 
-/// From the edges in `queue` through triangles without a line to the nearest line: for each step the triangle that it
-/// crosses and the axis point that it leads to.
+/// The way from the edges in `queue`, through triangles without a line, to the nearest line. Each step is the triangle
+/// that it crosses and the axis point to which it leads.
 fn way_to_line(
     tin: &Tin,
     elimination: &Elimination,
-    draft: &Draft,
+    builder: &AxisBuilder,
     live: &[bool],
     mut queue: VecDeque<(u32, usize)>,
     flat: impl Fn(u32) -> bool,
 ) -> Option<Vec<(u32, u32)>> {
     let mut before: HashMap<u32, Option<(u32, u32)>> = HashMap::new();
-    let point = |t: u32, edge: usize| draft.of_edge[t as usize][edge];
+    let point = |t: u32, edge: usize| builder.of_edge[t as usize][edge];
     queue.iter().for_each(|&(t, edge)| {
         before.insert(point(t, edge), None);
     });
@@ -108,11 +108,11 @@ fn way_to_line(
         if live[here as usize] {
             return Some(back(&before, (t, here)));
         }
-        let Some(n) = tin.across(t, edge).filter(|&n| flat(n) && !draft.crossed.contains(&n)) else { continue };
-        let piece = draft.piece_of[n as usize];
+        let Some(n) = tin.across(t, edge).filter(|&n| flat(n) && !builder.crossed.contains(&n)) else { continue };
+        let piece = builder.piece_of[n as usize];
         if piece != NONE {
-            let position = |p: u32| draft.axis.points[p as usize].position;
-            let ends = draft.axis.pieces[piece as usize].into_iter().filter_map(|end| match end {
+            let position = |p: u32| builder.axis.points[p as usize].position;
+            let ends = builder.axis.pieces[piece as usize].into_iter().filter_map(|end| match end {
                 End::Axis(p) if live[p as usize] => Some(p),
                 _ => None,
             });

@@ -1,4 +1,4 @@
-//! The points of ridge and canyon lines: centres of the triangle edges that span a spur, a gully or a top.
+//! The points of ridge and canyon lines: midpoints of the triangle edges that span a spur, a gully or a top.
 
 use std::collections::HashSet;
 
@@ -6,31 +6,31 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::attach::attach;
-use super::draft::{Arrival, Draft};
+use super::axis_builder::{Arrival, AxisBuilder};
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
 use super::pieces::{Axis, End};
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
-/// Triangles no wider than this share of the map's size hold no points. Points nearer to each other than that are one to
-/// the frame and to the ends of contours too.
+/// Triangles no wider than this share of the map's size hold no points. For the frame and for the ends of contours too,
+/// points that close count as one.
 const NARROW: f64 = 1e-9;
 
-/// Nor do triangles no wider than so many steps between numbers of the size of the map's coordinates: points would lie
-/// beside them by rounding, perhaps beyond a contour.
+/// Triangles no wider than this many floating-point steps, at the size of the map's coordinates, hold no points either.
+/// Rounding would put points beside them, perhaps beyond a contour.
 const NARROW_STEPS: f64 = 64.0;
 
-/// Collects the axis points of all sub-domains and joins them through sleeves, tips and junctions.
+/// Finds the axis points of all sub-domains and joins them through sleeves, tips and junctions.
 ///
-/// In a junction with all corners on one level the lines meet in its centroid. In a triangle that reaches from one level
-/// to the next the line goes on to the corner on the next contour; where the line beyond ends at another vertex of the
-/// same bend, that end moves there, so that lines go on from sub-domain to sub-domain. Every piece lies inside one triangle,
-/// so none crosses a contour or another piece.
+/// In a junction with all corners on one level, the lines meet in its centroid. In a triangle that reaches from one
+/// level to the next, the line ends at the corner on the next contour. Where the line beyond ends at another vertex of
+/// the same bend, that end moves to this corner. So lines continue from sub-domain to sub-domain. Every piece lies
+/// inside one triangle, so it crosses no contour and no other piece.
 ///
 /// `join_reach` is [`SkeletonTuning::join_reach`](crate::tuning::SkeletonTuning::join_reach).
 pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &Elimination, join_reach: f64) -> Axis {
-    let mut draft = Draft {
+    let mut builder = AxisBuilder {
         axis: Axis::default(),
         of_edge: vec![[NONE; 3]; tin.len()],
         piece_of: vec![NONE; tin.len()],
@@ -46,38 +46,38 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         (0..3).filter(move |&i| is_chord(tin, t, i) && has_room(tin.neighbours[t as usize][i])).map(move |i| (t, i))
     });
     for (t, i) in chords.collect::<Vec<(u32, usize)>>() {
-        if draft.of_edge[t as usize][i] != NONE {
+        if builder.of_edge[t as usize][i] != NONE {
             continue;
         }
         let [u, v] = tin.edge(t, i);
         let middle = tin.positions[u as usize].midpoint(tin.positions[v as usize]);
-        let id = draft.add_point(regions, t, middle, tin.heights[u as usize]);
-        draft.of_edge[t as usize][i] = id;
+        let id = builder.add_point(regions, t, middle, tin.heights[u as usize]);
+        builder.of_edge[t as usize][i] = id;
         let n = tin.neighbours[t as usize][i];
         if let Some(j) = tin.edge_towards(n, t) {
-            draft.of_edge[n as usize][j] = id;
+            builder.of_edge[n as usize][j] = id;
         }
     }
     let is_flat = |t: u32| {
         let [a, b, c] = tin.corner_heights(t);
         a == b && b == c
     };
-    let bearing = triangles().filter(|&t| is_flat(t) || draft.of_edge[t as usize] != [NONE; 3]);
+    let bearing = triangles().filter(|&t| is_flat(t) || builder.of_edge[t as usize] != [NONE; 3]);
     for t in bearing.collect::<Vec<u32>>() {
         if is_flat(t) {
-            add_flat(tin, kinds[t as usize], regions, elimination, &mut draft, t);
+            add_flat(tin, kinds[t as usize], regions, elimination, &mut builder, t);
         } else {
-            add_arrival(tin, regions, elimination, &mut draft, t);
+            add_arrival(tin, regions, elimination, &mut builder, t);
         }
     }
-    let removed = join(tin, regions, elimination, &mut draft, join_reach);
-    attach(tin, kinds, regions, elimination, &mut draft, &removed);
+    let removed = join(tin, regions, elimination, &mut builder, join_reach);
+    attach(tin, kinds, regions, elimination, &mut builder, &removed);
     let mut removed = removed.into_iter().chain(std::iter::repeat(false));
-    draft.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
-    draft.axis
+    builder.axis.pieces.retain(|_| !removed.next().unwrap_or(false));
+    builder.axis
 }
 
-/// The width, map units, that a triangle must have more of to hold points.
+/// Triangles no wider than this hold no points, map units.
 pub(crate) fn narrow(tin: &Tin) -> f64 {
     let extent = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (lo, hi) = tin.positions.iter().fold(extent, |(lo, hi), &p| (lo.min(p), hi.max(p)));
@@ -86,44 +86,51 @@ pub(crate) fn narrow(tin: &Tin) -> f64 {
 }
 
 /// The pieces in a triangle with all corners on one level.
-fn add_flat(tin: &Tin, kind: TriangleKind, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
-    let of_edge = draft.of_edge[t as usize];
+fn add_flat(
+    tin: &Tin,
+    kind: TriangleKind,
+    regions: &Regions,
+    elimination: &Elimination,
+    builder: &mut AxisBuilder,
+    t: u32,
+) {
+    let of_edge = builder.of_edge[t as usize];
     let chords: Vec<u32> = of_edge.iter().copied().filter(|&p| p != NONE).collect();
     let level = tin.heights[tin.triangles[t as usize][0] as usize];
     let [a, b, c] = tin.corners(t);
     let kept = !elimination.dropped[t as usize];
     match kind {
         TriangleKind::Isolated => {
-            draft.add_point(regions, t, (a + b + c) / 3.0, level);
+            builder.add_point(regions, t, (a + b + c) / 3.0, level);
         }
         TriangleKind::Terminal if kept && chords.len() == 1 => {
             let i = (0..3).find(|&i| of_edge[i] != NONE).unwrap_or(0);
             if (1..3).all(|k| tin.border_level(t, (i + k) % 3).is_some()) {
                 let tip = tin.triangles[t as usize][(i + 2) % 3];
-                draft.add_piece(t, chords[0], End::Vertex(tip));
+                builder.add_piece(t, chords[0], End::Vertex(tip));
             }
         }
-        TriangleKind::Sleeve if kept && chords.len() == 2 => draft.add_piece(t, chords[0], End::Axis(chords[1])),
+        TriangleKind::Sleeve if kept && chords.len() == 2 => builder.add_piece(t, chords[0], End::Axis(chords[1])),
         TriangleKind::Junction if kept && chords.len() == 3 => {
             let live: Vec<u32> = (0..3)
                 .filter(|&i| tin.across(t, i).is_some_and(|n| !elimination.dropped[n as usize]))
                 .map(|i| of_edge[i])
                 .collect();
             if let [p, q] = live[..] {
-                draft.add_piece(t, p, End::Axis(q));
+                builder.add_piece(t, p, End::Axis(q));
             } else {
-                let centre = draft.add_point(regions, t, (a + b + c) / 3.0, level);
-                draft.axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
+                let centre = builder.add_point(regions, t, (a + b + c) / 3.0, level);
+                builder.axis.pieces.extend(live.iter().map(|&p| [End::Axis(p), End::Axis(centre)]));
             }
         }
         _ => {}
     }
 }
 
-/// The piece from a chord to the next contour, in a triangle with two corners on one level and the third on the contour
-/// that the ground rises or falls to.
-fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &mut Draft, t: u32) {
-    let Some(i) = (0..3).find(|&i| draft.of_edge[t as usize][i] != NONE) else { return };
+/// The piece from a chord to the next contour. The triangle has two corners on one level, and the third on the contour
+/// to which the ground rises or falls.
+fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, builder: &mut AxisBuilder, t: u32) {
+    let Some(i) = (0..3).find(|&i| builder.of_edge[t as usize][i] != NONE) else { return };
     let kept = |t: u32| !elimination.dropped[t as usize];
     if !kept(t) || !tin.across(t, i).is_some_and(kept) {
         return;
@@ -137,8 +144,8 @@ fn add_arrival(tin: &Tin, regions: &Regions, elimination: &Elimination, draft: &
         None => false,
     };
     if onwards && tin.kinds[apex as usize] == VertexKind::Contour {
-        draft.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
-        draft.add_piece(t, draft.of_edge[t as usize][i], End::Vertex(apex));
+        builder.arrivals.push(Arrival { vertex: apex, region: regions.of_triangle[t as usize], triangle: t });
+        builder.add_piece(t, builder.of_edge[t as usize][i], End::Vertex(apex));
     }
 }
 

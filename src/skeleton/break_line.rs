@@ -14,24 +14,25 @@ pub enum BreakKind {
 /// What lies at the end of a ridge or canyon line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LineEnd {
-    /// A vertex of a contour: the tip of a bend, or the next contour. A line of the neighbouring sub-domain may go on there.
+    /// A vertex of a contour: the tip of a bend, or a vertex of the next contour. A line of the neighbouring sub-domain
+    /// may continue there.
     Contour,
-    /// Another line of the sub-domain, which runs through there.
+    /// Another line of the sub-domain, which continues through this point.
     Junction,
     /// The highest point of a ridge.
     Peak,
-    /// The lowest point of a canyon without a way out.
+    /// The lowest point of a canyon without an outlet.
     Bottom,
     /// The lowest point of a ridge between two ways up, the highest of a canyon between two ways down.
     Saddle,
-    /// The frame, or the opening between the ends of two contours.
+    /// The frame or a barrier edge.
     Frame,
     /// A spot height.
     Spot,
 }
 
 impl LineEnd {
-    /// The word for it in files.
+    /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Contour => "contour",
@@ -54,9 +55,9 @@ pub struct BreakLine {
     pub points: Vec<DVec3>,
     /// The sub-domain that the line runs in.
     pub region: u32,
-    /// What lies at the first point and at the last.
+    /// What lies at the first point, and what at the last.
     pub ends: [LineEnd; 2],
-    /// Number of the network: lines that share end points, directly or through others, have the same.
+    /// Number of the network. Lines that share end points, directly or through other lines, have the same number.
     pub network: u32,
 }
 

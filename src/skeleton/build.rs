@@ -16,17 +16,17 @@ use crate::tuning::SkeletonTuning;
 pub struct Skeleton {
     /// Axis points and the pieces between them.
     pub axis: Axis,
-    /// Heights of the axis points, and which way the pieces fall.
+    /// Heights of the axis points, and the direction in which the pieces fall.
     pub flow: Flow,
     /// Ridge and canyon lines.
     pub lines: Vec<BreakLine>,
     /// Kind of each triangle.
     pub kinds: Vec<TriangleKind>,
-    /// Junctions that were turned into sleeves, and the branches that this dropped.
+    /// Junctions that were turned into sleeves, and the branches that were dropped with them.
     pub elimination: Elimination,
 }
 
-/// Finds ridge and canyon lines. `resolution` is the paper's w: more of it, fewer lines.
+/// Finds ridge and canyon lines. `resolution` is the paper's w: a larger value gives fewer lines.
 pub fn skeleton(tin: &Tin, regions: &Regions, resolution: f64, tuning: &SkeletonTuning) -> Skeleton {
     let kinds = triangle_kinds(tin);
     let elimination = eliminate(tin, &kinds, regions, resolution);

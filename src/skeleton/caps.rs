@@ -6,10 +6,10 @@ use crate::subdomains::{Band, Side};
 
 /// A rounded top above (or hollow below) the last contour.
 ///
-/// The slope outside the contour goes on inwards and eases off to level ground at the widest place: at distance d from
-/// the contour the rise is `g d (1 - d / 2D)`, with g the slope outside and D the largest distance. So the top is never
-/// flat. A smooth bound keeps it inside the band: `r (1 - exp(-rise / r))` with r a share of the band. Spot heights
-/// inside scale the profile so that it passes through them.
+/// The slope outside the contour continues inwards and decreases to level ground at the widest point. At distance d
+/// from the contour the rise is `g d (1 - d / 2D)`, with g the slope outside and D the largest distance. So the top is
+/// never flat. A smooth bound keeps it inside the band: `r (1 - exp(-rise / r))`, with r a share of the band. Spot
+/// heights inside scale the profile, which passes through them.
 pub struct Cap {
     band: Band,
     side: Side,
@@ -17,14 +17,14 @@ pub struct Cap {
     slope: f64,
     /// The rise that the profile stays below, metres.
     reach: f64,
-    /// Position of each spot height and the factor that it asks for.
+    /// Position of each spot height, and the factor by which the profile must be scaled there.
     factors: Vec<(DVec2, f64)>,
 }
 
 impl Cap {
-    /// The profile beyond one level of a sub-domain: `band` is the level and the next one on `side`, `widest` the largest
-    /// distance to the contour, `slope` the slope outside, `share` that of the band which the profile stays below without spot
-    /// heights. `spots` are position, height and distance to the contour.
+    /// The profile beyond one level of a sub-domain. `band` is the level and the next one on `side`, `widest` the
+    /// largest distance to the contour, `slope` the slope outside. `share` is the share of the band that the profile
+    /// does not exceed without spot heights. `spots` are position, height and distance to the contour.
     pub fn new(band: Band, side: Side, widest: f64, slope: f64, share: f64, spots: Vec<(DVec2, f64, f64)>) -> Self {
         let reach = share * (band.hi - band.lo);
         let mut cap = Self { band, side, widest, slope, reach, factors: Vec::new() };

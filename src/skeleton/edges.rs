@@ -25,7 +25,7 @@ pub fn junction_edges(tin: &Tin, regions: &Regions, skeleton: &Skeleton) -> Vec<
     let mut edges = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| reserved(t)) {
         for i in 0..3 {
-            // An edge between two junctions is the one of the lower number's.
+            // Of two junctions that share an edge, the one with the lower number adds it.
             if tin.across(t, i).is_none_or(|n| t < n || !reserved(n)) {
                 let ends = tin.edge(t, i).map(|v| tin.point(v));
                 edges.push(JunctionEdge { ends, region: regions.of_triangle[t as usize] });

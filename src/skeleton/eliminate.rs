@@ -1,40 +1,40 @@
 //! Elimination of junction triangles (paper, section 4, figure 3).
 //!
-//! A junction triangle whose branch is short against the triangle itself stands for a small wrinkle of the contour. Such
-//! a branch is dropped, and the junction becomes a sleeve.
+//! A junction triangle whose branch is short compared with the triangle itself shows only a small wrinkle of the
+//! contour. Such a branch is dropped, and the junction becomes a sleeve.
 
 use rayon::prelude::*;
 
 use crate::subdomains::Regions;
 use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
-/// What elimination decided, by triangle.
+/// The result of the elimination, by triangle.
 #[derive(Debug, Clone)]
 pub struct Elimination {
-    /// The junction triangle was turned into a sleeve.
+    /// Whether the junction triangle was turned into a sleeve.
     pub eliminated: Vec<bool>,
-    /// The triangle lies in a dropped branch.
+    /// Whether the triangle lies in a dropped branch.
     pub dropped: Vec<bool>,
-    /// Junction triangles whose own lower limit was above the resolution that was asked for, and was used instead.
+    /// Number of junction triangles whose own lower limit was above the given resolution. They used that limit.
     pub limited: usize,
 }
 
 /// Decides which junction triangles to eliminate.
 ///
-/// A free edge of a junction triangle with both ends on one level cuts off a branch. The comparison parameter is
-/// `r = LPCO / (L1 + L2)`: the length of contour around the branch, over the lengths of the triangle's other two edges.
-/// `r < w` drops the branch. With all three corners on one level the longest branch is the trunk and the other two are
-/// compared; the one with the smaller `r` is dropped, so that more of w never brings a branch back. A branch that holds
-/// further contours is never dropped.
+/// A free edge of a junction triangle with both ends on one level cuts off a branch. The comparison parameter is `r =
+/// LPCO / (L1 + L2)`: the length of contour around the branch, divided by the lengths of the triangle's other two
+/// edges. If `r < w` the branch is dropped. With all three corners on one level, the longest branch is the trunk, and
+/// the other two are compared. The one with the smaller `r` is dropped: then a larger w never brings a branch back. A
+/// branch that holds further contours is never dropped.
 ///
-/// The paper bounds w from below by `max[L3/(L1+L2), L2/(L1+L3), L1/(L2+L3)]` of the triangle. That limit is at most 1 and
-/// differs from junction to junction, so each takes the larger of its limit and `resolution`.
+/// The paper bounds w from below by `max[L3/(L1+L2), L2/(L1+L3), L1/(L2+L3)]` of the triangle. That limit is at most 1
+/// and differs between junctions. So each junction takes the larger of its limit and `resolution`.
 ///
-/// The paper tells three cases apart by the number of *contours* that the corners lie on; here it is the number of
-/// *levels*. They differ where two contours of one level face each other, two tops over a lower contour: the ground
-/// between them is the canyon of the paper's figure 5(a), domain II, bounded by junction triangles with corners on three
-/// contours. The edge between the tops is an edge across that canyon as any other. The branch beyond it runs around a
-/// contour, so that it is never dropped.
+/// The paper distinguishes three cases by the number of *contours* on which the corners lie. Here it is the number of
+/// *levels*. The two differ where two contours of one level face each other, as two tops over a lower contour do. The
+/// ground between them is the canyon of the paper's figure 5(a), domain II, bounded by junction triangles with corners
+/// on three contours. The edge between the tops crosses that canyon like any other edge. The branch beyond it runs
+/// around a contour, so it is never dropped.
 pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolution: f64) -> Elimination {
     let branches = Branches::new(tin, kinds, regions);
     let mut eliminated = vec![false; tin.len()];
@@ -75,7 +75,7 @@ pub fn is_chord(tin: &Tin, t: u32, i: usize) -> bool {
         && tin.across(t, i).is_some()
 }
 
-/// Marks the triangles beyond edge `i` of `t`. The branch is a tree, so that they never lead back to `t`.
+/// Marks the triangles beyond edge `i` of `t`. The branch is a tree: its triangles never lead back to `t`.
 fn drop_branch(tin: &Tin, dropped: &mut [bool], t: u32, i: usize) {
     let Some(first) = tin.across(t, i) else { return };
     let mut stack = vec![(first, t)];
@@ -89,11 +89,11 @@ fn drop_branch(tin: &Tin, dropped: &mut [bool], t: u32, i: usize) {
 
 /// The branches of every sub-domain's dual graph, found by stripping its leaves.
 struct Branches {
-    /// The neighbour a stripped triangle hung on; [`NONE`] for the core and the roots.
+    /// The neighbour to which a stripped triangle was attached; [`NONE`] for the core and the roots.
     parent: Vec<u32>,
-    /// Length of contour around the stripped triangle and all that hung on it, map units.
+    /// Length of contour around the stripped triangle and all that was attached to it, map units.
     length: Vec<f64>,
-    /// By sub-domain: all its contour if its dual graph is a tree, else infinity.
+    /// By sub-domain: the length of all its contours if its dual graph is a tree, otherwise infinity.
     total: Vec<f64>,
 }
 

@@ -1,23 +1,24 @@
-//! Which way ridge and canyon lines fall, and heights that fall that way.
+//! The direction in which ridge and canyon lines fall, and heights that fall that way.
 //!
-//! Equation (1) gives each point its height from the contours nearest to it, and so a canyon line gets bumps wherever its
-//! walls come closer or draw apart: a gully becomes a string of pits and dams. But between two contours water runs from
-//! the tips of the upper contour's bends to the lower contour. The rule:
+//! Equation (1) gives each point a height from the nearest contours. A canyon line then gets bumps wherever its walls
+//! come closer or draw apart: a gully becomes a string of pits and dams. But between two contours, water runs from the
+//! tips of the upper contour's bends to the lower contour. The rule:
 //!
-//! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *ways out* are the vertices
-//!    of the lower contour that it reaches. Without any they are the hollows: the lowest point, and each other low point
-//!    that lies deeper than a share of the band below the way over to a deeper one.
-//! 2. The network is flooded from its ways out, the lowest reachable point first. Every piece falls from the point that is
-//!    reached later to the one reached earlier. Two floods meet at a *saddle*, the highest point between two ways out.
-//! 3. A point's height becomes the mean of two: the highest of its own and all below it on the way down, and the lowest of
-//!    its own and all above it. Neither ever rises on the way down, so their mean does not. Points that were in order keep
-//!    the height of equation (1).
-//! 4. Where that leaves level stretches, they become ramps by distance, between the heights half way to the next points
-//!    above and below. Then every piece falls.
+//! 1. A *network* is a connected set of pieces of one sub-domain and one level. In a canyon its *outlets* are the
+//!    vertices of the lower contour that it reaches. If there are none, its outlets are the hollows. These are the
+//!    lowest point, and each other low point that lies deeper than a share of the band below the pass to a deeper one.
+//! 2. The network is flooded from its outlets, the lowest reachable point first (priority flood). Every piece falls
+//!    from the point reached later to the point reached earlier. Two floods meet at a *saddle*, the highest point
+//!    between two outlets.
+//! 3. A point's new height is the mean of two: the highest of its own and all below it on the way down, and the lowest
+//!    of its own and all above it. Neither ever rises on the way down, so their mean does not. Points that were in
+//!    order keep the height of equation (1).
+//! 4. Where this leaves level stretches, they become ramps by distance. A ramp lies between the heights half way to the
+//!    next points above and below. Then every piece falls.
 //!
-//! A ridge is the same upside down: within one band it rises steadily from the tips of the lower contour to the upper
-//! contour, and a saddle is its lowest point between two of them. On a top the ways out are the peaks.
-//! No height leaves the open interval between the network's level and the next.
+//! A ridge is the same upside down. Within one band it rises steadily from the tips of the lower contour to the upper
+//! contour, and a saddle is its lowest point between two of them. On a top the outlets are the peaks. No height leaves
+//! the open interval between the network's level and the next.
 
 use std::collections::{BinaryHeap, HashMap};
 
@@ -33,21 +34,23 @@ use crate::tuning::SkeletonTuning;
 /// How the pieces of an axis fall.
 #[derive(Debug, Clone, Default)]
 pub struct Flow {
-    /// Height of each axis point, metres: NaN where the input was.
+    /// Height of each axis point, metres; NaN where the input is.
     pub heights: Vec<f64>,
-    /// By axis point: its turn in the flood from the ways out. Pieces run from a later turn to an earlier one.
-    pub turn: Vec<u32>,
-    /// By axis point: length of the longest way to a source against the flow (tips, saddles), map units.
+    /// By axis point: its number in the order of the flood from the outlets. Pieces fall from a higher number to a
+    /// lower one.
+    pub flood_number: Vec<u32>,
+    /// By axis point: length of the longest way upstream to a source (a tip or a saddle), map units.
     pub upstream: Vec<f64>,
-    /// By axis point: length of the longest way to a way out, map units.
+    /// By axis point: length of the longest way downstream to an outlet, map units.
     pub downstream: Vec<f64>,
-    /// Points whose height was changed.
+    /// Number of points whose height was changed.
     pub moved: usize,
     /// The largest change, metres.
     pub most_moved: f64,
 }
 
-/// Directs all pieces and makes heights steady along them. `heights` are those of equation (1), one an axis point.
+/// Gives all pieces a direction, and makes heights fall along them. `heights` are those of equation (1), one per axis
+/// point.
 pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning: &SkeletonTuning) -> Flow {
     let count = axis.points.len();
     let graph = Graph {
@@ -66,7 +69,7 @@ pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning
     };
     let mut flow = Flow {
         heights: heights.clone(),
-        turn: vec![NONE; count],
+        flood_number: vec![NONE; count],
         upstream: vec![0.0; count],
         downstream: vec![0.0; count],
         ..Flow::default()
@@ -93,7 +96,7 @@ pub fn flow(tin: &Tin, regions: &Regions, axis: &Axis, heights: Vec<f64>, tuning
     flow
 }
 
-/// Whether a line at this level of a sub-domain runs in ground that lies above the level: a ridge.
+/// Whether the ground around a line at this level of a sub-domain lies above the level: then the line is a ridge.
 pub(super) fn is_ridge(regions: &Regions, region: u32, level: f64) -> bool {
     regions.regions[region as usize].side(level) != Some(Side::Below)
 }
@@ -107,14 +110,14 @@ struct Graph<'a> {
 }
 
 impl Graph<'_> {
-    /// The points that `first` is connected with.
+    /// The points connected with `first`.
     fn network(&self, first: u32, seen: &mut [bool]) -> Vec<u32> {
         seen[first as usize] = true;
         let mut members = vec![first];
         let mut next = 0;
         while let Some(&p) = members.get(next) {
             next += 1;
-            for (end, _) in self.around(p) {
+            for (end, _) in self.neighbours(p) {
                 if let End::Axis(q) = end
                     && !std::mem::replace(&mut seen[q as usize], true)
                 {
@@ -125,8 +128,8 @@ impl Graph<'_> {
         members
     }
 
-    /// Where the pieces at a point lead, and their lengths.
-    fn around(&self, p: u32) -> impl Iterator<Item = (End, f64)> + '_ {
+    /// The other ends of the pieces at a point, with the lengths of the pieces.
+    fn neighbours(&self, p: u32) -> impl Iterator<Item = (End, f64)> + '_ {
         self.pieces_at.of(p as usize).iter().map(move |&id| {
             let [a, b] = self.axis.pieces[id as usize];
             let other = if a == End::Axis(p) { b } else { a };
@@ -142,25 +145,25 @@ impl Graph<'_> {
     }
 }
 
-/// What a piece leads to, seen from one of its ends in the direction of the flow. Points are meant by their turn.
+/// The other end of a piece, seen along the flow. Points are given by their flood number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum FrameExtension {
+enum Neighbour {
     /// A point further down.
     Below(usize),
     /// A point further up.
     Above(usize),
-    /// A way out, at this height.
-    Out(f64),
+    /// An outlet at this height.
+    Outlet(f64),
     /// The tip of a bend: the flow begins at the network's own level.
     Source,
 }
 
-/// One network. Heights in here are upside down if it is a ridge, so that the flow always falls.
+/// One network. For a ridge, heights are upside down here: the flow always falls.
 struct Network<'a> {
     graph: &'a Graph<'a>,
     /// 1 in a canyon, -1 on a ridge.
     sign: f64,
-    /// Ends of the open interval that the heights lie in.
+    /// Ends of the open interval in which the heights lie.
     floor: f64,
     ceiling: f64,
     /// The points in the order of the flood.
@@ -168,7 +171,7 @@ struct Network<'a> {
 }
 
 impl<'a> Network<'a> {
-    /// Floods a network from its ways out.
+    /// Floods a network from its outlets.
     fn new(graph: &'a Graph<'a>, regions: &Regions, members: Vec<u32>, flow: &mut Flow) -> Self {
         let AxisPoint { region, level, .. } = graph.axis.points[members[0] as usize];
         let level = level.unwrap_or(f64::NAN);
@@ -179,12 +182,12 @@ impl<'a> Network<'a> {
         let mut network = Self { graph, sign, floor, ceiling: sign * level, order: Vec::new() };
         let height = |p: u32, flow: &Flow| sign * flow.heights[p as usize];
         let leads_out =
-            |p: &u32| graph.around(*p).any(|(end, _)| network.way_out(end).is_some_and(|out| out.is_finite()));
+            |p: &u32| graph.neighbours(*p).any(|(end, _)| network.outlet(end).is_some_and(|out| out.is_finite()));
         let mut roots: Vec<u32> = members.iter().copied().filter(leads_out).collect();
         if roots.is_empty() {
             roots = network.hollows(&members, flow);
         }
-        // A member's turn is unset until it is reached, then set when it is taken from the heap.
+        // A member's flood number is set when the point is taken from the heap.
         let mut heap: BinaryHeap<Reached> = BinaryHeap::new();
         let mut number = 0;
         let mut reach = |heap: &mut BinaryHeap<Reached>, point: u32, height: f64| {
@@ -195,14 +198,14 @@ impl<'a> Network<'a> {
             reach(&mut heap, p, height(p, flow));
         }
         while let Some(Reached { height: reached, point, .. }) = heap.pop() {
-            if flow.turn[point as usize] != NONE {
+            if flow.flood_number[point as usize] != NONE {
                 continue;
             }
-            flow.turn[point as usize] = network.order.len() as u32;
+            flow.flood_number[point as usize] = network.order.len() as u32;
             network.order.push(point);
-            for (end, _) in graph.around(point) {
+            for (end, _) in graph.neighbours(point) {
                 if let End::Axis(q) = end
-                    && flow.turn[q as usize] == NONE
+                    && flow.flood_number[q as usize] == NONE
                 {
                     reach(&mut heap, q, reached.max(height(q, flow)));
                 }
@@ -211,27 +214,27 @@ impl<'a> Network<'a> {
         network
     }
 
-    /// The height of a way out, none for anything else.
-    fn way_out(&self, end: End) -> Option<f64> {
+    /// The height of an outlet; none for anything else.
+    fn outlet(&self, end: End) -> Option<f64> {
         let End::Vertex(v) = end else { return None };
         let height = self.sign * self.graph.tin.heights[v as usize];
         (height != self.ceiling).then_some(height)
     }
 
-    /// The lowest point and all that lie deep enough below the way over to a lower one.
+    /// The lowest point, and all points deep enough below the pass to a lower one.
     fn hollows(&self, members: &[u32], flow: &Flow) -> Vec<u32> {
         let height = |k: usize| self.sign * flow.heights[members[k] as usize];
         let mut sorted: Vec<usize> = (0..members.len()).collect();
         sorted.sort_by(|&a, &b| height(a).total_cmp(&height(b)).then(a.cmp(&b)));
         let number: HashMap<u32, usize> = members.iter().enumerate().map(|(k, &p)| (p, k)).collect();
         let depth = self.graph.tuning.hollow_depth * (self.ceiling - self.floor);
-        // Water rises over all points together; the root of each pool is its lowest point.
+        // The water rises everywhere at once. The root of each pool is its lowest point.
         let mut pools = UnionFind::new(members.len());
         let mut wet = vec![false; members.len()];
         let mut found = vec![members[sorted[0]]];
         for &k in &sorted {
             wet[k] = true;
-            for (end, _) in self.graph.around(members[k]) {
+            for (end, _) in self.graph.neighbours(members[k]) {
                 let End::Axis(q) = end else { continue };
                 let other = number[&q];
                 if !wet[other] {
@@ -252,20 +255,22 @@ impl<'a> Network<'a> {
         found
     }
 
-    /// The pieces at the point of turn `k`, with their lengths.
-    fn extensions(&self, k: usize, turn: &'a [u32]) -> impl Iterator<Item = (FrameExtension, f64)> + '_ {
-        self.graph.around(self.order[k]).map(move |(end, length)| {
-            let extension = match end {
-                End::Axis(q) if (turn[q as usize] as usize) < k => FrameExtension::Below(turn[q as usize] as usize),
-                End::Axis(q) => FrameExtension::Above(turn[q as usize] as usize),
-                End::Vertex(_) => self.way_out(end).map_or(FrameExtension::Source, FrameExtension::Out),
+    /// The other ends of the pieces at the point of flood number `k`, with the lengths of the pieces.
+    fn directed(&self, k: usize, flood_number: &'a [u32]) -> impl Iterator<Item = (Neighbour, f64)> + '_ {
+        self.graph.neighbours(self.order[k]).map(move |(end, length)| {
+            let neighbour = match end {
+                End::Axis(q) if (flood_number[q as usize] as usize) < k => {
+                    Neighbour::Below(flood_number[q as usize] as usize)
+                }
+                End::Axis(q) => Neighbour::Above(flood_number[q as usize] as usize),
+                End::Vertex(_) => self.outlet(end).map_or(Neighbour::Source, Neighbour::Outlet),
             };
-            (extension, length)
+            (neighbour, length)
         })
     }
 }
 
-/// Lengths along the flow and steady heights of one network, by turn.
+/// Lengths along the flow and steady heights of one network, by flood number.
 struct Settled {
     upstream: Vec<f64>,
     downstream: Vec<f64>,
@@ -274,42 +279,42 @@ struct Settled {
 
 fn settle(network: &Network, flow: &Flow) -> Settled {
     let count = network.order.len();
-    let turn = &flow.turn;
+    let flood_number = &flow.flood_number;
     let own: Vec<f64> = network.order.iter().map(|&p| network.sign * flow.heights[p as usize]).collect();
     let (mut downstream, mut upstream) = (vec![0.0f64; count], vec![0.0f64; count]);
     let (mut highest, mut lowest) = (own.clone(), own);
     for k in 0..count {
-        for (extension, length) in network.extensions(k, turn) {
-            match extension {
-                FrameExtension::Below(j) => {
+        for (neighbour, length) in network.directed(k, flood_number) {
+            match neighbour {
+                Neighbour::Below(j) => {
                     downstream[k] = downstream[k].max(length + downstream[j]);
                     highest[k] = highest[k].max(highest[j]);
                 }
-                FrameExtension::Out(_) => downstream[k] = downstream[k].max(length),
+                Neighbour::Outlet(_) => downstream[k] = downstream[k].max(length),
                 _ => {}
             }
         }
     }
     for k in (0..count).rev() {
-        for (extension, length) in network.extensions(k, turn) {
-            match extension {
-                FrameExtension::Above(j) => {
+        for (neighbour, length) in network.directed(k, flood_number) {
+            match neighbour {
+                Neighbour::Above(j) => {
                     upstream[k] = upstream[k].max(length + upstream[j]);
                     lowest[k] = lowest[k].min(lowest[j]);
                 }
-                FrameExtension::Source => upstream[k] = upstream[k].max(length),
+                Neighbour::Source => upstream[k] = upstream[k].max(length),
                 _ => {}
             }
         }
     }
     let mut heights: Vec<f64> = highest.iter().zip(&lowest).map(|(a, b)| a.midpoint(*b)).collect();
-    // NaN: no contour borders the sub-domain, so that there is nothing to put in order.
+    // NaN means that no contour borders the sub-domain: there is nothing to put in order.
     if heights.iter().all(|h| h.is_finite()) {
-        ramps(network, turn, &mut heights);
+        ramps(network, flood_number, &mut heights);
         for k in 0..count {
-            // Rounding may leave two points level that the ramp set apart.
-            for (extension, _) in network.extensions(k, turn) {
-                if let FrameExtension::Below(j) = extension
+            // Rounding may make two points of the ramp level again.
+            for (neighbour, _) in network.directed(k, flood_number) {
+                if let Neighbour::Below(j) = neighbour
                     && heights[k] <= heights[j]
                 {
                     heights[k] = heights[j].next_up();
@@ -321,7 +326,7 @@ fn settle(network: &Network, flow: &Flow) -> Settled {
 }
 
 /// Turns level stretches into ramps by distance, between the heights half way to the neighbours above and below.
-fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
+fn ramps(network: &Network, flood_number: &[u32], heights: &mut [f64]) {
     let count = heights.len();
     let level = heights.to_vec();
     let mut seen = vec![false; count];
@@ -336,17 +341,17 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let (mut above, mut below) = (f64::INFINITY, f64::NEG_INFINITY);
         while let Some(&k) = stretch.get(next) {
             next += 1;
-            for (extension, _) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Below(j) | FrameExtension::Above(j) if level[j] == height => {
+            for (neighbour, _) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Below(j) | Neighbour::Above(j) if level[j] == height => {
                         if !std::mem::replace(&mut seen[j], true) {
                             stretch.push(j);
                         }
                     }
-                    FrameExtension::Below(j) => below = below.max(level[j]),
-                    FrameExtension::Above(j) => above = above.min(level[j]),
-                    FrameExtension::Out(out) => below = below.max(out),
-                    FrameExtension::Source => above = above.min(network.ceiling),
+                    Neighbour::Below(j) => below = below.max(level[j]),
+                    Neighbour::Above(j) => above = above.min(level[j]),
+                    Neighbour::Outlet(out) => below = below.max(out),
+                    Neighbour::Source => above = above.min(network.ceiling),
                 }
             }
         }
@@ -359,19 +364,19 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
         let top = if above.is_finite() { height.midpoint(above) } else { height + spread * (network.ceiling - height) };
         stretch.sort_unstable();
         for &k in &stretch {
-            for (extension, length) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
-                    FrameExtension::Below(_) | FrameExtension::Out(_) => down[k] = down[k].max(length),
+            for (neighbour, length) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Below(j) if level[j] == height => down[k] = down[k].max(length + down[j]),
+                    Neighbour::Below(_) | Neighbour::Outlet(_) => down[k] = down[k].max(length),
                     _ => {}
                 }
             }
         }
         for &k in stretch.iter().rev() {
-            for (extension, length) in network.extensions(k, turn) {
-                match extension {
-                    FrameExtension::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
-                    FrameExtension::Above(_) | FrameExtension::Source => up[k] = up[k].max(length),
+            for (neighbour, length) in network.directed(k, flood_number) {
+                match neighbour {
+                    Neighbour::Above(j) if level[j] == height => up[k] = up[k].max(length + up[j]),
+                    Neighbour::Above(_) | Neighbour::Source => up[k] = up[k].max(length),
                     _ => {}
                 }
             }
@@ -382,7 +387,7 @@ fn ramps(network: &Network, turn: &[u32], heights: &mut [f64]) {
     }
 }
 
-/// An entry of the flood: the lowest comes first, then the earlier one.
+/// An entry of the flood's heap: the lowest comes first, then the earlier one.
 #[derive(PartialEq)]
 struct Reached {
     height: f64,

@@ -15,20 +15,20 @@ use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side};
 use crate::tin::{Tin, VertexKind};
 
-/// How many segments are tried for one that can be seen before the view is searched instead. A limit of time.
+/// Number of segments tested for visibility one by one, before the search by views begins. It limits the time.
 const SIGHT_TRIALS: usize = 16;
 
 /// Heights of points inside sub-domains.
 ///
-/// Between two levels it is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`, with the shortest distances to
-/// contour segments on the border of the point's own sub-domain that can be seen from it. Where the border has no level
-/// on the side that the ground lies on, the height rises (or falls) as [`Cap`] says. Every height is strictly inside its band; NaN where no contour
-/// borders the sub-domain.
+/// Between two levels the height is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`. The distances are the
+/// shortest ones to visible contour segments on the border of the point's own sub-domain. Where the border has no level
+/// on the side of the ground, the height rises (or falls) as described at [`Cap`]. Every height lies strictly inside
+/// its band. It is NaN where no contour borders the sub-domain.
 ///
 /// `top_reach` is [`SkeletonTuning::top_reach`](crate::tuning::SkeletonTuning::top_reach).
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reach: f64) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
-    // Asked for by few maps only, and dear.
+    // Computed on demand: few maps need it, and it takes time.
     let map_slope = LazyLock::new(|| {
         let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
         let all: Vec<(u32, u8)> = inside.flat_map(|t| borders(tin, t)).collect();
@@ -45,7 +45,7 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reac
     heights
 }
 
-/// What belongs to each sub-domain.
+/// What lies in or on each sub-domain.
 struct Groups {
     /// Numbers of points.
     points: Rows<u32>,
@@ -88,13 +88,13 @@ struct LevelTree {
 }
 
 impl LevelTree {
-    /// Distance to the nearest segment, no matter what lies between.
+    /// Distance to the nearest segment, visible or not.
     fn distance(&self, from: DVec2) -> f64 {
         let p = from.to_array();
         self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
     }
 
-    /// Distance to the nearest segment whose nearest point can be seen from the point; to the nearest of all if none can.
+    /// Distance to the nearest segment whose nearest point is visible; to the nearest segment of all if none is.
     fn visible_distance(&self, tin: &Tin, point: &AxisPoint) -> f64 {
         let from = point.position;
         let p = from.to_array();
@@ -105,12 +105,12 @@ impl LevelTree {
                 return d2.sqrt();
             }
         }
-        // A point with a level lies inside its triangle or an edge of it, so that a view can spread from there.
+        // A point with a level lies inside its triangle or on an edge of it. A view can spread from there.
         let spread = point.level.and_then(|_| nearest_in_sight(tin, point.triangle, from, self.level));
         spread.unwrap_or(nearest)
     }
 
-    /// No segment is nearer than this.
+    /// Lower limit of the distance to any segment.
     fn lower_bound(&self, from: DVec2) -> f64 {
         self.tree.root().envelope().distance_2(&from.to_array()).sqrt()
     }
@@ -148,7 +148,7 @@ fn region_heights(
                     tops.len() - 1
                 });
                 let height = tops[k].1.height(points[p as usize].position, distance);
-                // Beside water the band is narrower than from one level to the next.
+                // Beside water the band is narrower than one interval.
                 let band = regions.regions[region].band;
                 if band.contains(height) { height } else { band.strictly_inside(height) }
             }
@@ -158,29 +158,29 @@ fn region_heights(
     heights
 }
 
-/// What the contours around a point say about its height.
+/// What the contours around a point give for its height.
 enum Known {
     /// The height, from two levels.
     Height(f64),
-    /// The distance to the one level on the way, and the side of it that the point lies on.
+    /// The distance to the only level, and the side of it on which the point lies.
     Distance { from: f64, side: Side, distance: f64 },
 }
 
-/// A sub-domain with its border, for questions about points in it.
+/// A sub-domain and its border.
 struct Ground<'a> {
     tin: &'a Tin,
     regions: &'a Regions,
     region: &'a Region,
     trees: Vec<LevelTree>,
-    /// Mean slope of the whole map at its contours.
+    /// Mean slope at the contours of the whole map.
     map_slope: &'a (dyn Fn() -> f64 + Sync),
     /// Share of the band that a top may use.
     top_reach: f64,
 }
 
 impl Ground<'_> {
-    /// Equation (1) between the point's own level (the nearest one if it has none) and the nearest other one on the side
-    /// that the sub-domain lies on; the distance if there is none.
+    /// Equation (1) between the point's own level (or the nearest one) and the nearest other level on the sub-domain's
+    /// side of it; the distance if there is no such level.
     fn known(&self, point: &AxisPoint) -> Known {
         let at = point.position;
         let own = match point.level {
@@ -188,12 +188,12 @@ impl Ground<'_> {
             None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
         };
         let Some((own_straight, own_level)) = own else {
-            // Gates only: the level of the ends on both sides is all that is known.
+            // Only barrier edges: the level of the contour ends at both sides is all that is known.
             let height = point.level.filter(|_| self.region.band.lo.is_finite());
             return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
         };
         let side = self.region.side(own_level).unwrap_or(Side::Above);
-        // A straight view can be blocked only by something nearer.
+        // Only a nearer segment can block a line of sight.
         let mut strangers = self.trees.iter().filter(|t| t.level != own_level);
         let own_distance = match self.trees.iter().find(|t| t.level == own_level) {
             Some(tree) if strangers.any(|t| t.lower_bound(at) < own_straight && t.distance(at) < own_straight) => {
@@ -223,7 +223,7 @@ impl Ground<'_> {
         }
     }
 
-    /// The rounded top or hollow beyond a level. `distances` are those of all points on it.
+    /// The rounded top or hollow beyond a level. `distances` are the distances of all points on it.
     fn cap(
         &self,
         level: f64,
@@ -266,8 +266,8 @@ fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
         .collect()
 }
 
-/// Mean slope just outside the border (at one level, or at all), rise over run: the interval over the mean width of the
-/// strip beyond. None where no triangle beyond reaches another level.
+/// Mean slope just outside the border, at one level or at all: the interval divided by the mean width of the strip
+/// beyond. None where no triangle beyond reaches another level.
 fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f64> {
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {

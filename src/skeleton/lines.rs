@@ -1,7 +1,8 @@
-//! Joins pieces of axis to ridge and canyon lines.
+//! Joins pieces of the axis to ridge and canyon lines.
 //!
-//! A line stays in its sub-domain and falls all the way. Where lines meet, the longest way down from a source goes through;
-//! the others end there. Lines of one sub-domain and of neighbouring ones share their end points exactly.
+//! A line stays in its sub-domain and falls all the way. Where lines meet, the one with the longest way from a source
+//! continues; the others end there. Lines share their end points exactly, in one sub-domain and across neighbouring
+//! ones.
 
 use std::collections::HashMap;
 
@@ -49,7 +50,7 @@ pub fn break_lines(tin: &Tin, regions: &Regions, axis: &Axis, flow: &Flow) -> Ve
 /// The ends of a piece in the direction of the flow: down in canyons, up on ridges.
 fn directed(tin: &Tin, axis: &Axis, flow: &Flow, [a, b]: [End; 2]) -> [End; 2] {
     let forward = match (a, b) {
-        (End::Axis(p), End::Axis(q)) => flow.turn[p as usize] > flow.turn[q as usize],
+        (End::Axis(p), End::Axis(q)) => flow.flood_number[p as usize] > flow.flood_number[q as usize],
         (End::Axis(p), End::Vertex(v)) => axis.points[p as usize].level != Some(tin.heights[v as usize]),
         (End::Vertex(v), End::Axis(p)) => axis.points[p as usize].level == Some(tin.heights[v as usize]),
         (End::Vertex(_), End::Vertex(_)) => true,
@@ -57,7 +58,7 @@ fn directed(tin: &Tin, axis: &Axis, flow: &Flow, [a, b]: [End; 2]) -> [End; 2] {
     if forward { [a, b] } else { [b, a] }
 }
 
-/// A piece and the longest way that it carries.
+/// A piece, and the length of the longest way through it.
 #[derive(Debug, Clone, Copy)]
 struct Carrier {
     id: u32,
@@ -69,7 +70,7 @@ struct Carrier {
 struct Trunk {
     into: Carrier,
     out: Carrier,
-    /// Pieces that end and that begin here.
+    /// Number of pieces that end here, and of those that begin here.
     count: [u32; 2],
 }
 
@@ -180,7 +181,7 @@ fn open_side(tin: &Tin, t: u32) -> Option<LineEnd> {
     }
 }
 
-/// Gives lines that share end points, directly or through others, one number, in the order of the lines.
+/// Gives lines that share end points, directly or through other lines, one network number, in the order of the lines.
 fn number_networks(lines: &mut [BreakLine], ends: &[[End; 2]]) {
     let mut networks = UnionFind::new(lines.len());
     let mut first_at: HashMap<End, usize> = HashMap::new();

@@ -1,15 +1,15 @@
 //! Ridge and canyon lines from the triangulation (paper, section 4).
 //!
-//! [`skeleton`] drops the small branches ([`eliminate`]), puts points on the axis of what remains and joins them from
-//! contour to contour ([`axis`]), gives them heights ([`axis_heights`]) that fall steadily ([`flow`](fn@flow)), and traces
-//! the lines ([`break_lines`]).
+//! [`skeleton`] drops the small branches ([`eliminate`]), places points on the axis of the rest and joins them from
+//! contour to contour ([`axis`]). Then it gives them heights ([`axis_heights`]), makes the heights fall along the lines
+//! ([`flow`](fn@flow)), and traces the lines ([`break_lines`]).
 
 mod attach;
 mod axis;
+mod axis_builder;
 mod break_line;
 mod build;
 mod caps;
-mod draft;
 mod edges;
 mod eliminate;
 mod flow;

@@ -2,12 +2,12 @@
 
 use glam::DVec2;
 
-/// A point between two places of one contour level.
+/// A point of the axis. Most lie midway between two vertices on one level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisPoint {
     /// Position relative to the triangulation's origin.
     pub position: DVec2,
-    /// The level on both sides; none for a point anywhere in its sub-domain.
+    /// The level of those vertices; none for a point anywhere in its sub-domain.
     pub level: Option<f64>,
     /// A triangle that the point lies in or on.
     pub triangle: u32,
@@ -15,7 +15,7 @@ pub struct AxisPoint {
     pub region: u32,
 }
 
-/// Where a piece of a line leads to.
+/// The end of a piece of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum End {
     /// To an axis point.
@@ -27,7 +27,7 @@ pub enum End {
 /// Axis points and the pieces of line between them.
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
-    /// The points, those in dropped branches included: they carry height, not lines.
+    /// The points. Those in dropped branches are here too: they carry heights, but no lines.
     pub points: Vec<AxisPoint>,
     /// Pieces of ridge and canyon lines. The first end is an axis point.
     pub pieces: Vec<[End; 2]>,

@@ -1,7 +1,8 @@
-//! What can be seen from a point of a sub-domain without looking across a contour or the frame.
+//! Lines of sight within a sub-domain: they must not cross a contour or the frame.
 //!
-//! A sight may run along a contour and may touch it, but not cross it. Contours that were cut from a grid have their
-//! vertices on its rows, and so have the centres between two of them: sights that run through vertices exactly are common.
+//! A line of sight may run along a contour and may touch it. Contours that were traced on a grid have their vertices on
+//! its rows, and so have the midpoints between two of them. Lines of sight that run exactly through vertices are
+//! therefore common.
 
 use std::collections::HashSet;
 
@@ -9,24 +10,24 @@ use glam::DVec2;
 
 use crate::tin::{NONE, Tin, VertexKind};
 
-/// How far off a sight something may lie to count as on it, as a share of the sight's length.
+/// A point this near to a line of sight lies on it, as a share of the line's length.
 const ON_SIGHT: f64 = 1e-9;
 
-/// A straight line from one point to another, for questions about where others lie.
+/// A line of sight, as a straight line from a point in a direction.
 struct Sight {
     from: DVec2,
     way: DVec2,
 }
 
 impl Sight {
-    /// -1 right of the line, 0 on it, 1 left of it.
+    /// -1 on the right of the line, 0 on it, 1 on the left of it.
     fn side(&self, p: DVec2) -> i8 {
         let off = self.way.perp_dot(p - self.from);
         let slack = ON_SIGHT * self.way.length_squared();
         i8::from(off > slack) - i8::from(off < -slack)
     }
 
-    /// How far along the line, as a share of its length.
+    /// Position along the line, as a share of its length.
     fn along(&self, p: DVec2) -> f64 {
         self.way.dot(p - self.from) / self.way.length_squared()
     }
@@ -40,7 +41,7 @@ pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
     }
     let near = ON_SIGHT * sight.way.length();
     let (mut t, mut came_from, mut reached) = (t, NONE, 0.0);
-    // A sight passes each triangle once, so that this many steps are always enough.
+    // A line of sight enters each triangle once at most, so this many steps are enough.
     for _ in 0..=tin.len() {
         let corners = tin.corners(t);
         let sides = corners.map(|p| sight.side(p));
@@ -68,7 +69,8 @@ pub(super) fn sees(tin: &Tin, t: u32, from: DVec2, to: DVec2) -> bool {
     false
 }
 
-/// The triangle that a sight goes on in beyond a vertex on it, if it can be reached around the vertex from triangle `t`.
+/// The triangle in which a line of sight continues beyond a vertex on it, if a way around the vertex leads there from
+/// triangle `t`.
 fn onwards(tin: &Tin, t: u32, vertex: u32, sight: &Sight) -> Option<u32> {
     let leads_on = |&(t, k): &(u32, usize)| {
         let corners = tin.corners(t);
@@ -81,10 +83,11 @@ fn onwards(tin: &Tin, t: u32, vertex: u32, sight: &Sight) -> Option<u32> {
             _ => false,
         }
     };
-    around(tin, t, vertex).find(leads_on).map(|(t, _)| t)
+    reachable_around(tin, t, vertex).find(leads_on).map(|(t, _)| t)
 }
 
-/// A view through an edge: the triangle that it leads out of, the edge, and the directions of the view's right and left end.
+/// A view through an edge: the triangle that it leaves, the edge, and the directions of the right and left limit of
+/// the view.
 struct View {
     triangle: u32,
     edge: usize,
@@ -92,12 +95,12 @@ struct View {
     left: DVec2,
 }
 
-/// Distance from a point in triangle `t` to the nearest segment of contour of one level whose nearest point can be seen
-/// from there; none if there is no such segment in the sub-domain.
+/// Distance from a point in triangle `t` to the nearest visible contour segment of one level. The segment's nearest
+/// point must be visible. None if the sub-domain has no such segment.
 ///
-/// The view spreads from triangle to triangle, narrowed by each edge that it passes, and no further than the nearest
-/// segment found so far. So it takes as long as there are triangles in sight, no matter how many segments are hidden.
-/// Views may be as narrow as a line between two vertices; what such a view shows is looked at once more with [`sees`].
+/// The view spreads from triangle to triangle. Each edge narrows it, and it ends at the nearest segment found so far.
+/// The time depends on the number of visible triangles, not on that of hidden segments. A view may be as narrow as a
+/// line between two vertices. What such a view shows is checked again with [`sees`].
 pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Option<f64> {
     let mut best = f64::INFINITY;
     let ends = |t: u32, i: usize| tin.edge(t, i).map(|v| tin.positions[v as usize] - from);
@@ -108,7 +111,8 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
             View { triangle: t, edge, right, left }
         })
         .collect();
-    // Views as narrow as a line pass a vertex on both sides. Along a row of vertices they would double at each.
+    // A view as narrow as a line passes a vertex on both sides. Without this set, their number would double at each
+    // vertex of a row.
     let mut lines = HashSet::new();
     while let Some(view) = views.pop() {
         let [a, b] = ends(view.triangle, view.edge);
@@ -139,12 +143,12 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
         let Some(entry) = tin.edge_towards(n, view.triangle) else { continue };
         for edge in [(entry + 1) % 3, (entry + 2) % 3] {
             let [a, b] = ends(n, edge);
-            // A straight view leaves a triangle forwards only. One as narrow as a line would turn around a vertex for ever.
+            // A view leaves a triangle only forwards. One as narrow as a line would turn around a vertex without end.
             if !not_right_of(a, b) {
                 continue;
             }
-            // What is as narrow as a line stays as it is, so that it is known again. From a point on an edge the view through
-            // that edge is half of all around.
+            // A view as narrow as a line is not narrowed further, so that it is recognised later. From a point on an
+            // edge, the view through that edge is a half-plane, which is no narrow view.
             if not_right_of(view.left, view.right) && view.left.dot(view.right) > 0.0 {
                 let is_touched = not_right_of(a, view.left) && not_right_of(view.right, b);
                 let bits = [view.right, view.left].map(|p| p.to_array().map(f64::to_bits));
@@ -163,12 +167,12 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
     best.is_finite().then_some(best)
 }
 
-/// Whether a segment of contour at a vertex of triangle `t` leads away from `from`, so that the vertex is its nearest point.
-/// The segment itself may be out of sight.
+/// Whether a contour segment at a vertex of triangle `t` leads away from `from`: the vertex is then its nearest point.
+/// The segment itself may be hidden.
 fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
     let at = tin.positions[vertex as usize];
-    around(tin, t, vertex).any(|(t, k)| {
-        // Edge k leaves the vertex, edge k + 2 comes to it.
+    reachable_around(tin, t, vertex).any(|(t, k)| {
+        // Edge k leads from the vertex, edge k + 2 to it.
         [(k, k + 1), (k + 2, k + 2)].into_iter().any(|(edge, end)| {
             let away = tin.corners(t)[end % 3] - at;
             tin.border_level(t, edge % 3).is_some() && away.dot(at - from) >= 0.0
@@ -176,9 +180,9 @@ fn leads_away(tin: &Tin, t: u32, vertex: u32, from: DVec2) -> bool {
     })
 }
 
-/// The triangles around a vertex that can be reached from one of them without crossing a contour or the frame, each with
-/// the number of its corner there.
-fn around(tin: &Tin, first: u32, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+/// The triangles around a vertex that can be reached from `first` without crossing a contour or the frame, each with
+/// the corner number of the vertex.
+fn reachable_around(tin: &Tin, first: u32, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
     let corner = move |t: u32| tin.triangles[t as usize].iter().position(|&v| v == vertex).map(|k| (t, k));
     let turn = move |step: usize| {
         std::iter::successors(corner(first), move |&(t, k)| {

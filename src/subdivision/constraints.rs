@@ -1,4 +1,4 @@
-//! What is triangulated besides the contours, and the triangulation that nothing in it contradicts.
+//! What is triangulated besides the contours, and a triangulation without spot heights and lakes that contradict them.
 
 use std::borrow::Cow;
 
@@ -19,17 +19,18 @@ use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 /// What is triangulated besides the contours.
 #[derive(Debug, Clone)]
 pub(super) struct Constraints {
-    /// The frame is a polygon: its edges go in too, because the convex hull of all points does not follow it.
+    /// The frame is a polygon. Its edges are triangulated too, because the convex hull of all points does not follow
+    /// them.
     pub(super) is_polygon: bool,
-    /// From open ends to the frame.
+    /// Frame extensions of open ends.
     pub(super) extensions: Vec<FrameExtension>,
-    /// Points nearer than this to each other are one.
+    /// Points closer to each other than this count as one, map units.
     pub(super) tolerance: f64,
     /// Which of the map's spot heights are used.
     pub(super) spots: Vec<bool>,
     /// The lakes, with their shores.
     pub(super) water_bodies: WaterBodies,
-    /// The level of the sea.
+    /// The level of the sea, if there is one.
     pub(super) sea: Option<f64>,
 }
 
@@ -39,12 +40,12 @@ pub(super) struct Found {
     pub(super) tin: Tin,
     pub(super) regions: Regions,
     pub(super) gaps: GapEdges,
-    /// About the sub-domains.
+    /// Findings about the sub-domains.
     pub(super) findings: Vec<Finding>,
 }
 
 impl Constraints {
-    /// Contours come first, so that their heights win where points coincide.
+    /// The input of the triangulation. Contours come first: their heights win where points coincide.
     fn input(&self, map: &ContourMap, frame: &FrameRing) -> TinInput {
         let rings: Vec<Vec<DVec2>> = frame.rings().collect();
         let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -71,7 +72,7 @@ impl Constraints {
         input
     }
 
-    /// Triangulates, and leaves out spot heights and lakes until none contradicts the contours around it.
+    /// Triangulates. Leaves out spot heights and lakes that contradict the contours, until none is left.
     pub(super) fn triangulated(
         &mut self,
         map: &ContourMap,
@@ -109,7 +110,7 @@ impl Constraints {
         }
     }
 
-    /// Takes the triangles outside a boundary polygon out of the frame.
+    /// Removes the triangles outside a boundary polygon from the frame.
     fn within_frame(&self, tin: Tin, frame: &FrameRing) -> Tin {
         if !self.is_polygon {
             return tin;

@@ -9,10 +9,14 @@ use crate::subdomains::{Band, Regions};
 use crate::tin::{Tin, VertexKind};
 use crate::tuning::SkeletonTuning;
 
-/// Gives the corners of the frame heights from the contours around them. Where no contour borders the sub-domain, a
-/// corner has the height of the nearest vertex that it shares a triangle with, or the middle of the band. Where two parts
-/// of the frame touch, the height lies in the bands of both. Where `smooth` has a height (metres) for a map position, a corner
-/// has that one.
+/// Gives the corners of the frame heights, from the first of these that is there:
+///
+/// 1. the height (metres) that `smooth` has for the map position of the corner;
+/// 2. the height that the contours around the corner give;
+/// 3. that of the nearest vertex with which the corner shares a triangle;
+/// 4. the middle of the band.
+///
+/// Where two parts of the frame touch, the height lies in the bands of both.
 pub(super) fn with_frame_heights(tin: Tin, regions: &Regions, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Tin {
     let is_corner = |v: u32| tin.kinds[v as usize] == VertexKind::Frame;
     let mut points: BTreeMap<u32, AxisPoint> = BTreeMap::new();
@@ -36,12 +40,12 @@ pub(super) fn with_frame_heights(tin: Tin, regions: &Regions, smooth: &dyn Fn(DV
         }
     }
     let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
-    // The default, whatever a surface has: the subdivision is made before it and for others, too.
+    // The default value, not the one of a surface: the subdivision is made before any surface, and for other uses.
     let found = axis_heights(&tin, regions, &points, SkeletonTuning::default().top_reach);
     let mut heights = tin.heights.clone();
     for ((&v, height), region) in corners.iter().zip(found).zip(points.iter().map(|p| p.region)) {
         let band = regions.regions[region as usize].band;
-        // Among other corners alone nothing tells more than the band.
+        // A corner among other corners has only its band to go by.
         let fallback = || nearest.get(&v).map_or((band.lo + band.hi) / 2.0, |n| n.1);
         let smooth = smooth(tin.point(v).truncate()).filter(|h| !h.is_nan());
         let choice = smooth.or(Some(height).filter(|h| !h.is_nan()));

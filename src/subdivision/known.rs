@@ -1,4 +1,4 @@
-//! The sub-domains whose heights contours tell.
+//! The sub-domains that have at least one contour.
 
 use glam::DVec2;
 
@@ -7,8 +7,8 @@ use crate::contour::Interval;
 use crate::subdomains::{Regions, regions};
 use crate::tin::Tin;
 
-/// The sub-domains, less parts of the frame that hold no contour: nothing is known of their heights, so they are taken out
-/// of the frame.
+/// Finds the sub-domains. Parts of the frame without any contour are removed from the frame, because nothing is known
+/// of their heights.
 pub(super) fn known_regions(tin: Tin, interval: &Interval) -> (Tin, Report<Regions>) {
     let found = regions(&tin, interval);
     let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;

@@ -1,5 +1,5 @@
-//! The subdivision of a map (paper, sections 3.2 and 3.3): its contours, triangulated in the frame, with the sub-domains
-//! between them, lakes and the sea, and what the ground between contours shows of wrong labels.
+//! The subdivision of a map (paper, sections 3.2 and 3.3): its contours, triangulated in the frame, and the sub-domains
+//! between them, with lakes and the sea. Wrong labels are found here too, from the bands of the sub-domains.
 
 mod constraints;
 mod frame_heights;

@@ -1,4 +1,4 @@
-//! A map cut to its frame, with what has to be triangulated.
+//! A map cut to its frame, with all that is triangulated besides it.
 
 use super::constraints::Constraints;
 use super::water::{Water, WaterBodies, sea_level};
@@ -7,7 +7,7 @@ use crate::contour::{Clipped, ContourMap, Interval, clip, find_interval};
 use crate::geometry::with_corners_at;
 use crate::subdomains::{Frame, FrameRing, OpenEnd, extend_open_ends, extensions_at, frame_ring};
 
-/// A map in its frame, ready to be triangulated.
+/// A map in its frame, ready for the triangulation.
 pub(crate) struct Prepared {
     /// The map, cut to the frame.
     pub map: ContourMap,
@@ -20,10 +20,10 @@ pub(crate) struct Prepared {
     pub(super) findings: Vec<Finding>,
 }
 
-/// Cuts a map to its frame, and sees what has to be triangulated.
+/// Cuts a map to its frame, and collects what is triangulated besides the contours.
 ///
 /// # Errors
-/// When the map has fewer than two levels, or as [`subdivide_with_water`] for the sea.
+/// When the map has fewer than two levels, or when no contour lies at the level of the sea.
 pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<Prepared> {
     let frame = frame_ring(&map, wanted);
     let mut findings = Vec::new();
@@ -48,18 +48,18 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
         Frame::Polygon(_) => frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>()),
     };
     let is_polygon = matches!(wanted, Frame::Polygon(_));
-    let on_links = extensions_at(&map.spots, &extensions, tolerance);
-    for (spot, extension) in map.spots.iter().zip(&on_links) {
+    let on_extensions = extensions_at(&map.spots, &extensions, tolerance);
+    for (spot, extension) in map.spots.iter().zip(&on_extensions) {
         if let Some(extension) = extension.filter(|extension| extension.elevation != spot.z) {
             let message = format!(
-                "the spot height {} m lies where the contour {} m leads on to the frame; it is left out",
+                "the spot height {} m lies on the extension of the contour {} m to the frame; it is left out",
                 spot.z, extension.elevation
             );
             let finding = Finding::at(FindingKind::SpotOnLine, spot.truncate(), message);
             findings.push(finding.of_elevations([spot.z, extension.elevation]));
         }
     }
-    let spots = on_links.iter().map(Option::is_none).collect();
+    let spots = on_extensions.iter().map(Option::is_none).collect();
     let constraints =
         Constraints { is_polygon, extensions, tolerance, spots, water_bodies: WaterBodies::default(), sea };
     Ok(Prepared { map, frame, interval, ends, constraints, findings })

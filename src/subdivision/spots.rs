@@ -8,10 +8,10 @@ use crate::contour::ContourMap;
 use crate::subdomains::Regions;
 use crate::tin::{Tin, VertexKind};
 
-/// Spot heights that contradict the levels around them, by their number in the map.
+/// Spot heights that contradict the levels around them, with their number in the map.
 pub(super) fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<(usize, Finding)> {
     let number: HashMap<[u64; 2], usize> = map.spots.iter().enumerate().map(|(i, s)| (bits(s.truncate()), i)).collect();
-    let mut told = HashSet::new();
+    let mut seen = HashSet::new();
     let mut outside = Vec::new();
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let Some(region) = regions.region(t) else { continue };
@@ -20,7 +20,7 @@ pub(super) fn spots_outside_bands(map: &ContourMap, tin: &Tin, regions: &Regions
                 continue;
             }
             let p = tin.point(v as u32);
-            if region.band.contains(p.z) || !told.insert(v) {
+            if region.band.contains(p.z) || !seen.insert(v) {
                 continue;
             }
             if let Some(&spot) = number.get(&bits(p.truncate())) {

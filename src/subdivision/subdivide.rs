@@ -7,7 +7,7 @@ use super::constraints::{Constraints, Found};
 use super::frame_heights::with_frame_heights;
 use super::known::known_regions;
 use super::prepare::{Prepared, prepare};
-use super::water::{Shores, Water, settle};
+use super::water::{DrySubdivision, Water, settle};
 use crate::base::error::{Report, Result};
 use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge};
@@ -15,15 +15,15 @@ use crate::contour::{ContourMap, Interval};
 use crate::subdomains::{Frame, FrameRing, GapEdges, KeptBands, MapExtent, Outline, Regions, sub_domains, with_water};
 use crate::tin::{Tin, TinInput, Triangulation};
 
-/// Triangles that one task looks at.
+/// Number of triangles per parallel task.
 const CHUNK: usize = 1 << 14;
 
-/// The triangulated map: contours, spot heights and frame, without any line or point that was computed.
+/// The triangulated map: contours, spot heights and frame, without computed lines or points.
 #[derive(Debug, Clone)]
 pub struct Subdivision {
     /// The map, cut to the frame.
     pub map: ContourMap,
-    /// Its constrained Delaunay triangulation; corners of the frame have heights too.
+    /// Its constrained Delaunay triangulation. Corners of the frame have heights too.
     pub tin: Tin,
     /// The sub-domains of its triangles.
     pub regions: Regions,
@@ -31,17 +31,17 @@ pub struct Subdivision {
     pub frame: FrameRing,
     /// The input's vertical interval.
     pub interval: Interval,
-    /// What would mend the faults that were found, for [`correct`](crate::check::correct). Their lines are those of the map as
-    /// it came in where the frame is no polygon.
+    /// Corrections for the faults found, for [`correct`](crate::check::correct). Where the frame is no polygon, their
+    /// line numbers are those of the input map.
     pub corrections: Vec<Correction>,
-    /// As [`Judged::doubted`].
+    /// Lines that may be wrong, as [`Judged::doubted`].
     pub(crate) doubted: Vec<u32>,
-    /// What closes the gaps between open ends.
+    /// The edges that close openings between open ends.
     pub(crate) gaps: GapEdges,
     constraints: Constraints,
-    /// The triangulation itself, to which points can be added, until it is taken.
+    /// The triangulation itself, to which points can be added. Empty once it was taken.
     pub(crate) triangulation: Triangulation,
-    /// Number of its points; those that are computed come after them.
+    /// Number of points of the map; computed points come after them.
     pub(crate) given: usize,
 }
 
@@ -53,13 +53,14 @@ pub fn subdivide(map: ContourMap, wanted: &Frame, progress: &dyn Progress) -> Re
     subdivide_with_water(map, wanted, &Water::default(), progress)
 }
 
-/// [`subdivide`] with lakes and the sea.
+/// Like [`subdivide`], with lakes and the sea.
 ///
-/// A lake whose height is not known gets that of its shore. Where contours of other levels cross or touch it, it is cut
-/// back from them; what contradicts the contours around it is left out.
+/// A lake without a height gets that of its shore. A lake is cut back from contours of other levels that cross or touch
+/// it. A lake that contradicts the contours around it is left out.
 ///
 /// # Errors
-/// As [`subdivide`], and [`Error::Parameter`](crate::base::error::Error::Parameter) when no contour lies at the level of the sea.
+/// As [`subdivide`], and [`Error::Parameter`](crate::base::error::Error::Parameter) when no contour lies at the level
+/// of the sea.
 pub fn subdivide_with_water(
     map: ContourMap,
     wanted: &Frame,
@@ -70,7 +71,7 @@ pub fn subdivide_with_water(
 }
 
 impl Prepared {
-    /// Triangulates it and finds the sub-domains.
+    /// Triangulates the map and finds its sub-domains.
     ///
     /// # Errors
     /// When a contour line crosses another, or when the points have no extent.
@@ -80,14 +81,14 @@ impl Prepared {
         let mut found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         if !water.lakes.is_empty() {
             let ground = with_frame_heights(found.tin, &found.regions, &|_| None);
-            let shores = Shores {
+            let dry = DrySubdivision {
                 map: &map,
                 extensions: &constraints.extensions,
                 frame: &frame,
                 tin: &ground,
                 regions: &found.regions,
             };
-            let (water_bodies, with_ends) = settle(&water.lakes, &shores, &mut findings)?;
+            let (water_bodies, with_ends) = settle(&water.lakes, &dry, &mut findings)?;
             (constraints.water_bodies, frame) = (water_bodies, with_ends);
             found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         }
@@ -127,14 +128,14 @@ impl Prepared {
 }
 
 impl Subdivision {
-    /// What the triangles do not tell, with the area of the triangles inside the frame.
+    /// The extent of the map, with the area of the triangles inside the frame.
     pub(crate) fn extent(&self) -> MapExtent<'_> {
         let tin = &self.tin;
         let doubled = |t: u32| {
             let [a, b, c] = tin.corners(t);
             (b - a).perp_dot(c - a)
         };
-        // Added up in this order whatever the number of threads.
+        // The sum has this order for any number of threads.
         let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
             let first = (k * CHUNK) as u32;
             (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
@@ -143,7 +144,8 @@ impl Subdivision {
         MapExtent::with_area(&self.map, &self.frame, self.interval, area)
     }
 
-    /// Adds the edges that sub-domains and the frame end at and that are no lines: a finer triangulation must hold them.
+    /// Adds the border edges of sub-domains and of the frame that are not lines of the map. A finer triangulation must
+    /// hold them.
     pub(crate) fn push_borders(&self, input: &mut TinInput) {
         for &[u, v] in self.gaps.closures.iter().chain(&self.gaps.barriers) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
@@ -158,14 +160,14 @@ impl Subdivision {
         self.map.spots.iter().zip(&self.constraints.spots).filter(|(_, used)| **used).map(|(spot, _)| *spot)
     }
 
-    /// The same with a finer triangulation, which more points and edges were added to.
+    /// The same subdivision on a finer triangulation, to which points and edges were added.
     ///
-    /// Corners of the frame get the heights of `smooth` (metres at a map position), where it has one.
+    /// `smooth` gives a height (metres) for a map position, or none. Corners of the frame take it where there is one.
     pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
         let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, given, .. } = self;
         let kept = KeptBands::new(&tin, regions);
         let outline = Outline::new(&tin);
-        // The first triangulation is a large part of the memory; with lakes it tells where they are.
+        // The first triangulation uses much memory. It stays only with lakes, because it knows where they are.
         let before = (!constraints.water_bodies.is_empty()).then_some(tin);
         let tin = outline.applied(finer).with_gap_edges(&gaps.closures, &gaps.barriers);
         let tin = match before {
@@ -176,7 +178,7 @@ impl Subdivision {
         let known = is_dry.then(|| kept.applied(&tin, sub_domains(&tin, &interval)));
         let (tin, regions) = match known {
             Some((regions, true)) => (tin, regions),
-            // With water, and where constraints of the frame that hold no contour are in it again.
+            // With water, and where parts of the frame without contours are inside the frame again.
             _ => {
                 let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
                 let regions = with_water(regions, &tin, &constraints.water_bodies.heights(), constraints.sea);

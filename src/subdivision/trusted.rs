@@ -1,5 +1,5 @@
-//! What of a map can be trusted to learn from. Beside wrong labels all ground looks rough where levels are hidden, and bands are
-//! those of other ground.
+//! The part of a map from which hyper-parameters and errors may be learnt. Near wrong labels, all ground looks rough
+//! when levels are hidden, and sub-domains get bands that are not theirs.
 
 use super::Subdivision;
 use crate::check::{Correction, correct};
@@ -7,8 +7,8 @@ use crate::contour::ContourMap;
 use crate::subdomains::MapExtent;
 
 impl Subdivision {
-    /// The map with the elevations that are proposed for wrong labels, without the lines whose label is wrong though none is
-    /// proposed; `None` if the ground around contradicts no label.
+    /// The map with the elevations that are proposed for wrong labels. Lines whose label is wrong without a proposal
+    /// are left out. `None` if no label contradicts the ground around it.
     pub(crate) fn trusted(&self) -> Option<ContourMap> {
         let is_label = |c: &&Correction| matches!(c, Correction::Label { .. });
         let labels: Vec<Correction> = self.corrections.iter().filter(is_label).cloned().collect();
@@ -21,7 +21,7 @@ impl Subdivision {
         Some(map)
     }
 
-    /// Numbers of the lines whose label the ground around contradicts, ascending.
+    /// Numbers of the lines whose label contradicts the ground around it, ascending.
     pub(crate) fn wrong_lines(&self) -> Vec<u32> {
         let label = |c: &Correction| if let Correction::Label { line, .. } = c { Some(*line) } else { None };
         let mut lines: Vec<u32> =
@@ -31,7 +31,7 @@ impl Subdivision {
         lines
     }
 
-    /// Another map in the same frame.
+    /// The extent of another map in the same frame.
     pub(crate) fn extent_of<'a>(&'a self, map: &'a ContourMap) -> MapExtent<'a> {
         MapExtent::new(map, &self.frame, self.interval)
     }

@@ -1,9 +1,10 @@
 //! Closes the openings between the ends of contours that do not reach the frame.
 //!
-//! On a ragged outline, along a cliff, at a gap, contours end beside each other and the strips between them open into one
-//! another. An edge of the triangulation from one such end to the next closes the opening: as a *bridge*, a piece of
-//! contour, where two ends of one level point at each other across a gap; else as a *gate*, which divides sub-domains as
-//! the frame does and is no contour.
+//! On a ragged outline, along a cliff and at a gap, contours end beside each other. There the strips between them would
+//! run together. An edge of the triangulation from one such end to the next closes the opening. It is one of two kinds:
+//!
+//! - a *gap closure*, a piece of contour, where two ends of one level point at each other across a gap;
+//! - a *barrier edge* everywhere else: it separates sub-domains as the frame does, and is no contour.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,23 +12,23 @@ use super::OpenEnd;
 use crate::base::bits::bits;
 use crate::tin::{Tin, VertexKind};
 
-/// The largest turn between a line's end and a bridge that goes on from it: 60 degrees.
-const COS_BRIDGE_TURN: f64 = 0.5;
+/// Largest turn between the end of a line and the gap closure that continues it, as a cosine: 60 degrees.
+const COS_CLOSURE_TURN: f64 = 0.5;
 
-/// A bridge is at most this share of the shorter line's length.
-const BRIDGE_SHARE: f64 = 0.5;
+/// Longest gap closure, as a share of the length of the shorter line.
+const CLOSURE_SHARE: f64 = 0.5;
 
-/// Edges between ends of contours, as pairs of vertices.
+/// Edges that close openings between the ends of contours, as pairs of vertices.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GapEdges {
-    /// Pieces of contour across gaps.
+    /// Gap closures: pieces of contour across gaps.
     pub closures: Vec<[u32; 2]>,
-    /// Openings between strips.
+    /// Barrier edges: they close openings between strips.
     pub barriers: Vec<[u32; 2]>,
 }
 
-/// Finds the edges that close openings between `ends`. Neighbouring ends are those of one level or of two that are no
-/// further apart than `step`; at least one of them does not reach the frame.
+/// Finds the edges that close openings between `ends`. An edge joins two ends of one level, or of two levels at most
+/// `step` apart. At least one of the two does not reach the frame.
 pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> GapEdges {
     let mut gaps = GapEdges::default();
     if ends.iter().all(|e| e.at_frame) {
@@ -49,30 +50,30 @@ pub fn close_gaps(tin: &Tin, ends: &[OpenEnd], step: f64) -> GapEdges {
             if (a.at_frame && b.at_frame) || (a.elevation - b.elevation).abs() > 1.001 * step {
                 continue;
             }
-            if is_bridge(a, b) {
+            if is_closure(a, b) {
                 gaps.closures.push([u, v]);
             } else if a.contour != b.contour {
                 gaps.barriers.push([u, v]);
             }
         }
     }
-    gaps.keep_single_bridges(tin);
+    gaps.keep_single_closures(tin);
     gaps
 }
 
-fn is_bridge(a: &OpenEnd, b: &OpenEnd) -> bool {
+fn is_closure(a: &OpenEnd, b: &OpenEnd) -> bool {
     let across = b.position - a.position;
     let length = across.length();
-    let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_BRIDGE_TURN * length;
+    let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_CLOSURE_TURN * length;
     a.elevation == b.elevation
-        && length <= BRIDGE_SHARE * a.length.min(b.length)
+        && length <= CLOSURE_SHARE * a.length.min(b.length)
         && ahead(a, across)
         && ahead(b, -across)
 }
 
 impl GapEdges {
-    /// Leaves each end its shortest bridge; the longer ones become gates.
-    fn keep_single_bridges(&mut self, tin: &Tin) {
+    /// Leaves each end its shortest gap closure; the longer ones become barrier edges.
+    fn keep_single_closures(&mut self, tin: &Tin) {
         let length = |[u, v]: [u32; 2]| tin.positions[u as usize].distance(tin.positions[v as usize]);
         self.closures.sort_by(|a, b| length(*a).total_cmp(&length(*b)).then(a.cmp(b)));
         let mut taken = HashSet::new();
@@ -119,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ragged_outline_is_closed_by_gates() {
+    fn a_ragged_outline_is_closed_by_barrier_edges() {
         // Lines whose right ends draw back from the hull in the middle.
         let (tin, gaps) = gaps_of(&[
             (0.0, &[(0.0, 0.0), (100.0, 0.0), (300.0, 0.0)]),
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_is_bridged_where_the_ends_point_at_each_other() {
+    fn a_gap_is_closed_where_the_ends_point_at_each_other() {
         let (tin, gaps) = gaps_of(&[
             (0.0, &[(0.0, 0.0), (50.0, 0.0), (100.0, 0.0)]),
             (10.0, &[(0.0, 20.0), (25.0, 20.0), (47.0, 20.0)]),

@@ -1,9 +1,9 @@
-//! Open ends of contours, and links from them to the frame.
+//! Open ends of contours, and their extensions to the frame.
 //!
-//! A contour that runs off the map ends near the frame, seldom on it. Where the frame is nearer than any other end and
-//! nothing lies between, the contour is taken to go on straight to the frame, so that it divides the ground on its two
-//! sides. The other ends (a ragged outline, auxiliary contours, cliffs, gaps) are looked at again in the triangulation,
-//! see [`close_gaps`](super::close_gaps).
+//! A contour that runs off the map ends near the frame, seldom on it. Where the frame is nearer than any other end, and
+//! nothing lies between, a straight *frame extension* continues the contour to the frame. Without it the ground on the
+//! two sides of the contour would be one sub-domain. The other ends (at a ragged outline, a cliff or a gap, or of an
+//! auxiliary contour) are closed later, in the triangulation: see [`close_gaps`](super::close_gaps).
 
 use std::collections::HashMap;
 
@@ -21,9 +21,9 @@ use crate::geometry::{Segment, point_distance};
 /// An end of an open contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpenEnd {
-    /// Its place, map coordinates.
+    /// Its position, map coordinates.
     pub position: DVec2,
-    /// The direction in which the line leaves its end, of length one.
+    /// Unit vector in the direction in which the line would go on.
     pub outwards: DVec2,
     /// The contour's elevation.
     pub elevation: f64,
@@ -31,7 +31,7 @@ pub struct OpenEnd {
     pub contour: u32,
     /// Length of the contour, map units.
     pub length: f64,
-    /// Whether it lies on the frame or is linked to it.
+    /// Whether it lies on the frame, or a frame extension leads from it to the frame.
     pub at_frame: bool,
 }
 
@@ -46,12 +46,12 @@ pub struct FrameExtension {
     pub elevation: f64,
 }
 
-/// Segments a box of the index holds.
+/// Number of segments per box of the index.
 const RUN: usize = 16;
 
-/// All ends of open contours, and the links of those that the frame is nearest to.
+/// Finds all ends of open contours, and extends those that are nearest to the frame.
 ///
-/// Ends within `tolerance` (map units) of the frame lie on it and need no link.
+/// Ends within `tolerance` (map units) of the frame lie on it and need no extension.
 pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (Vec<OpenEnd>, Vec<FrameExtension>) {
     let mut ends: Vec<OpenEnd> = map
         .contours
@@ -72,7 +72,7 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
         .map(|end| {
             let at = end.position.to_array();
             let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
-            // Two vertices of the frame at one place would have room for lines between them.
+            // Two vertices of the frame at one position would leave a gap for lines between them.
             let on_frame = DVec2::from(edge.nearest_point(&at));
             let corner = corners.nearest_neighbor(&on_frame.to_array()).map(|&corner| DVec2::from(corner));
             let on_frame = corner.filter(|corner| corner.distance(on_frame) <= tolerance).unwrap_or(on_frame);
@@ -81,7 +81,7 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
                 return (true, None);
             }
             let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
-            // A little beyond, so that a contour that runs along the frame is met in spite of rounding.
+            // The line of sight goes a little further, to find a contour along the frame in spite of rounding.
             let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
             let is_free =
                 || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
@@ -98,7 +98,7 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
     (ends, extensions.into_iter().filter_map(|(_, extension)| extension).collect())
 }
 
-/// For each spot height the link that it lies on, if it is nearer to one than `tolerance` (map units).
+/// For each spot height, the frame extension within `tolerance` (map units) of it, if there is one.
 pub fn extensions_at<'a>(
     spots: &[DVec3],
     extensions: &'a [FrameExtension],
@@ -113,8 +113,8 @@ pub fn extensions_at<'a>(
     spots.par_iter().map(at).collect()
 }
 
-/// Leaves a single link at each point of the frame. A corner that points into the area is the nearest point of many ends,
-/// and links of different levels must not meet.
+/// Leaves a single extension at each point of the frame. A corner that points into the area is the nearest point of
+/// many ends, and extensions of different levels must not meet.
 fn keep_shortest(extensions: &mut [(bool, Option<FrameExtension>)]) {
     let length = |extension: &FrameExtension| extension.end.distance(extension.frame);
     let mut shortest: HashMap<[u64; 2], (f64, usize)> = HashMap::new();
@@ -149,15 +149,15 @@ fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
     [end(points[0], points[back]), end(points[last], points[last - back])]
 }
 
-/// What contours hide from each other: boxes around runs of segments, to find those that a straight view may cross.
+/// An index of the contours for lines of sight: boxes around runs of segments that may block the view.
 pub(crate) struct Sight {
     tree: BoxTree,
-    /// Of each box the line's number and that of the run's first segment.
+    /// By box: the number of the line, and that of the first segment of the run.
     runs: Vec<(u32, u32)>,
 }
 
 impl Sight {
-    /// The boxes of all contours.
+    /// Builds the index over all contours.
     pub fn new(map: &ContourMap) -> Self {
         let starts = |(line, c): (usize, &Contour)| {
             let firsts = (0..c.points.len().saturating_sub(1)).step_by(RUN);
@@ -177,8 +177,9 @@ impl Sight {
         })
     }
 
-    /// Whether a contour comes as near to the way from `a`, where contours may end, to `b` as `tolerance`. A link passes one that
-    /// ends on the frame at its own end, and one with a vertex on the link, but for rounding: it would meet neither.
+    /// Whether a contour comes within `tolerance` of the way from `a`, where contours may end, to `b`. Two contours
+    /// would come that near and not cross: one that ends on the frame where the extension ends, and one with a vertex
+    /// on it.
     fn touches(&self, map: &ContourMap, a: DVec2, b: DVec2, tolerance: f64) -> bool {
         let way = Segment { a, b };
         self.tree.near(OrientedBox::around(&[a, b]).grown(tolerance)).any(|run| {
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_that_see_the_frame_are_linked_and_others_stay_open() {
+    fn ends_that_see_the_frame_are_extended_and_others_stay_open() {
         // The middle line stops short of the frame on the left; on the right a wall of another level blocks the view.
         let map = map(&[
             (0.0, &[(0.0, 0.0), (100.0, 0.0)]),
@@ -240,8 +241,8 @@ mod tests {
     }
 
     #[test]
-    fn no_link_ends_on_a_contour_along_the_frame() {
-        // The nearest point of the frame lies, up to rounding, on the slanting line of level 0 that is part of the hull.
+    fn no_extension_ends_on_a_contour_along_the_frame() {
+        // Up to rounding, the nearest point of the frame lies on the slanting line of level 0, a part of the hull.
         for k in 0..20 {
             let end = (40.0 + 0.37 * f64::from(k), 25.0 + 0.11 * f64::from(k));
             let map = map(&[(0.0, &[(0.0, 0.1), (100.0, 33.3)]), (10.0, &[end, (55.0, 90.0), (0.0, 91.0)])]);
@@ -252,8 +253,8 @@ mod tests {
     }
 
     #[test]
-    fn no_link_ends_where_a_contour_does() {
-        // The nearest point of the frame is the end of another level, but for a rounding error to one side or the other.
+    fn no_extension_ends_where_a_contour_does() {
+        // The nearest point of the frame is the end of another level, but for a rounding error to either side.
         for off in [0.0, 3e-14, -3e-14] {
             let map = map(&[
                 (0.0, &[(20.0, 150.0), (190.0, 50.0), (200.0, 300.0), (20.0, 300.0)]),
@@ -267,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn no_link_passes_a_vertex_by() {
+    fn no_extension_runs_close_by_a_vertex() {
         // The way down to the frame passes a vertex of level 20, but for a rounding error to one side or the other.
         for off in [0.0, 3e-14, -3e-14] {
             let map = map(&[
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_ends_at_the_corner_beside_it_and_spot_heights_on_it_are_known() {
+    fn an_extension_ends_at_the_corner_beside_it_and_spot_heights_on_it_are_known() {
         let map = map(&[(0.0, &[(0.0, 0.0), (100.0, 0.0)]), (10.0, &[(2.0, 50.0), (100.0, 50.0)])]);
         let ring = FrameRing {
             area: polygon![(x: 0.0, y: 0.0), (x: 100.0, y: 0.0), (x: 100.0, y: 90.0), (x: 0.0, y: 90.0), (x: 1e-13, y: 50.0)].into(),
@@ -293,8 +294,9 @@ mod tests {
         assert_eq!(of_10.len(), 1);
         assert_eq!(of_10[0].frame, DVec2::new(1e-13, 50.0));
         let spots = [DVec3::new(0.0, 50.0, 3.0), DVec3::new(1.0, 50.0 + 1e-9, 3.0), DVec3::new(1.0, 51.0, 3.0)];
-        let on_link: Vec<bool> = extensions_at(&spots, &extensions, tolerance).iter().map(Option::is_some).collect();
-        assert_eq!(on_link, [true, true, false]);
+        let on_extension: Vec<bool> =
+            extensions_at(&spots, &extensions, tolerance).iter().map(Option::is_some).collect();
+        assert_eq!(on_extension, [true, true, false]);
     }
 
     #[test]

@@ -13,11 +13,11 @@ use crate::contour::ContourMap;
 use crate::geometry::{Border, rings, tolerance, with_corners_at, with_vertices};
 use crate::geometry::{Segment, place};
 
-/// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean distance between
-/// contours. The border of a sheet lies a little outside its contours; further out, the ends of contours are nearer to
-/// each other than to the frame, and it is left open where they lead.
+/// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean spacing. The neat
+/// line of a sheet lies a little outside its contours. Further out, the ends of contours are nearer to each other than
+/// to the frame, and nothing says where they lead.
 const REACH: f64 = 0.5;
-/// How far intersecting moves a vertex at most, as a share of the size of what is intersected.
+/// How far the intersection of polygons moves a vertex at most, as a share of their size.
 const ROUNDING: f64 = 2e-9;
 
 /// How the frame is chosen.
@@ -59,7 +59,7 @@ impl FrameRing {
             .flat_map(|ring| ring.lines().map(|l| [DVec2::new(l.start.x, l.start.y), DVec2::new(l.end.x, l.end.y)]))
     }
 
-    /// The same outline with further vertices, each on the edge that it lies on; points elsewhere are passed over.
+    /// The same outline with further vertices, each on the edge that it lies on. Points elsewhere are ignored.
     pub fn with_points(&self, points: &[DVec2]) -> Self {
         let border = Border::new(&self.area);
         let on_edges = points.iter().filter_map(|&p| {
@@ -69,7 +69,7 @@ impl FrameRing {
         Self { area: with_vertices(&self.area, on_edges.collect()) }
     }
 
-    /// The same outline with some of its vertices only.
+    /// The same outline with only the vertices that `is_kept` accepts.
     pub fn only(self, is_kept: impl Fn(DVec2) -> bool) -> Self {
         let kept = |ring: &LineString<f64>| {
             let mut ring: LineString<f64> = ring.coords().copied().filter(|c| is_kept(DVec2::new(c.x, c.y))).collect();
@@ -80,7 +80,7 @@ impl FrameRing {
         Self { area: self.area.iter().map(polygon).collect() }
     }
 
-    /// Distance under which places on the frame are one, map units.
+    /// Points of the frame closer than this count as one, map units.
     pub fn tolerance(&self) -> f64 {
         tolerance(&self.area)
     }
@@ -93,8 +93,8 @@ impl FrameRing {
 
 /// The frame of a map.
 ///
-/// A polygon that reaches further beyond the box around the map than contours are apart is taken only as far as their
-/// convex hull: there is nothing to go by outside.
+/// A polygon that reaches too far beyond the box around the map is cut to the convex hull of the map. Outside the hull
+/// there is no data.
 pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let points = || map.places().map(|p| geo::Point::new(p.x, p.y));
     let hull = || {
@@ -102,7 +102,7 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         if quick.exterior().is_strictly_ccw_convex() {
             return quick;
         }
-        // Among points that lie on one line but for rounding it turns back. The slower way does not.
+        // Where points lie on one line but for rounding, this hull can turn back. The slower method does not.
         Polygon::new(graham_hull(&mut quick.into_inner().0.into_inner(), false), Vec::new())
     };
     let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
@@ -134,8 +134,8 @@ fn is_near(wanted: &Rect<f64>, known: &Rect<f64>, reach: f64) -> bool {
 
 /// The part of an area inside the convex hull of a map.
 ///
-/// Intersecting rounds coordinates. Corners of both outlines get theirs back, and where the outlines cross, the place is
-/// computed anew, so that it lies on both.
+/// The intersection rounds coordinates. Corners of both outlines get their own coordinates back. Where the outlines
+/// cross, the point is computed again, to lie on both.
 fn inside_hull(area: &MultiPolygon<f64>, hull: &Polygon<f64>) -> MultiPolygon<f64> {
     let hull: MultiPolygon<f64> = hull.clone().into();
     let size = |area: &MultiPolygon<f64>| area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));

@@ -1,25 +1,25 @@
-//! The bands of sub-domains, kept while the triangulation gets finer.
+//! Keeps the bands of sub-domains when points are added to the triangulation.
 //!
-//! A finer triangulation has the same sub-domains, and heights were found for their bands, so those must not be judged
-//! anew: nothing but the borders says that both judgements would agree.
+//! The finer triangulation has the same sub-domains. Heights were already computed for their bands, so the bands must
+//! stay. A second search for the bands could give others.
 
 use rayon::prelude::*;
 
 use super::{Region, Regions};
 use crate::tin::Tin;
 
-/// The sub-domains of a triangulation by their borders.
+/// The sub-domains of a triangulation, known by their borders.
 ///
-/// Edges of sub-domains are edges of every finer triangulation too, between vertices of the same numbers.
+/// Every finer triangulation holds the border edges too, between vertices with the same numbers.
 #[derive(Debug, Clone)]
 pub struct KeptBands {
-    /// Ends of directed edges with the sub-domain on the left, ascending.
+    /// Directed edges, as pairs of vertices, with the sub-domain on the left; ascending.
     borders: Vec<([u32; 2], u32)>,
     regions: Vec<Region>,
 }
 
 impl KeptBands {
-    /// Those of `regions`.
+    /// Takes those of `regions`.
     pub fn new(tin: &Tin, regions: Regions) -> Self {
         let of_triangle = &regions.of_triangle;
         let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
@@ -29,8 +29,8 @@ impl KeptBands {
         Self { borders, regions: regions.regions }
     }
 
-    /// The same sub-domains of a finer triangulation, `regions`, with levels and bands as they were; and whether all of them
-    /// are known.
+    /// The sub-domains of a finer triangulation, `regions`, with the levels and bands of this one. Also whether all of
+    /// them were found.
     pub fn applied(&self, tin: &Tin, mut regions: Regions) -> (Regions, bool) {
         let mut is_known = vec![false; regions.regions.len()];
         for (t, edge) in borders(tin) {
@@ -54,7 +54,7 @@ fn borders(tin: &Tin) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
     inside.flat_map(move |t| borders_of(tin, t).map(move |edge| (t, edge)))
 }
 
-/// The edges of a triangle that its sub-domain ends at.
+/// The edges of a triangle on the border of its sub-domain.
 fn borders_of(tin: &Tin, t: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
     (0..3).filter(move |&i| tin.across(t, i).is_none()).map(move |i| tin.edge(t, i))
 }

@@ -1,8 +1,8 @@
-//! Bands of single triangles, where that of their sub-domain is too wide to tell much.
+//! Bands of single triangles, where the band of the sub-domain is too wide to be of use.
 //!
-//! A contour that is broken lets the ground on both of its sides be one sub-domain, and a line with a wrong elevation gives
-//! the one that it lies in another level: either way all of it gets a wide band, also kilometres away. But a triangle with
-//! corners on two levels lies between those, and ground beside it most likely does too.
+//! At a broken contour the ground on both sides is one sub-domain. A line with a wrong elevation gives its two
+//! sub-domains another level. Both make the band wide, even kilometres away. But a triangle with corners on two levels
+//! lies between those levels, and most likely the ground beside it does too.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -12,9 +12,10 @@ use super::regions::WIDE;
 use super::{Band, Regions};
 use crate::tin::{Tin, VertexKind};
 
-/// The bands of the triangles of all sub-domains whose band is wider than one interval, as far as they are narrower than that:
-/// between the levels at the corners, or those of the triangle with corners on two levels that is the fewest triangles away.
-/// Triangles with a corner that `is_wrong`, a vertex of a line with a wrong elevation, keep that of the sub-domain.
+/// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels
+/// lies between those. Any other takes the band of the nearest such triangle, counted in triangles. Bands that would
+/// not be narrower are left out. Triangles with a corner that `is_wrong` (a vertex of a line with a wrong elevation)
+/// keep the band of the sub-domain.
 pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool + Sync) -> HashMap<u32, Band> {
     let near = WIDE * regions.interval.step;
     let is_wide = |t: u32| {
@@ -24,11 +25,11 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
                 .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
     };
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
-    let told = |t: u32| Some((t, corner_band(tin, t)?));
+    let known = |t: u32| Some((t, corner_band(tin, t)?));
     let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t) && !is_beside_wrong(t));
-    let told: Vec<(u32, Band)> = wide.filter_map(told).collect();
-    let mut bands: HashMap<u32, Band> = told.iter().copied().collect();
-    let mut open: VecDeque<(u32, Band)> = told.into();
+    let known: Vec<(u32, Band)> = wide.filter_map(known).collect();
+    let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
+    let mut open: VecDeque<(u32, Band)> = known.into();
     while let Some((t, band)) = open.pop_front() {
         for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong(n)) {
             bands.entry(n).or_insert_with(|| {
@@ -45,7 +46,7 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
     bands
 }
 
-/// Between the lowest and the highest of the levels at a triangle's corners, if there are two.
+/// The band between the lowest and the highest level at a triangle's corners, if they differ.
 fn corner_band(tin: &Tin, t: u32) -> Option<Band> {
     let corners = tin.triangles[t as usize].into_iter();
     let levels = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour).map(|v| tin.heights[v as usize]);
@@ -65,7 +66,7 @@ mod tests {
 
     const TEN: Interval = Interval { step: 10.0, base: 0.0 };
 
-    /// Points every 5 units along a square around a place.
+    /// Points every 5 units along a square around a centre.
     fn ring(x: f64, half: f64) -> Vec<DVec2> {
         let side = |from: DVec2, to: DVec2| {
             let count = (from.distance(to) / 5.0).ceil() as usize;
@@ -76,7 +77,7 @@ mod tests {
         corners.windows(2).flat_map(|w| side(w[0], w[1])).chain([corners[0]]).collect()
     }
 
-    /// The bands that lines give to places on the x-axis: those of their sub-domains, and those of their triangles.
+    /// The bands at points of the x-axis: first those of the sub-domains, then those of the triangles.
     fn bands(lines: &[(f64, Vec<DVec2>)], places: &[f64]) -> Vec<[Band; 2]> {
         let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
         lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));

@@ -13,10 +13,10 @@ pub fn signed_area(ring: &[DVec2]) -> f64 {
     0.5 * ring.windows(2).map(|w| (w[0] - origin).perp_dot(w[1] - origin)).sum::<f64>()
 }
 
-/// For each contour of the map: whether higher ground lies on its right as it stands.
+/// For each contour of the map: whether higher ground lies on its right, as it is digitised.
 ///
-/// Each piece of contour in the triangulation (which must hold the map's contours before all other points) votes with
-/// its length for the side that its triangle rises to. Without votes the line is taken as it stands.
+/// Each piece of contour in the triangulation (which must hold the map's contours before all other points) has a vote,
+/// weighted by its length, for the side on which its triangle rises. Without votes the line counts as correct.
 pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool> {
     let start = line_starts(map);
     let votes: Vec<(u32, f64)> = (0..tin.len() as u32)
@@ -46,8 +46,8 @@ pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool
     balance.into_iter().map(|b| b >= 0.0).collect()
 }
 
-/// The number of each contour's first point where the map's contours are the first points triangulated, and of the point
-/// after the last contour.
+/// The number of each contour's first point, and the number after the last point of all. The map's contours must be the
+/// first points triangulated.
 pub(crate) fn line_starts(map: &ContourMap) -> Vec<u32> {
     let mut start = Vec::with_capacity(map.contours.len() + 1);
     start.push(0u32);
@@ -57,7 +57,7 @@ pub(crate) fn line_starts(map: &ContourMap) -> Vec<u32> {
     start
 }
 
-/// The contour that vertex `v` lies on, none for links, shores, spot heights and the frame.
+/// The contour of vertex `v`; none for frame extensions, shores, spot heights and the frame.
 pub(crate) fn line_at(tin: &Tin, start: &[u32], v: u32) -> Option<u32> {
     let after = start.partition_point(|&s| s <= tin.source[v as usize]);
     (after < start.len()).then(|| after.checked_sub(1).map(|line| line as u32)).flatten()

@@ -1,8 +1,8 @@
-//! Where the frame ends, kept while the triangulation gets finer.
+//! Keeps the outline of the frame when points are added to the triangulation.
 //!
-//! The flat triangles along the outer border lie outside the frame. In a finer triangulation other triangles would be
-//! there, some of them not as flat, and sub-domains that were apart would run together. So the edges that the frame ends
-//! at go into the finer triangulation, and what lay beyond them stays outside.
+//! The flat triangles along the outer border lie outside the frame. A finer triangulation has other triangles there,
+//! and some are not as flat. They would join sub-domains that were separate. So the outline's edges go into the finer
+//! triangulation, and what lies beyond them stays outside.
 
 use rayon::prelude::*;
 
@@ -11,14 +11,14 @@ use crate::tin::{CONSTRAINT, CONTOUR, NONE, Tin};
 /// The edges with a triangle in the frame on the left and one outside it on the right.
 #[derive(Debug, Clone)]
 pub struct Outline {
-    /// Ends of the edges, ascending, and whether the edge is a constraint anyway.
+    /// The edges, as pairs of vertices, ascending; and whether the edge is a constraint anyway.
     edges: Vec<([u32; 2], bool)>,
     /// Whether any triangle lies in the frame.
     has_inside: bool,
 }
 
 impl Outline {
-    /// That of a triangulation.
+    /// Takes the outline of a triangulation.
     pub fn new(tin: &Tin) -> Self {
         let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
         let ends_at = |t: u32, i: usize| tin.neighbours[t as usize][i] != NONE && tin.inner_neighbour(t, i).is_none();
@@ -29,15 +29,15 @@ impl Outline {
         Self { edges, has_inside: tin.inside.contains(&true) }
     }
 
-    /// The edges that a finer triangulation does not hold unless they are put in.
+    /// The edges that a finer triangulation holds only if they are added to it.
     pub fn loose_edges(&self) -> impl Iterator<Item = [u32; 2]> {
         self.edges.iter().filter(|(_, is_constraint)| !is_constraint).map(|(edge, _)| *edge)
     }
 
     /// The frame of a finer triangulation that holds these edges. Vertices have the same numbers in both.
     ///
-    /// Edges that are in it for this only are no constraints afterwards, as they were none before: between two vertices of
-    /// one contour they would be taken for a piece of it.
+    /// Edges that were added only for the outline are no constraints afterwards. Between two vertices of one contour
+    /// such a constraint would count as a piece of the contour.
     pub fn applied(&self, mut tin: Tin) -> Tin {
         tin.inside.fill(self.has_inside);
         let Tin { triangles, edges, inside, .. } = &mut tin;
@@ -66,7 +66,7 @@ impl Outline {
         tin
     }
 
-    /// For an edge that the frame ends at: whether the frame is on its left, and whether it is a constraint anyway.
+    /// For an edge of the outline: whether the frame is on its left, and whether it is a constraint anyway.
     fn side(&self, [u, v]: [u32; 2]) -> Option<(bool, bool)> {
         let find = |edge: [u32; 2]| Some(self.edges[self.edges.binary_search_by(|(e, _)| e.cmp(&edge)).ok()?].1);
         find([u, v]).map(|is_constraint| (true, is_constraint)).or_else(|| Some((false, find([v, u])?)))

@@ -1,8 +1,8 @@
 //! Sub-domains and their bands (paper, section 3.2, for open contours too).
 //!
-//! A sub-domain is what a flood over the triangulation reaches without crossing a contour; the frame closes it where
-//! contours run off the map. Two levels on its border give its band. Where there is only one, the side is known from the
-//! neighbour: crossing a contour changes the side.
+//! A sub-domain is a set of triangles that are connected without crossing a contour. Where contours run off the map,
+//! the frame closes it. Two levels on its border give its band. Where there is only one level, the neighbour decides
+//! the side: crossing a contour changes the side.
 
 use rayon::prelude::*;
 
@@ -10,9 +10,9 @@ use crate::base::rows::Rows;
 use crate::contour::Interval;
 use crate::tin::{NONE, Tin};
 
-/// Sub-domains whose levels are further apart than so many intervals hold a place where contours are missing.
+/// Sub-domains whose levels are more than this many intervals apart contain missing contours.
 pub(crate) const WIDE: f64 = 1.5;
-/// Share of a sub-domain's border that is most of it.
+/// A larger share of a sub-domain's border than this is most of it.
 const MOST: f64 = 0.75;
 
 /// The side of a level that ground lies on.
@@ -34,8 +34,8 @@ pub struct Band {
 }
 
 impl Band {
-    /// The height moved strictly inside the band, at least a thousandth of the band's width from both levels; an infinite band
-    /// holds all.
+    /// Moves the height strictly inside the band: at least a thousandth of the band's width from both levels. An
+    /// infinite band holds every height.
     pub fn strictly_inside(&self, height: f64) -> f64 {
         let margin = 1e-3 * (self.hi - self.lo);
         if margin.is_finite() { height.clamp(self.lo + margin, self.hi - margin) } else { height }
@@ -56,9 +56,9 @@ pub struct Region {
     pub levels: Vec<(f64, Side)>,
     /// One of its triangles.
     pub triangle: u32,
-    /// Whether it reaches the frame through the gates of a ragged outline.
+    /// Whether it reaches the frame through barrier edges of a ragged outline.
     pub outer: bool,
-    /// Height of the water where it is a lake or the sea: the band then is this one height.
+    /// Height of the water of a lake or the sea, whose band is this one height; none on land.
     pub water: Option<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Region {
         self.levels.get(k).is_some_and(|(l, _)| *l == level).then_some(k)
     }
 
-    /// Distance between the lowest and the highest level on the border.
+    /// Difference between the highest and the lowest level on the border.
     fn gap(&self) -> f64 {
         match (self.levels.first(), self.levels.last()) {
             (Some(lowest), Some(highest)) => highest.0 - lowest.0,
@@ -100,7 +100,7 @@ impl Regions {
         self.regions.get(self.of_triangle[t as usize] as usize)
     }
 
-    /// From a level to the next one on that side.
+    /// The band from a level to the next one on that side.
     pub fn beyond(&self, level: f64, side: Side) -> Band {
         beyond(&self.interval, level, side)
     }
@@ -113,7 +113,7 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
     }
 }
 
-/// Finds the sub-domains and the levels on their borders, not their bands, which are told otherwise.
+/// Finds the sub-domains and the levels on their borders. The bands are left open: [`regions`] finds those too.
 pub fn sub_domains(tin: &Tin, interval: &Interval) -> Regions {
     let (of_triangle, regions) = flood(tin);
     Regions { of_triangle, regions, interval: *interval }
@@ -127,8 +127,8 @@ pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
     Regions { of_triangle, regions, interval: *interval }
 }
 
-/// Numbers the connected components and collects the levels on their borders, the lowest as one that the ground lies
-/// above, the others as ones that it lies below.
+/// Numbers the connected components and collects the levels on their borders. At first every sub-domain counts as above
+/// its lowest level and below the others.
 fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
@@ -144,7 +144,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                 levels.push(level);
             }
         };
-        let (mut at_frame, mut at_gate) = (false, false);
+        let (mut at_frame, mut at_barrier) = (false, false);
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -155,7 +155,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
                 }
                 if tin.is_barrier(t, i) {
                     tin.edge(t, i).iter().for_each(|&v| add(tin.heights[v as usize]));
-                    at_gate = true;
+                    at_barrier = true;
                     continue;
                 }
                 match tin.inner_neighbour(t, i) {
@@ -175,7 +175,7 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
             band: Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY },
             levels: levels.into_iter().enumerate().map(|(k, level)| (level, side(k))).collect(),
             triangle: first,
-            outer: at_frame && at_gate,
+            outer: at_frame && at_barrier,
             water: None,
         });
     }
@@ -184,36 +184,38 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
 
 /// A piece of contour between two sub-domains, seen from one of them.
 #[derive(Debug, Clone, Copy, Default)]
-struct Border {
+struct SharedBorder {
     other: u32,
     level: f64,
     length: f64,
 }
 
 /// The borders of every sub-domain with its neighbours.
-fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<Border> {
+fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<SharedBorder> {
     let border = &|t: u32, i: usize| {
         let level = tin.contour_level(t, i)?;
         let other = of_triangle[tin.inner_neighbour(t, i)? as usize];
         let own = of_triangle[t as usize];
         let [u, v] = tin.edge(t, i).map(|v| tin.positions[v as usize]);
-        let seen = Border { other, level, length: u.distance(v) };
+        let seen = SharedBorder { other, level, length: u.distance(v) };
         (own != other).then_some((own as usize, seen))
     };
     let of_triangle = |t: u32| (0..3).filter_map(move |i| border(t, i));
     let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
-    let all: Vec<(usize, Border)> = inside.flat_map_iter(of_triangle).collect();
+    let all: Vec<(usize, SharedBorder)> = inside.flat_map_iter(of_triangle).collect();
     Rows::new(count, || all.iter().copied())
 }
 
-/// Gives every sub-domain its sides and its band, outwards from those of two neighbouring levels, which tell both.
+/// Gives every sub-domain its sides and its band. It begins with sub-domains between two neighbouring levels, where
+/// both sides are known, and goes on outwards.
 ///
-/// Two are enough though other levels are on the border, if theirs is most of it: a line with a wrong elevation, or what is
-/// left of a missing contour, does not make the ground around it unknown.
+/// Other levels may be on the border too, if those two are most of it. So a line with a wrong elevation, or the rest of
+/// a missing contour, does not make the ground around it unknown.
 ///
-/// For the others each level asks its known neighbours: crossing a contour changes the side, and the longer common border
-/// wins where they disagree. That is the rule for peaks and pits, and also for the ground where contours are missing.
-fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval) {
+/// For the other sub-domains each level takes its side from the neighbours that are known: crossing a contour changes
+/// the side. Where neighbours disagree, the longer common border wins. This is the rule for peaks and pits, and also
+/// for ground where contours are missing.
+fn propagate(regions: &mut [Region], borders: &Rows<SharedBorder>, interval: &Interval) {
     let mut known: Vec<bool> = vec![false; regions.len()];
     for (r, region) in regions.iter_mut().enumerate() {
         let lower = main_pair(region, borders.of(r), interval);
@@ -248,8 +250,8 @@ fn propagate(regions: &mut [Region], borders: &Rows<Border>, interval: &Interval
     }
 }
 
-/// The lower one of the two neighbouring levels that tell a sub-domain's band, by its number; `None` if it has none.
-fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option<usize> {
+/// The lower one of the two neighbouring levels that give a sub-domain's band, by its number; none if there are no two.
+fn main_pair(region: &Region, borders: &[SharedBorder], interval: &Interval) -> Option<usize> {
     let near = WIDE * interval.step;
     if region.levels.len() < 2 {
         return None;
@@ -272,8 +274,9 @@ fn main_pair(region: &Region, borders: &[Border], interval: &Interval) -> Option
     (0..lengths.len() - 1).filter(is_pair).max_by(|&j, &k| of_pair(j).total_cmp(&of_pair(k)))
 }
 
-/// The levels of a sub-domain with the sides that its known neighbours give; as they were where none does.
-fn vote(region: u32, regions: &[Region], borders: &Rows<Border>, known: &[bool]) -> Vec<(f64, Side)> {
+/// The levels of a sub-domain with the sides that its known neighbours give. Without a known neighbour a side stays as
+/// it was.
+fn vote(region: u32, regions: &[Region], borders: &Rows<SharedBorder>, known: &[bool]) -> Vec<(f64, Side)> {
     let mut balance = vec![0.0; regions[region as usize].levels.len()];
     for border in borders.of(region as usize).iter().filter(|b| known[b.other as usize]) {
         let own = regions[region as usize].number_of(border.level);

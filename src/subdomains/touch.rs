@@ -1,15 +1,15 @@
 //! Sub-domains that touch in a single point of the frame.
 //!
-//! Where two parts of the frame touch at a corner, the ground passes through it from one sub-domain to another, and no
-//! contour lies between them. The corner has one height, which must lie in the bands of both. Bands come from the contours
-//! on the border of each sub-domain, and those of a map with missing contours may have no height in common.
+//! Where two parts of the frame touch at a corner, the ground passes through it from one sub-domain to another. No
+//! contour lies between them. The corner has one height, which must lie in the bands of both. But bands come from the
+//! contours on the border of each sub-domain. Where contours are missing, two bands may have no height in common.
 
 use super::{Band, Regions};
 use crate::tin::{Tin, VertexKind};
 
-/// The same sub-domains with bands that agree at every point of the frame: those that have no height in common there reach
-/// from the lowest to the highest level of all of them, as where a contour is broken. A contour that ends where another part
-/// of the frame touches lies in the band of the sub-domain there too.
+/// Widens bands until they agree at every point of the frame. Bands without a common height at a corner get the range
+/// from the lowest to the highest level of all of them, as at a broken contour. A contour may end where another part of
+/// the frame touches: then the band there is widened to include its level.
 ///
 /// Water keeps its height.
 pub fn agreeing_at_corners(mut regions: Regions, tin: &Tin) -> Regions {
@@ -28,7 +28,7 @@ pub fn agreeing_at_corners(mut regions: Regions, tin: &Tin) -> Regions {
                 let height = tin.heights[vertex];
                 Some(Band { lo: height, hi: height })
             }
-            // What contradicts the band around it is left out, and nothing was computed yet.
+            // A spot height that contradicts its band is left out anyway, and axis points do not exist yet.
             VertexKind::Spot | VertexKind::Axis => None,
         };
         let Some(all) = all else { continue };
@@ -46,7 +46,7 @@ fn union(a: Band, b: Band) -> Band {
     Band { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }
 }
 
-/// Vertices that the frame ends at with the sub-domains there, ascending.
+/// Vertices on the outline of the frame, with the sub-domains there; ascending.
 fn at_frame(tin: &Tin, regions: &Regions) -> Vec<(u32, u32)> {
     let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
     let edges = inside.flat_map(|t| (0..3).map(move |i| (t, i)));

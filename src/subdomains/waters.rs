@@ -1,7 +1,7 @@
-//! Sub-domains with water: lakes cut pieces out of them, the sea takes them whole.
+//! Sub-domains with water: lakes cut pieces out of them, the sea takes whole ones.
 //!
-//! Bands are found without the water, because a shore is no contour: it may touch neighbouring levels and says nothing
-//! about the side that the ground lies on. Only then is every sub-domain parted along its shores.
+//! Bands are found without the water, because a shore is no contour. It may touch neighbouring levels, and does not say
+//! on which side the ground lies. Only after that are sub-domains split along the shores.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use glam::DVec2;
 use super::{Band, Region, Regions, Side};
 use crate::tin::{NONE, Tin};
 
-/// Lakes whose height does not lie in the band of the sub-domain around them, or whose water reaches a contour of another level
-/// because the shore is open: number, a place in the lake, the band. `regions` are those without water, `heights` those of the
-/// lakes by their numbers.
+/// Lakes that contradict the contours: number, a point in the lake, and the band of the sub-domain around it. The
+/// height of such a lake lies outside the band, or its shore is open and its water reaches a contour of another level.
+/// `regions` are the sub-domains without water, `heights` those of the lakes by their numbers.
 pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<(u32, DVec2, Band)> {
-    let mut told = BTreeSet::new();
+    let mut seen = BTreeSet::new();
     let mut outside = Vec::new();
     for t in 0..tin.len() as u32 {
         let (Some(lake), Some(region)) = (tin.lake(t), regions.region(t)) else { continue };
         let height = heights[lake as usize];
         let is_open = || (0..3).filter_map(|i| tin.contour_level(t, i)).any(|level| level != height);
-        if (!region.band.contains(height) || is_open()) && told.insert(lake) {
+        if (!region.band.contains(height) || is_open()) && seen.insert(lake) {
             let middle = tin.corners(t).iter().sum::<DVec2>() / 3.0 + tin.origin;
             outside.push((lake, middle, region.band));
         }
@@ -29,12 +29,12 @@ pub fn contradicted_lakes(tin: &Tin, regions: &Regions, heights: &[f64]) -> Vec<
     outside
 }
 
-/// The sub-domains parted along the shores of lakes, and those flat that reach only down to the sea.
+/// Splits the sub-domains along the shores of lakes. Those that border only on the coast, from below, become the sea.
 ///
-/// Water has a band of one height. Beside water, land goes no lower than the lowest shore unless a contour below bounds it.
-/// `heights` are those of the lakes by their numbers, `sea` is the level of the coast.
+/// Water has a band of one height. Land beside water does not lie below the lowest shore, unless a contour below bounds
+/// it. `heights` are those of the lakes by their numbers, `sea` is the level of the coast.
 pub fn with_water(regions: Regions, tin: &Tin, heights: &[f64], sea: Option<f64>) -> Regions {
-    let mut regions = if heights.is_empty() { regions } else { parted(&regions, tin, heights) };
+    let mut regions = if heights.is_empty() { regions } else { split_at_shores(&regions, tin, heights) };
     if let Some(sea) = sea {
         for region in regions.regions.iter_mut().filter(|r| r.levels[..] == [(sea, Side::Below)]) {
             region.water = Some(sea);
@@ -44,7 +44,7 @@ pub fn with_water(regions: Regions, tin: &Tin, heights: &[f64], sea: Option<f64>
     regions
 }
 
-fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
+fn split_at_shores(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
     let mut of_triangle = vec![NONE; tin.len()];
     let mut regions = Vec::new();
     let mut stack = Vec::new();
@@ -54,7 +54,7 @@ fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
             continue;
         }
         let id = regions.len() as u32;
-        let mut border = Border::default();
+        let mut border = BorderLevels::default();
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -74,15 +74,15 @@ fn parted(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
     Regions { of_triangle, regions, interval: whole.interval }
 }
 
-/// What lies around a piece of sub-domain.
+/// The levels on the border of a piece of sub-domain.
 #[derive(Default)]
-struct Border {
+struct BorderLevels {
     levels: Vec<f64>,
     shores: Vec<f64>,
-    has_gate: bool,
+    has_barrier: bool,
 }
 
-impl Border {
+impl BorderLevels {
     fn add(&mut self, tin: &Tin, t: u32, i: usize) {
         let insert = |levels: &mut Vec<f64>, level: f64| {
             if let Err(at) = levels.binary_search_by(|l| l.total_cmp(&level)) {
@@ -93,14 +93,14 @@ impl Border {
             insert(&mut self.levels, level);
         } else if tin.is_barrier(t, i) {
             tin.edge(t, i).iter().for_each(|&v| insert(&mut self.levels, tin.heights[v as usize]));
-            self.has_gate = true;
+            self.has_barrier = true;
         }
         if tin.is_shore(t, i) {
             insert(&mut self.shores, tin.heights[tin.edge(t, i)[0] as usize]);
         }
     }
 
-    /// The piece that this lies around, `parent` being the whole sub-domain.
+    /// The sub-domain inside this border; `parent` is the whole one that it is a piece of.
     fn region(self, parent: &Region, triangle: u32, water: Option<f64>) -> Region {
         let mut levels: Vec<(f64, Side)> =
             parent.levels.iter().copied().filter(|(level, _)| self.levels.contains(level)).collect();
@@ -108,7 +108,7 @@ impl Border {
         if let Some(height) = water {
             band = Band { lo: height, hi: height };
         } else if let Some(&lowest) = self.shores.first() {
-            // Where contours are missing, ground can be told to lie below a level that the shore lies above.
+            // Where contours are missing, ground can count as below a level although the shore lies above that level.
             if levels.iter().all(|(level, side)| *side == Side::Below && lowest <= *level) {
                 band.lo = band.lo.max(lowest).min(band.hi);
             }
@@ -119,7 +119,7 @@ impl Border {
             }
             levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        Region { band, levels, triangle, outer: parent.outer && self.has_gate, water }
+        Region { band, levels, triangle, outer: parent.outer && self.has_barrier, water }
     }
 }
 
@@ -169,12 +169,12 @@ mod tests {
 
     #[test]
     fn a_shore_above_a_contour_is_not_the_lowest_ground() {
-        let border = || Border { levels: vec![0.0, 30.0], shores: vec![17.5], has_gate: false };
+        let border = || BorderLevels { levels: vec![0.0, 30.0], shores: vec![17.5], has_barrier: false };
         let land = |levels: Vec<(f64, Side)>, lo: f64| {
             let parent = Region { band: Band { lo, hi: 30.0 }, levels, triangle: 0, outer: false, water: None };
             border().region(&parent, 0, None).band
         };
-        // Where contours are missing, ground from 0 to 30 can be told to lie below both.
+        // Where contours are missing, ground from 0 to 30 can count as below both levels.
         assert_eq!(land(vec![(0.0, Side::Below), (30.0, Side::Below)], -10.0).lo, -10.0);
         assert_eq!(land(vec![(30.0, Side::Below)], 20.0).lo, 20.0);
         assert_eq!(land(vec![(30.0, Side::Below)], 10.0).lo, 17.5);

@@ -263,7 +263,7 @@ fn a_lake_on_the_way_of_a_contour_to_the_frame_is_cut_back_with_a_finding() {
     let (surface, findings) = surface_with(lines, water, SurfaceKind::Skeleton);
     let told: Vec<_> = findings.iter().filter(|f| f.kind == FindingKind::LakeCutBack).collect();
     assert_eq!(told.len(), 1, "{findings:?}");
-    assert!(told[0].message.contains("the way on to the frame from an end of contour 50"), "{}", told[0].message);
+    assert!(told[0].message.contains("the extension to the frame of contour 50"), "{}", told[0].message);
     check(&surface, 1.0, "beside a link");
     assert_eq!([510.0, 490.0].map(|y| height_at(&surface, 960.0, y)), [50.0; 2]);
 }

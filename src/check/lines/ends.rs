@@ -1,4 +1,4 @@
-//! Ends of open lines and the other ends at their places.
+//! Ends of open lines, and the other ends at the same position.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -10,18 +10,18 @@ use crate::contour::{Contour, ContourMap};
 /// An end of a line: twice the line's number, plus one for the line's last point.
 pub(super) type End = usize;
 
-/// What is at the place of an end.
+/// What lies at the position of an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum At {
-    /// No other end, or the line's own other end, or the line is closed.
+    /// No other end; or the other end of the same line; or the line is closed.
     Nothing,
-    /// The end of just one other line.
+    /// The end of one other line.
     One(End),
-    /// More ends.
+    /// Several ends of other lines.
     Several,
 }
 
-/// What is at each end, two for each line.
+/// What lies at each end; there are two entries per line.
 pub(super) fn find(map: &ContourMap, snap: f64) -> Vec<At> {
     let lines = &map.contours;
     let is_open = |line: &&Contour| line.points.len() >= 2 && line.points.first() != line.points.last();
@@ -51,7 +51,7 @@ pub(super) fn find(map: &ContourMap, snap: f64) -> Vec<At> {
     at
 }
 
-/// Where an end is.
+/// The position of an end.
 pub(super) fn place(lines: &[Contour], end: End) -> DVec2 {
     let points = &lines[end / 2].points;
     points[if end.is_multiple_of(2) { 0 } else { points.len() - 1 }]

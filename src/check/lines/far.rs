@@ -1,7 +1,7 @@
-//! Vertices and lines far from all others, and coordinates that are degrees.
+//! Vertices and lines far from all others, and coordinates in degrees.
 //!
-//! A slip in one digit of a coordinate throws a vertex far out and the next one back. A wrong zone, or degrees among metres,
-//! throws whole lines: they are split off the map at the widest gaps between its lines, seen along x and along y.
+//! A wrong digit in a coordinate moves one vertex far out. A wrong zone, or degrees among metres, moves whole lines.
+//! These lines are found by splitting the map at the widest gaps between its lines, along x and along y.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -11,40 +11,41 @@ use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
 use crate::crs::{Crs, CrsKind};
 
-/// A vertex is far if both its segments are longer than so many usual ones of its line,
+/// A vertex is far away if three conditions hold. First: each of its two segments is longer than this many median
+/// segments of its line.
 const JUMP_STEPS: f64 = 50.0;
-/// and than this share of the map,
+/// Second: each is longer than this share of the map's diagonal.
 const JUMP_OF_MAP: f64 = 0.05;
-/// and its neighbours are nearer to each other than this share of them.
+/// Third: its neighbours are nearer to each other than this share of the shorter of the two segments.
 const JUMP_BACK: f64 = 0.1;
 
-/// Lines are far if they are further from all others than so many diagonals of those. Islands of one map lie within a few of
-/// their own sizes; another zone is hundreds of kilometres away.
+/// Lines are far away if their distance from all others is more than this many diagonals of those. Islands of one map
+/// lie within a few of their own sizes; another zone is hundreds of kilometres away.
 const FAR: f64 = 10.0;
-/// The others must have this share of the vertices at least.
+/// The others must hold at least this share of the vertices.
 const MOST: f64 = 0.5;
-/// Most gaps that a map is split at.
+/// Largest number of gaps at which a map is split.
 const GAPS: usize = 64;
-/// Coordinates with a smaller usual distance between vertices, in map units, are degrees if they fit in ±180 and ±90: contours
-/// in metres have a vertex every metre or ten.
+/// Coordinates are taken for degrees if they fit in ±180 and ±90, and if the median distance between vertices is below
+/// this, map units. Contours in metres have a vertex every one to ten metres.
 const DEGREE_SPACING: f64 = 0.02;
 
-/// All of them.
+/// Finds all of these faults.
 pub(super) fn find(map: &ContourMap, shape: &Shape) -> Vec<Finding> {
     let kind = map.crs.as_ref().and_then(Crs::kind);
     let all = shape.boxes.iter().fold(Box2::EMPTY, |b, other| b.with(other));
     if kind != Some(CrsKind::Geographic) && all.fits_degrees() && shape.spacing > 0.0 && shape.spacing < DEGREE_SPACING
     {
         let message = format!(
-            "all coordinates lie within 180 and 90, and vertices are {:.2e} apart mostly: they look like degrees, and the \
-             coordinate reference system does not say so",
+            "all coordinates lie within 180 and 90, and the median distance between vertices is {:.2e}: they look \
+             like degrees, and the coordinate reference system does not say so",
             shape.spacing
         );
         return vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
     }
     if kind == Some(CrsKind::Geographic) && !all.fits_degrees() && shape.spacing > DEGREE_SPACING {
-        let message = "the coordinate reference system is in degrees, and coordinates lie beyond 180 and 90: they look like \
-                       those of a plane";
+        let message = "the coordinate reference system is in degrees, and coordinates lie beyond 180 and 90: they look \
+                       like projected coordinates";
         return vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
     }
     let slips = slips(map, middle_diagonal(map));
@@ -57,12 +58,12 @@ pub(super) fn find(map: &ContourMap, shape: &Shape) -> Vec<Finding> {
     findings
 }
 
-/// The diagonal of the box around the middle vertices of the lines, which single bad vertices do not widen.
+/// The diagonal of the box around the middle vertices of the lines. Single wrong vertices do not enlarge it.
 fn middle_diagonal(map: &ContourMap) -> f64 {
     Box2::of(map.contours.iter().filter_map(|c| c.points.get(c.points.len() / 2).copied())).diagonal()
 }
 
-/// The vertices of a line that are thrown out.
+/// The vertices of a line that lie far away.
 struct Slip {
     line: usize,
     vertices: Vec<usize>,
@@ -81,11 +82,11 @@ impl Slip {
 
     fn findings(&self, line: &Contour) -> impl Iterator<Item = Finding> {
         self.vertices.iter().map(|&i| {
-            let [before, p, after] = around(line, i);
+            let [before, p, after] = with_neighbours(line, i);
             let away = p.distance(before).min(p.distance(after));
             let message = format!(
-                "a vertex of the contour {} m (feature {}) lies {away:.3} map units away from those before and after it: a slip \
-                 in a coordinate",
+                "a vertex of the contour {} m (feature {}) lies {away:.3} map units away from those before and after it: \
+                 an error in a coordinate",
                 line.elevation, line.feature
             );
             Finding::at(FindingKind::FarAway, p, message).about(line.feature, line.elevation)
@@ -93,10 +94,10 @@ impl Slip {
     }
 }
 
-/// A vertex with those before and after it.
-fn around(line: &Contour, i: usize) -> [DVec2; 3] {
+/// A vertex between the vertex before it and the one after it.
+fn with_neighbours(line: &Contour, i: usize) -> [DVec2; 3] {
     let n = line.points.len();
-    // A ring's first point is its last one.
+    // The first point of a ring is its last point again.
     let before = if i == 0 { n - 2 } else { i - 1 };
     [line.points[before], line.points[i], line.points[i + 1]]
 }
@@ -107,18 +108,18 @@ fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
         let from = usize::from(!contour.is_closed());
         let mut vertices: Vec<usize> = (from..n.saturating_sub(1))
             .filter(|&i| {
-                let [before, p, after] = around(contour, i);
+                let [before, p, after] = with_neighbours(contour, i);
                 let away = p.distance(before).min(p.distance(after));
                 away > JUMP_OF_MAP * diagonal && before.distance(after) < JUMP_BACK * away
             })
             .collect();
-        // With fewer vertices left there is nothing that says what is usual.
+        // With fewer vertices left, a median length means nothing.
         if vertices.is_empty() || n < vertices.len() + 4 {
             return None;
         }
         let usual = median(&mut steps(contour).collect::<Vec<f64>>());
         vertices.retain(|&i| {
-            let [before, p, after] = around(contour, i);
+            let [before, p, after] = with_neighbours(contour, i);
             p.distance(before).min(p.distance(after)) > JUMP_STEPS * usual
         });
         (!vertices.is_empty()).then_some(Slip { line, vertices })
@@ -126,19 +127,20 @@ fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
     map.contours.par_iter().enumerate().filter_map(of_line).collect()
 }
 
-/// Lines on one side of a gap.
-struct Apart {
+/// The lines on the lighter side of a gap, and the width of the gap.
+struct SplitOff {
     lines: Vec<u32>,
     gap: f64,
 }
 
-/// One finding for each group of lines that is far from the others.
+/// One finding per group of lines that is far from the others.
 fn far_lines(map: &ContourMap, boxes: &[Box2], kind: Option<CrsKind>, spacing: f64) -> Vec<Finding> {
     let weight = |lines: &[u32]| lines.iter().map(|&i| map.contours[i as usize].points.len()).sum::<usize>();
     let mut body: Vec<u32> = (0u32..).zip(boxes).filter(|(_, b)| !b.is_empty()).map(|(i, _)| i).collect();
     let all = weight(&body) as f64;
-    let mut parts: Vec<Apart> = Vec::new();
-    // The body whose gap was wide enough last, by the number of parts split off before, and its box.
+    let mut parts: Vec<SplitOff> = Vec::new();
+    // The last split whose gap was wide enough: the number of parts that were split off by then, and the box of the
+    // rest.
     let mut found: Option<(usize, Box2)> = None;
     while parts.len() < GAPS {
         let Some((gap, low, high)) = widest_gap(&body, boxes) else { break };
@@ -146,9 +148,9 @@ fn far_lines(map: &ContourMap, boxes: &[Box2], kind: Option<CrsKind>, spacing: f
         if (weight(&heavy) as f64) < MOST * all {
             break;
         }
-        parts.push(Apart { lines: light, gap });
+        parts.push(SplitOff { lines: light, gap });
         body = heavy;
-        let size = around_lines(&body, boxes);
+        let size = box_of(&body, boxes);
         if gap > FAR * size.diagonal() {
             found = Some((parts.len(), size));
         }
@@ -158,16 +160,15 @@ fn far_lines(map: &ContourMap, boxes: &[Box2], kind: Option<CrsKind>, spacing: f
     parts.retain(|part| part.gap > FAR * body.diagonal());
     let in_degrees = kind != Some(CrsKind::Geographic) && body.fits_degrees() && spacing < DEGREE_SPACING;
     let mut findings: Vec<Finding> =
-        parts.iter().map(|part| finding(map, part, &around_lines(&part.lines, boxes), &body, kind)).collect();
-    if in_degrees && parts.iter().any(|part| !around_lines(&part.lines, boxes).fits_degrees()) {
-        let message =
-            "most lines look like degrees, and others do not: they are of several coordinate reference systems";
+        parts.iter().map(|part| finding(map, part, &box_of(&part.lines, boxes), &body, kind)).collect();
+    if in_degrees && parts.iter().any(|part| !box_of(&part.lines, boxes).fits_degrees()) {
+        let message = "most lines look like degrees, and others do not: there are several coordinate reference systems";
         findings = vec![Finding::general(FindingKind::LooksLikeDegrees, message)];
     }
     findings
 }
 
-fn around_lines(lines: &[u32], boxes: &[Box2]) -> Box2 {
+fn box_of(lines: &[u32], boxes: &[Box2]) -> Box2 {
     lines.iter().fold(Box2::EMPTY, |b, &i| b.with(&boxes[i as usize]))
 }
 
@@ -192,13 +193,13 @@ fn widest_gap(lines: &[u32], boxes: &[Box2]) -> Option<(f64, Vec<u32>, Vec<u32>)
     Some((gap, low, high))
 }
 
-fn finding(map: &ContourMap, part: &Apart, around: &Box2, body: &Box2, kind: Option<CrsKind>) -> Finding {
+fn finding(map: &ContourMap, part: &SplitOff, around: &Box2, body: &Box2, kind: Option<CrsKind>) -> Finding {
     let line = |i: &u32| &map.contours[*i as usize];
     let looks_so = kind != Some(CrsKind::Geographic) && around.fits_degrees() && !body.fits_degrees();
     let (code, why) = if looks_so {
         (FindingKind::LooksLikeDegrees, "their coordinates look like degrees")
     } else {
-        (FindingKind::FarAway, "they are of another zone, or their coordinates have a slip")
+        (FindingKind::FarAway, "they are in another zone, or their coordinates have an error")
     };
     let message = format!(
         "lines ({}) lie {:.3} map units away from all others, which lie within {:.3}: {why}",

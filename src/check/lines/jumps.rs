@@ -1,7 +1,7 @@
-//! Lines whose elevation jumps: two ends of different level, and no third, at one place.
+//! Lines whose elevation jumps: exactly two ends meet at one point, and their levels differ.
 //!
-//! Maps are cut in sheets and squares, and a line's pieces carry their elevations each for itself. Where the pieces go on as
-//! each other they are one line, and most of its pieces tell the true elevation of a single wrong one.
+//! Maps are digitised in sheets and squares, and each piece of a line has its own elevation. Pieces that continue each
+//! other are one line. If a single piece is wrong, most of the others show the right elevation.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::base::error::{Finding, FindingKind, Proposal};
 use crate::check::{Correction, Judged};
 use crate::contour::{Contour, ContourMap};
 
-/// Fewest pieces of a line whose majority tells its elevation: of two, either may be wrong.
+/// Fewest pieces of a line whose majority decides its elevation. Of two pieces, either may be wrong.
 const VOTERS: usize = 3;
 
 pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
@@ -25,14 +25,14 @@ pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
     let level = |end: End| lines[end / 2].elevation;
     let jumps =
         |end: End| partner(end).filter(|&other| level(end) != level(other) && (level(end) - level(other)).is_finite());
-    let mut told = vec![false; lines.len()];
+    let mut seen = vec![false; lines.len()];
     for line in 0..lines.len() {
         let own = [2 * line, 2 * line + 1];
-        if told[line] || own.iter().all(|&end| jumps(end).is_none()) {
+        if seen[line] || own.iter().all(|&end| jumps(end).is_none()) {
             continue;
         }
         let way = chain(own[0], partner);
-        way.iter().for_each(|end| told[end / 2] = true);
+        way.iter().for_each(|end| seen[end / 2] = true);
         let closes = partner(way[0]).is_some();
         let right = elevation_of(lines, &way, closes);
         if let Some(elevation) = right {
@@ -50,8 +50,8 @@ pub(super) fn find(map: &ContourMap, ends: &[At]) -> Judged {
     judged
 }
 
-/// The pieces of the line that a piece belongs to, as the ends that each is entered at, from one end of the line to the
-/// other, or once round.
+/// The pieces of the line that a piece belongs to, from one end of the line to the other, or once around. Each piece is
+/// given by the end at which it is entered.
 fn chain(start: End, partner: impl Fn(End) -> Option<End>) -> Vec<End> {
     let mut first = start;
     while let Some(before) = partner(first).map(|end| end ^ 1).filter(|&before| before != start) {
@@ -66,8 +66,8 @@ fn chain(start: End, partner: impl Fn(End) -> Option<End>) -> Vec<End> {
     way
 }
 
-/// The elevation that a line's pieces tell, if they do: that of most of them and of most of its length, or else that on both
-/// sides of the only other one.
+/// The elevation that most pieces of a line have, if those are most of its length too. Otherwise, the one on both sides
+/// of the only piece that differs. None if neither holds.
 fn elevation_of(lines: &[Contour], way: &[End], closes: bool) -> Option<f64> {
     let mut votes: BTreeMap<u64, (f64, Vec<f64>)> = BTreeMap::new();
     let mut runs: Vec<f64> = Vec::new();
@@ -80,7 +80,7 @@ fn elevation_of(lines: &[Contour], way: &[End], closes: bool) -> Option<f64> {
     let votes: Vec<(f64, usize, f64)> = votes
         .into_values()
         .map(|(elevation, mut lengths)| {
-            // Summed in a fixed order, whichever end the line is followed from.
+            // Summed in a fixed order, from whichever end the line is followed.
             lengths.sort_unstable_by(f64::total_cmp);
             (elevation, lengths.len(), lengths.iter().sum())
         })
@@ -98,17 +98,17 @@ fn elevation_of(lines: &[Contour], way: &[End], closes: bool) -> Option<f64> {
 
 fn finding(lines: &[Contour], [end, other]: [End; 2], right: Option<f64>) -> Finding {
     let (mut wrong, mut next) = (&lines[end / 2], &lines[other / 2]);
-    // The one that is to change comes first; else the lower.
+    // The line to be changed comes first; if neither is, the lower one.
     let is_right = |line: &Contour| Some(line.elevation) == right;
     if is_right(wrong) || (!is_right(next) && next.elevation < wrong.elevation) {
         (wrong, next) = (next, wrong);
     }
     let says = match right {
-        Some(z) => format!("the other pieces of the line say {z} m"),
-        None => "nothing tells which of the two is right".to_owned(),
+        Some(z) => format!("the other pieces of the line have {z} m"),
+        None => "it is not known which of the two is right".to_owned(),
     };
     let message = format!(
-        "the contour {} m (feature {}) goes on as {} m (feature {}); {says}",
+        "the contour {} m (feature {}) continues as {} m (feature {}); {says}",
         wrong.elevation, wrong.feature, next.elevation, next.feature
     );
     let (p, q) = (place(lines, end), place(lines, other));

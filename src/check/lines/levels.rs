@@ -1,18 +1,18 @@
-//! Elevations that are no elevations: 0 and the numbers that programs write for no data, far from all other levels.
+//! Elevations that are not real: 0, or the numbers that programs write for no data, far from all other levels.
 
 use std::collections::BTreeMap;
 
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap, ElevationUnit, find_interval};
 
-/// Numbers that stand for no data, in the file's unit; those of either sign are here once.
+/// Numbers that stand for no data, in the file's unit, without their sign.
 const NO_DATA: &[f64] = &[0.0, 999.0, 9999.0, 99_999.0, 999_999.0, 32_767.0, 32_768.0, 65_535.0];
-/// No ground is higher or lower, metres, in any unit that elevations come in.
+/// Elevations from here on, above or below zero, are not real, metres.
 const HIGHEST: f64 = 100_000.0;
-/// Such a level is doubtful when the next one is further away than so many intervals.
+/// Such a level is doubtful if the next one is further away than this many intervals.
 const APART: f64 = 3.0;
 
-/// One finding for each line of such a level, if the lines of such levels are fewer than the others.
+/// One finding per line of such a level, if these lines are fewer than the others.
 pub(super) fn find(map: &ContourMap) -> Vec<Finding> {
     let mut counts: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for z in map.contours.iter().map(|c| c.elevation + 0.0).filter(|z| z.is_finite()) {
@@ -27,7 +27,7 @@ pub(super) fn find(map: &ContourMap) -> Vec<Finding> {
         return Vec::new();
     }
     let plain: Vec<f64> = others.iter().map(|l| l.0).collect();
-    // Levels that mean nothing would have their say in the interval.
+    // Levels without meaning must not influence the interval.
     let sound: Vec<Contour> =
         map.contours.iter().filter(|c| c.elevation.is_finite() && !is_no_data(c.elevation)).cloned().collect();
     let Some(step) = find_interval(&sound).map(|interval| interval.step) else { return Vec::new() };

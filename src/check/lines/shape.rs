@@ -1,4 +1,4 @@
-//! Size and place of every line, and the usual distance between vertices.
+//! Size and position of every line, and the median distance between vertices.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -32,7 +32,7 @@ impl Box2 {
         if self.is_empty() { 0.0 } else { self.min.distance(self.max) }
     }
 
-    /// Whether all of it could be degrees of longitude and latitude.
+    /// Whether all of it could be longitudes and latitudes in degrees.
     pub fn fits_degrees(&self) -> bool {
         !self.is_empty() && self.min.cmpge(-DEGREES).all() && self.max.cmple(DEGREES).all()
     }
@@ -40,7 +40,7 @@ impl Box2 {
 
 const DEGREES: DVec2 = DVec2::new(180.0, 90.0);
 
-/// The map's lines in short.
+/// Summary of the map's lines.
 pub(super) struct Shape {
     /// The box of each line.
     pub boxes: Vec<Box2>,
@@ -56,12 +56,12 @@ pub(super) fn of_map(map: &ContourMap) -> Shape {
     Shape { boxes, lengths, spacing: median(&mut steps) }
 }
 
-/// The lengths of a line's segments that have one.
+/// The lengths of a line's segments, without those of length zero.
 pub(super) fn steps(line: &Contour) -> impl Iterator<Item = f64> {
     line.points.windows(2).map(|w| w[0].distance(w[1])).filter(|d| *d > 0.0 && d.is_finite())
 }
 
-/// The upper median; 0 of nothing.
+/// The upper median; 0 if there are no values.
 pub(super) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Lines of hardly any length or area: what is left of a slip of the hand or of a cut, too small to mean ground.
+//! Lines of almost no length or area: the rest of a digitising error or of a cut, too small to show ground.
 
 use std::collections::HashSet;
 
@@ -9,28 +9,31 @@ use super::shape::Shape;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
 
-/// A line that reaches no further than this share of the usual distance between vertices is none. Contours traced on height
-/// maps have rings of three thousandths of it.
+/// A line that extends no further than this share of the median distance between vertices is too short. Contours traced
+/// on height maps have rings of three thousandths of that distance.
 const SHORT: f64 = 1e-3;
-/// A ring whose area is a smaller share of the square of its length has hardly any: a strip that is a million times as
-/// long as wide.
+/// A ring whose area is a smaller share of the square of its length has almost no area: it is a strip that is a million
+/// times as long as wide.
 const FLAT: f64 = 1e-6;
 
-/// Lines of the features `told` are told of otherwise.
-pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], told: &HashSet<u64>) -> Vec<Finding> {
+/// Finds these lines. Features in `reported` have another finding already.
+pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &HashSet<u64>) -> Vec<Finding> {
     let found = map.contours.par_iter().enumerate().filter_map(|(i, line)| {
         let length = shape.lengths[i];
-        // Lines without length are none, and cleaning says so. Pieces that others go on from are parts of a line.
+        // Lines without any length are left to cleaning. Pieces that others continue are parts of a line.
         let is_alone = ends[2 * i] == At::Nothing && ends[2 * i + 1] == At::Nothing;
-        if told.contains(&line.feature) || !(length > 0.0 && line.elevation.is_finite() && is_alone) {
+        if reported.contains(&line.feature) || !(length > 0.0 && line.elevation.is_finite() && is_alone) {
             return None;
         }
         let name = format!("the contour {} m (feature {})", line.elevation, line.feature);
         let reach = shape.boxes[i].diagonal();
         let message = if reach < SHORT * shape.spacing {
-            format!("{name} is {length:.2e} map units long; vertices are {:.3} apart mostly", shape.spacing)
+            format!(
+                "{name} is {length:.2e} map units long; the median distance between vertices is {:.3}",
+                shape.spacing
+            )
         } else if is_flat(line, length, shape.spacing) {
-            format!("{name} is a ring of {length:.3} map units without any area to speak of")
+            format!("{name} is a ring of {length:.3} map units with almost no area")
         } else {
             return None;
         };
@@ -45,7 +48,7 @@ pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], told: &HashSet<
     found.collect()
 }
 
-/// Whether a ring has hardly any area. One that runs there and back on the same way has none at all, and cleaning says so.
+/// Whether a ring has almost no area. One that runs back on the same way has none at all, and is left to cleaning.
 fn is_flat(line: &Contour, length: f64, spacing: f64) -> bool {
     if !line.is_closed() {
         return false;

@@ -1,4 +1,4 @@
-//! Vertices that stand out of a line which is smooth otherwise: slips of the hand or of a digit.
+//! Vertices that stand out of a line that is smooth otherwise. Digitising or typing errors make them.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ pub(super) fn find(map: &ContourMap) -> Judged {
         let name = format!("the contour {} m (feature {})", contour.elevation, contour.feature);
         let of_vertex = |vertex: usize| {
             let place = contour.points[vertex];
-            let message = format!("{name} runs to a vertex off its course and nearly straight back");
+            let message = format!("{name} has a vertex off its course: the line runs there and nearly straight back");
             let finding = Finding::at(FindingKind::StrayVertex, place, message);
             let finding = finding.about(contour.feature, contour.elevation).proposing(Proposal::LeaveOut);
             (finding, Correction::LeaveOut { line: line as u32, vertex: vertex as u32 })

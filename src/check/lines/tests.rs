@@ -101,7 +101,7 @@ fn most_pieces_of_a_ring_tell_its_elevation() {
 #[test]
 fn ends_that_meet_by_right_are_no_jumps() {
     let base = line(1, 10.0, &[(0.0, 0.0), (9.0, 0.0)]);
-    // Of one level; further apart than the snap distance; three at one place; a level's vertex that is no end.
+    // Ends of one level; ends further apart than the snap distance; three ends at one point; a vertex that is no end.
     for others in [
         vec![line(2, 10.0, &[(9.0, 0.0), (20.0, 0.0)])],
         vec![line(2, 20.0, &[(9.0, 0.02), (20.0, 0.0)])],
@@ -120,16 +120,16 @@ fn a_jump_and_what_cleaning_tells_of_it_are_one_fault() {
         line(2, 20.0, &[(9.0, 0.0), (99.0, 0.0)]),
         line(3, 30.0, &[(5.0, -5.0), (5.0, 5.0)]),
     ];
-    let told = found(contours.clone());
+    let reported = found(contours.clone());
     let cleaning = crate::clean::clean(map(contours), &crate::clean::CleanParams::default()).unwrap().findings;
     assert_eq!(kinds(&cleaning), [FindingKind::LevelsCross; 2]);
-    let all = merged(told, cleaning, PARAMS.snap);
+    let all = merged(reported, cleaning, PARAMS.snap);
     assert_eq!(kinds(&all), [FindingKind::LevelJump, FindingKind::LevelsCross]);
     assert!(all[0].message.contains("was left out") && all[1].elevations == [10.0, 30.0], "{all:?}");
 }
 
 #[test]
-fn a_vertex_thrown_out_is_told_and_its_line_stays_near() {
+fn a_vertex_far_away_is_reported_and_its_line_stays_near() {
     for at in [0, 7] {
         let mut lines = vec![ring(1, 10.0, (1000.0, 2000.0), 100.0), ring(2, 20.0, (1000.0, 2000.0), 50.0)];
         lines[0].points[at].y += 100_000.0;
@@ -164,7 +164,7 @@ fn a_sheet_of_another_zone_is_far_away() {
 }
 
 #[test]
-fn degrees_are_told_where_a_plane_is_said() {
+fn degrees_are_reported_where_a_projected_system_is_given() {
     let degrees = |k: u64| ring(k, 10.0 * k as f64, (135.0, 35.0), 0.001 * k as f64);
     let metres = |k: u64| ring(k, 10.0 * k as f64, (5e5, 4e6), 50.0 * k as f64);
     let (small, large): (Vec<_>, Vec<_>) = (1..4).map(|k| (degrees(k), metres(k))).unzip();
@@ -187,7 +187,7 @@ fn degrees_are_told_where_a_plane_is_said() {
 }
 
 #[test]
-fn levels_that_stand_for_no_data_are_told() {
+fn levels_that_stand_for_no_data_are_reported() {
     let hill = |odd: &[f64]| -> Vec<Contour> {
         let levels = (1..8).map(|k| 300.0 + 10.0 * f64::from(k)).chain(odd.iter().copied());
         (0u64..).zip(levels).map(|(i, z)| ring(i, z, (0.0, 0.0), 100.0 + 10.0 * i as f64)).collect()
@@ -206,7 +206,7 @@ fn levels_that_stand_for_no_data_are_told() {
 }
 
 #[test]
-fn lines_of_hardly_any_length_are_told() {
+fn lines_of_almost_no_length_are_reported() {
     let base = ring(1, 10.0, (0.0, 0.0), 100.0);
     let dot = line(2, 20.0, &[(0.0, 0.0), (0.001, 0.0)]);
     assert_eq!(kinds(&found(vec![base.clone(), dot.clone()])), [FindingKind::ShortLine]);
@@ -250,7 +250,7 @@ proptest! {
 }
 
 #[test]
-fn a_vertex_off_its_line_is_told_and_left_out() {
+fn a_vertex_off_its_line_is_reported_and_left_out() {
     let sound = ring(1, 10.0, (0.0, 0.0), 50.0);
     for vertex in [0, 7, 39] {
         let mut moved = sound.clone();
@@ -268,10 +268,10 @@ fn a_vertex_off_its_line_is_told_and_left_out() {
 }
 
 #[test]
-fn a_vertex_that_cleaning_left_out_is_told_once() {
+fn a_vertex_that_cleaning_left_out_is_reported_once() {
     let place = DVec2::new(3.0, 4.0);
-    let told = vec![Finding::at(FindingKind::StrayVertex, place, "stands out")];
+    let reported = vec![Finding::at(FindingKind::StrayVertex, place, "stands out")];
     let crossing = Finding::at(FindingKind::LevelsCross, place, "crosses");
-    assert_eq!(merged(told.clone(), vec![crossing.clone()], 0.0), [crossing]);
-    assert_eq!(merged(told.clone(), Vec::new(), 0.0), told);
+    assert_eq!(merged(reported.clone(), vec![crossing.clone()], 0.0), [crossing]);
+    assert_eq!(merged(reported.clone(), Vec::new(), 0.0), reported);
 }

@@ -1,4 +1,4 @@
-//! Lakes as they go into the triangulation.
+//! Lakes in the form in which they are triangulated.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub(crate) struct WaterBody {
     pub used: bool,
 }
 
-/// Segments of contours, by line and number on it, with the vertices that shores add to them.
+/// Vertices that shores add to segments of contours, by the number of the line and that of the segment.
 pub(crate) type Nodes = BTreeMap<(u32, u32), Vec<DVec2>>;
 
 /// All lakes.
@@ -44,14 +44,15 @@ impl WaterBodies {
         self.water_bodies.iter().map(|body| body.height).collect()
     }
 
-    /// Takes a lake out.
+    /// Leaves out a lake.
     pub fn leave_out(&mut self, lake: u32) {
         self.water_bodies[lake as usize].used = false;
     }
 
-    /// Adds lines of one level each (the map's contours, then links), and the shores. The lines' own points come first.
+    /// Adds lines of one level each (the map's contours, then the frame extensions), and the shores. The lines' own
+    /// points come first.
     pub fn push<'a>(&self, input: &mut TinInput, courses: impl Iterator<Item = (f64, Cow<'a, [DVec2]>)>) {
-        let mut parted: Vec<(u32, f64, &[DVec2])> = Vec::new();
+        let mut split: Vec<(u32, f64, &[DVec2])> = Vec::new();
         for (line, (level, points)) in (0u32..).zip(courses) {
             if self.nodes.range((line, 0)..=(line, u32::MAX)).next().is_none() {
                 input.push_line(&points, level, VertexKind::Contour);
@@ -61,14 +62,14 @@ impl WaterBodies {
             for (i, &p) in (0u32..).zip(points.iter()) {
                 let v = input.push(p, level, VertexKind::Contour);
                 match (before, i.checked_sub(1).and_then(|segment| self.nodes.get(&(line, segment)))) {
-                    (Some(u), Some(nodes)) => parted.extend([(u, level, &nodes[..]), (v, f64::NAN, &[][..])]),
+                    (Some(u), Some(nodes)) => split.extend([(u, level, &nodes[..]), (v, f64::NAN, &[][..])]),
                     (Some(u), None) => input.push_edge(u, v),
                     (None, _) => {}
                 }
                 before = Some(v);
             }
         }
-        for pair in parted.chunks_exact(2) {
+        for pair in split.chunks_exact(2) {
             let ((mut from, level, nodes), (to, ..)) = (pair[0], pair[1]);
             for &node in nodes {
                 let v = input.push(node, level, VertexKind::Contour);
@@ -82,7 +83,7 @@ impl WaterBodies {
         }
     }
 
-    /// The triangulation with the lakes that its triangles lie in.
+    /// The triangulation, with the lake in which each triangle lies.
     pub fn mark(&self, tin: Tin) -> Tin {
         if self.water_bodies.is_empty() {
             return tin;
@@ -97,12 +98,12 @@ impl WaterBodies {
     }
 }
 
-/// A height as one writes it, to the centimetre.
+/// A height rounded to the centimetre, for messages.
 pub(crate) fn rounded(height: f64) -> f64 {
     (height * 100.0).round() / 100.0
 }
 
-/// What is told of a lake that contradicts the contours around it.
+/// The finding about a lake that contradicts the contours around it.
 pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, band: Band) -> Finding {
     let WaterBody { height, feature, .. } = &water_bodies.water_bodies[lake as usize];
     let shown = rounded(*height);

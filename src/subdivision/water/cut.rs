@@ -13,25 +13,27 @@ use super::net::Net;
 use crate::geometry::{Border, rings};
 use crate::geometry::{Meeting, meeting, place, point_distance};
 
-/// How far boolean operations move a vertex at most, as a share of the size of what they work on.
+/// How far a boolean operation moves a vertex at most, as a share of the size of its input.
 const ROUNDING: f64 = 4e-9;
 
-/// Segments up to this share of the distance to keep are taken for points: around lines without length nothing is cut. Points
-/// so near to each other are one: circles around many such would all cross each other.
+/// Segments up to this share of the distance to keep count as points, because a buffer around a line without length is
+/// empty. Points that close to each other count as one, because circles around many such points would all cross each
+/// other.
 const SHORT: f64 = 1e-3;
 
-/// Where a contour of another level, or the link of one to the frame, meets a lake.
+/// A point where a contour of another level, or a frame extension, meets a lake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Clash {
     pub level: f64,
-    pub is_link: bool,
+    pub is_extension: bool,
     pub place: DVec2,
 }
 
-/// The lake without all that is nearer than `distance` to contours of other levels that lie in it, cross or touch it; and
-/// where they do, the first place of each level.
+/// Cuts a lake back from contours of other levels that lie in it, cross it or touch it: all that is nearer to them than
+/// `distance` is removed. Also returns the first such point of each level.
 ///
-/// It is cut back from links of its own level too. Those are not drawn, so a line along a shore must not end on one.
+/// The lake is cut back from frame extensions of its own level too. They are not drawn, and a line along a shore must
+/// not end on one.
 pub(crate) fn cut_back(
     area: MultiPolygon<f64>,
     height: f64,
@@ -45,8 +47,8 @@ pub(crate) fn cut_back(
     let mut points: BTreeMap<[i64; 2], Point<f64>> = BTreeMap::new();
     let mut clashes: Vec<Clash> = Vec::new();
     for piece in net.near(corner(bounds.min()), corner(bounds.max()), border.tolerance()) {
-        let is_link = net.courses[piece.line as usize].is_link;
-        if piece.level == height && !is_link {
+        let is_extension = net.courses[piece.line as usize].is_extension;
+        if piece.level == height && !is_extension {
             continue;
         }
         let ends = piece.ends;
@@ -64,8 +66,8 @@ pub(crate) fn cut_back(
             let cell = ((ends.a - corner(bounds.min())) / (SHORT * distance)).to_array().map(|v| v as i64);
             points.entry(cell).or_insert(Point::new(ends.a.x, ends.a.y));
         }
-        if clashes.iter().all(|clash| clash.level != piece.level || clash.is_link != is_link) {
-            clashes.push(Clash { level: piece.level, is_link, place: at });
+        if clashes.iter().all(|clash| clash.level != piece.level || clash.is_extension != is_extension) {
+            clashes.push(Clash { level: piece.level, is_extension, place: at });
         }
     }
     let mut rest = area.clone();
@@ -78,7 +80,7 @@ pub(crate) fn cut_back(
     (with_own_vertices(rest, &area), clashes)
 }
 
-/// The lake without what is nearer than `distance` to other water; none if it does not reach there.
+/// The lake without the part that is nearer than `distance` to other water; none if the two do not meet.
 pub(crate) fn cut_from_water(
     area: &MultiPolygon<f64>,
     other: &MultiPolygon<f64>,
@@ -91,20 +93,20 @@ pub(crate) fn cut_from_water(
     if !grown.intersects(&b) {
         return None;
     }
-    // Apart by rounding is no way apart: both shores would have a height at one place.
+    // A distance within rounding counts as contact: otherwise both shores would have a height at one position.
     let touches = |area: &MultiPolygon<f64>, border: &Border| {
         let mut corners = rings(area).flat_map(|ring| ring.coords()).map(|c| DVec2::new(c.x, c.y));
         corners.any(|corner| border.edge_at(corner).is_some())
     };
     let meet = area.intersects(other) || touches(area, &borders[1]) || touches(other, &borders[0]);
-    // An arm without width has no place in what is around the other's area.
+    // The buffer of an area omits its arms without width. The buffer of its shore has them.
     let shore = MultiLineString::new(rings(other).cloned().collect());
     let around =
         |area: &MultiPolygon<f64>| area.difference(&other.buffer(distance)).difference(&shore.buffer(distance));
     meet.then(|| with_own_vertices(around(area), area))
 }
 
-/// Two pieces of water of one height as one; none if they do not meet.
+/// The union of two pieces of water of one height; none if they do not meet.
 pub(crate) fn joined(area: &MultiPolygon<f64>, other: &MultiPolygon<f64>) -> Option<MultiPolygon<f64>> {
     let bounds = [area.bounding_rect()?, other.bounding_rect()?];
     (bounds[0].intersects(&bounds[1]) && area.intersects(other)).then(|| {
@@ -113,7 +115,7 @@ pub(crate) fn joined(area: &MultiPolygon<f64>, other: &MultiPolygon<f64>) -> Opt
     })
 }
 
-/// A result of boolean operations with the vertices of `before` where they moved by rounding only.
+/// A result of boolean operations. Vertices that moved only by rounding get back their coordinates in `before`.
 fn with_own_vertices(after: MultiPolygon<f64>, before: &MultiPolygon<f64>) -> MultiPolygon<f64> {
     let Some(bounds) = before.bounding_rect() else { return after };
     let near = ROUNDING * bounds.width().hypot(bounds.height());

@@ -1,15 +1,15 @@
-//! The height of a lake that brings none: that of its shore.
+//! The height of a lake that has none in the data: that of its shore.
 
 use std::collections::BTreeMap;
 
 use geo::Polygon;
 use glam::DVec2;
 
+use super::dry::DrySubdivision;
 use super::net::Net;
-use super::shores::Shores;
 use crate::geometry::point_distance;
 
-/// A shore runs along a contour if it does so for this share of its length.
+/// A shore runs along a contour if it does so for at least this share of its length.
 const ALONG: f64 = 0.8;
 
 /// The level of the contour that runs along the shore within `near`, if there is one.
@@ -29,29 +29,29 @@ pub(crate) fn level_along(polygon: &Polygon<f64>, net: &Net, near: f64) -> Optio
     (longest.1 >= ALONG * total).then(|| f64::from_bits(longest.0))
 }
 
-/// The lowest height that the ground has along the shore, in the sub-domain that most of the shore lies in; none if no
-/// part of the shore lies on known ground.
-pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, ground: &Shores) -> Option<f64> {
+/// The lowest ground along the shore, in the sub-domain that contains most of the shore. None if no part of the shore
+/// lies on ground of known height.
+pub(crate) fn lowest_on_shore(polygon: &Polygon<f64>, dry: &DrySubdivision) -> Option<f64> {
     let mut by_region: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
     let mut t = 0;
     for (place, length) in samples(polygon) {
-        let local = place - ground.tin.origin;
-        let Some(found) = ground.tin.locate(t, local) else { continue };
+        let local = place - dry.tin.origin;
+        let Some(found) = dry.tin.locate(t, local) else { continue };
         t = found;
-        if ground.regions.region(t).is_none() {
+        if dry.regions.region(t).is_none() {
             continue;
         }
-        let height = height_in(ground, t, local);
-        let entry = by_region.entry(ground.regions.of_triangle[t as usize]).or_insert((0.0, f64::INFINITY));
+        let height = height_in(dry, t, local);
+        let entry = by_region.entry(dry.regions.of_triangle[t as usize]).or_insert((0.0, f64::INFINITY));
         entry.0 += length;
         entry.1 = entry.1.min(height);
     }
     let (region, (_, lowest)) = by_region.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0).then(b.0.cmp(&a.0)))?;
-    let band = ground.regions.regions[region as usize].band;
+    let band = dry.regions.regions[region as usize].band;
     lowest.is_finite().then(|| lowest.clamp(band.lo, band.hi))
 }
 
-/// Points along the shore with the length that each stands for: every vertex and the middle of every segment.
+/// Points along the shore, each with the length that it represents: every vertex and the middle of every segment.
 fn samples(polygon: &Polygon<f64>) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     polygon.exterior().lines().flat_map(|line| {
         let [a, b] = [line.start, line.end].map(|c| DVec2::new(c.x, c.y));
@@ -60,10 +60,10 @@ fn samples(polygon: &Polygon<f64>) -> impl Iterator<Item = (DVec2, f64)> + '_ {
     })
 }
 
-/// Height of a place in or on triangle `t`.
-fn height_in(ground: &Shores, t: u32, place: DVec2) -> f64 {
-    let [a, b, c] = ground.tin.corners(t);
-    let [za, zb, zc] = ground.tin.corner_heights(t);
+/// Height at a point in or on triangle `t`.
+fn height_in(dry: &DrySubdivision, t: u32, place: DVec2) -> f64 {
+    let [a, b, c] = dry.tin.corners(t);
+    let [za, zb, zc] = dry.tin.corner_heights(t);
     let area = (b - a).perp_dot(c - a);
     if area <= 0.0 {
         return za.min(zb).min(zc);

@@ -1,4 +1,4 @@
-//! The contours near lakes, to ask what lies at a place.
+//! An index of the contours near lakes.
 
 use std::borrow::Cow;
 
@@ -12,15 +12,15 @@ use crate::contour::{ContourMap, Lake};
 use crate::geometry::Segment;
 use crate::subdomains::FrameExtension;
 
-/// A line of one level: a contour or the link of one to the frame.
+/// A line of one level: a contour or a frame extension.
 pub(crate) struct Course<'a> {
     pub level: f64,
     pub points: Cow<'a, [DVec2]>,
-    /// It is no contour: it leads from the end of one to the frame.
-    pub is_link: bool,
+    /// Whether it is a frame extension and no contour.
+    pub is_extension: bool,
 }
 
-/// A piece of a segment between two vertices, added ones included.
+/// A piece of a segment between two vertices; added vertices count too.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub line: u32,
@@ -29,7 +29,7 @@ pub(crate) struct Piece {
     pub ends: Segment,
 }
 
-/// A segment with the number of its line and its own on it.
+/// A segment, with the number of its line and its own number on that line.
 type Placed = GeomWithData<Line<[f64; 2]>, (u32, u32)>;
 
 /// The segments of courses near lakes, and the vertices that were added to them.
@@ -42,12 +42,15 @@ pub(crate) struct Net<'a> {
 impl<'a> Net<'a> {
     /// Takes the segments within `reach` of the boxes around lakes.
     pub fn new(map: &'a ContourMap, extensions: &[FrameExtension], lakes: &[Lake], reach: f64) -> Self {
-        let contours =
-            map.contours.iter().map(|c| Course { level: c.elevation, points: Cow::from(&c.points), is_link: false });
+        let contours = map.contours.iter().map(|c| Course {
+            level: c.elevation,
+            points: Cow::from(&c.points),
+            is_extension: false,
+        });
         let extensions = extensions.iter().map(|l| Course {
             level: l.elevation,
             points: Cow::from(vec![l.end, l.frame]),
-            is_link: true,
+            is_extension: true,
         });
         let courses: Vec<Course> = contours.chain(extensions).collect();
         let grown = |r: Rect<f64>| {

@@ -1,9 +1,13 @@
 //! Makes shores and contours of one level share every vertex where they meet.
 //!
-//! A shore is often a contour, vertex for vertex or but for rounding and generalising. Its vertices that lie on a contour
-//! of its own level become vertices of that contour, or are added to it (in the triangulation, never in the map);
-//! vertices of the contour beside the shore become vertices of the shore; where the two then still cross, both get the
-//! crossing. In the end nothing may cross, or the lake is left out.
+//! A shore is often a contour: vertex for vertex, or but for rounding and generalisation. The steps:
+//!
+//! 1. Vertices of the shore near a contour of its own level become vertices of that contour. Where it has none there,
+//!    one is added to it, in the triangulation only, never in the map.
+//! 2. Vertices of the contour beside the shore become vertices of the shore.
+//! 3. Where the two still cross, both get a vertex at the crossing.
+//!
+//! A lake whose shore still crosses a contour after that is left out.
 
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line};
@@ -12,19 +16,19 @@ use rstar::{AABB, RTree};
 use super::net::{Net, Piece};
 use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
 
-/// How often crossings are looked for again after the last ones became vertices.
+/// How often the search for crossings is repeated after vertices were added.
 const ROUNDS: usize = 4;
 
-/// How far vertices move to where shores and contours of one level meet, map units.
+/// Distances between shores and contours of one level, map units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
-    /// Vertices of the shore move so far onto a contour.
+    /// Vertices of the shore move onto a contour that is this near.
     pub snap: f64,
-    /// Points nearer than this to each other are one.
+    /// Points closer to each other than this count as one.
     pub tolerance: f64,
 }
 
-/// The shore with vertices where it meets contours of its level, which get them too.
+/// The shore with a vertex wherever it meets a contour of its level. The contours get these vertices too.
 pub(crate) fn node(shore: Vec<DVec2>, level: f64, net: &mut Net, reach: Reach) -> Vec<DVec2> {
     let snap = reach.snap;
     let shore = snapped(shore, level, net, snap);
@@ -44,7 +48,7 @@ fn own(net: &Net, a: DVec2, b: DVec2, level: f64, reach: f64) -> impl Iterator<I
     net.near(a, b, reach).into_iter().filter(move |piece| piece.level == level)
 }
 
-/// Vertices moved onto the contour. The ends of an open piece lie on the frame and stay.
+/// The shore with its vertices moved onto the contour. The ends of an open piece lie on the frame and stay.
 fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<DVec2> {
     let Some(last) = shore.len().checked_sub(1) else { return shore };
     let is_closed = shore[0] == shore[last];
@@ -60,7 +64,7 @@ fn snapped(mut shore: Vec<DVec2>, level: f64, net: &mut Net, snap: f64) -> Vec<D
     shore
 }
 
-/// The nearest place to a point on some pieces of contour, if one is within `reach`: a vertex, or one that they get.
+/// The point of some pieces of contour nearest to `p`, if one is within `reach`. It is a vertex, or becomes one.
 fn on_contour(p: DVec2, pieces: &[Piece], net: &mut Net, reach: f64) -> Option<DVec2> {
     let ends = pieces.iter().flat_map(|piece| [piece.ends.a, piece.ends.b]);
     let nearest = ends.min_by(|a, b| a.distance(p).total_cmp(&b.distance(p)));
@@ -76,8 +80,8 @@ fn on_contour(p: DVec2, pieces: &[Piece], net: &mut Net, reach: f64) -> Option<D
     Some(place)
 }
 
-/// Ends of an open piece, which lie on the frame, on the contour along the frame. A crossing that is computed there instead
-/// would lie beside the end by rounding, and two vertices at one place would have room for lines between them. So would the
+/// Moves the ends of an open piece, which lie on the frame, onto the contour along the frame. A computed crossing would
+/// lie beside the end by rounding. Lines would then fit between the two vertices at one position, or between the
 /// contour and a vertex beside it.
 fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -> Vec<DVec2> {
     let Some(last) = shore.len().checked_sub(1) else { return shore };
@@ -93,9 +97,9 @@ fn with_ends(mut shore: Vec<DVec2>, level: f64, net: &mut Net, tolerance: f64) -
     shore
 }
 
-/// Vertices of the contour that lie beside a segment of the shore, put into it.
+/// Adds the vertices of the contour that lie beside a segment of the shore to that segment.
 fn with_contour_vertices(shore: &[DVec2], level: f64, net: &Net, snap: f64) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let pieces = own(net, s.a, s.b, level, snap);
         let ends = pieces.flat_map(|piece| [piece.ends.a, piece.ends.b]);
         ends.filter(|&v| {
@@ -106,9 +110,9 @@ fn with_contour_vertices(shore: &[DVec2], level: f64, net: &Net, snap: f64) -> V
     })
 }
 
-/// Crossings with the contour put into both.
+/// Adds the crossings with the contour to both lines.
 fn with_crossings(shore: &[DVec2], level: f64, net: &mut Net) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let crossed: Vec<Piece> =
             own(net, s.a, s.b, level, 0.0).filter(|piece| meeting(s, &piece.ends) == Meeting::Cross).collect();
         let add = |piece: &Piece| {
@@ -120,10 +124,10 @@ fn with_crossings(shore: &[DVec2], level: f64, net: &mut Net) -> Vec<DVec2> {
     })
 }
 
-/// Puts a vertex into every segment that joins two vertices of contours and is no piece of a contour: it would be taken
-/// for one.
+/// Adds a vertex to every segment that joins two vertices of contours without being a piece of contour. Otherwise it
+/// would count as one.
 fn without_chords(shore: &[DVec2], level: f64, net: &Net) -> Vec<DVec2> {
-    parted(shore, |s| {
+    with_points_within(shore, |s| {
         let pieces: Vec<Piece> = own(net, s.a, s.b, level, 0.0).collect();
         let has_end = |p: DVec2| pieces.iter().any(|piece| piece.ends.a == p || piece.ends.b == p);
         let is_piece = |piece: &Piece| {
@@ -134,8 +138,8 @@ fn without_chords(shore: &[DVec2], level: f64, net: &Net) -> Vec<DVec2> {
     })
 }
 
-/// The line without pieces that run to a point and straight back: there the lake is narrower than its vertices moved. Of a ring
-/// that is nothing but such pieces, one point is left.
+/// The line without spikes, pieces that run to a point and straight back. There the lake is narrower than the distance
+/// that its vertices moved. Of a ring that consists of spikes, one point is left.
 fn without_spikes(mut shore: Vec<DVec2>) -> Vec<DVec2> {
     let is_closed = shore.first() == shore.last();
     let mut kept: Vec<DVec2> = Vec::with_capacity(shore.len());
@@ -146,7 +150,7 @@ fn without_spikes(mut shore: Vec<DVec2>) -> Vec<DVec2> {
             kept.push(p);
         }
     }
-    // A spike at the place where a ring begins.
+    // A spike where the ring begins.
     let (mut first, mut end) = (0, kept.len());
     while is_closed && end - first >= 3 && kept[first + 1] == kept[end - 2] {
         (first, end) = (first + 1, end - 1);
@@ -155,8 +159,8 @@ fn without_spikes(mut shore: Vec<DVec2>) -> Vec<DVec2> {
     kept.split_off(first)
 }
 
-/// The line with what `within` gives for each segment put into it, in order along the segment.
-fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
+/// The line with further points, which `within` gives for each segment; they are put in order along the segment.
+fn with_points_within(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Vec<DVec2> {
     let mut points: Vec<DVec2> = shore.first().copied().into_iter().collect();
     for w in shore.windows(2) {
         let segment = Segment { a: w[0], b: w[1] };
@@ -172,7 +176,7 @@ fn parted(shore: &[DVec2], mut within: impl FnMut(&Segment) -> Vec<DVec2>) -> Ve
     points
 }
 
-/// Where shores cross or run along themselves, cross a contour, or touch one of another level.
+/// The first point where shores cross or overlap each other, cross a contour, or touch a contour of another level.
 pub(crate) fn conflict(shores: &[Vec<DVec2>], level: f64, net: &Net) -> Option<DVec2> {
     let segments = || shores.iter().flat_map(|shore| shore.windows(2)).map(|w| Segment { a: w[0], b: w[1] });
     let own: Vec<_> = (0usize..)

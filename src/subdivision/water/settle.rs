@@ -1,4 +1,4 @@
-//! From polygons to lakes that fit the contours: heights, cuts, shared vertices.
+//! From polygons to lakes that fit the contours: heights, cuts and shared vertices.
 
 use std::collections::HashSet;
 
@@ -7,10 +7,10 @@ use glam::DVec2;
 
 use super::bodies::{WaterBodies, WaterBody, rounded};
 use super::cut::{Clash, cut_back, cut_from_water, joined};
+use super::dry::DrySubdivision;
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
-use super::shores::Shores;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::clean::is_height;
@@ -19,31 +19,36 @@ use crate::geometry::rings;
 use crate::subdomains::FrameRing;
 use crate::tin::Tin;
 
-/// A shore this near to a contour runs along it, as a share of the mean distance between contours.
+/// A shore this near to a contour runs along it, as a share of the mean spacing.
 const NEAR: f64 = 0.1;
-/// How far a lake is cut back from contours of other levels, as a share of the mean distance between contours.
+/// How far a lake is cut back from contours of other levels, as a share of the mean spacing.
 const BACK: f64 = 0.05;
-/// How far vertices of a shore move onto a contour of its level, as a share of the mean distance between contours, or of the
-/// lake's size if that is less.
+/// How far vertices of a shore move onto a contour of its level, as a share of the mean spacing, or of the lake's size
+/// if that is smaller.
 const SNAP: f64 = 0.01;
-/// Heights are often rounded to centimetres: a lake and a contour that differ by no more are at one level, metres.
+/// A lake and a contour whose heights differ by no more have one level, metres: heights are often rounded to
+/// centimetres.
 const SAME_LEVEL: f64 = 0.01;
 
-/// Why a lake is left out of which nothing remains between its shores.
-const NARROW: &str = "is narrower than contours can show, beside one of its level";
+/// Why a lake is left out when nothing remains between its shores.
+const NARROW: &str = "is too narrow beside a contour of its level";
 
-/// Gives every lake a height and a shore that meets no contour but in common vertices; and the frame with a vertex
+/// Gives every lake a height, and a shore that meets contours only in common vertices. Gives the frame a vertex
 /// wherever a shore meets it.
 ///
 /// # Errors
-/// When the height of a lake is none.
-pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding>) -> Result<(WaterBodies, FrameRing)> {
-    let length: f64 = ground.map.contours.iter().map(Contour::length).sum();
-    let spacing = if length > 0.0 { ground.frame.area.unsigned_area() / length } else { 0.0 };
-    let mut net = Net::new(ground.map, ground.extensions, lakes, NEAR * spacing);
+/// When the height of a lake is not a possible height.
+pub(crate) fn settle(
+    lakes: &[Lake],
+    dry: &DrySubdivision,
+    findings: &mut Vec<Finding>,
+) -> Result<(WaterBodies, FrameRing)> {
+    let length: f64 = dry.map.contours.iter().map(Contour::length).sum();
+    let spacing = if length > 0.0 { dry.frame.area.unsigned_area() / length } else { 0.0 };
+    let mut net = Net::new(dry.map, dry.extensions, lakes, NEAR * spacing);
     let mut water_bodies: Vec<WaterBody> = Vec::new();
     for lake in lakes {
-        let Some(height) = height_of(lake, ground, &net, NEAR * spacing)? else {
+        let Some(height) = height_of(lake, dry, &net, NEAR * spacing)? else {
             findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
             continue;
         };
@@ -51,9 +56,9 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
         let (area, clashes) = cut_back(area, height, &net, BACK * spacing);
         findings.extend(clashes.iter().map(|clash| crossed(lake.feature, height, clash)));
         for part in area {
-            if width(&part) <= ground.frame.tolerance() {
+            if width(&part) <= dry.frame.tolerance() {
                 let place = first_vertex(&part.into());
-                findings.push(left_out(lake.feature, Some(height), place, "has no width but for rounding"));
+                findings.push(left_out(lake.feature, Some(height), place, "has no width, except for rounding"));
                 continue;
             }
             let body = WaterBody { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
@@ -72,7 +77,7 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
         rings(&body.area).map(line)
     });
     let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
-    let Clipped { map: shore_lines, area } = clip(shore_lines, &ground.frame.area);
+    let Clipped { map: shore_lines, area } = clip(shore_lines, &dry.frame.area);
     for Contour { points, feature, .. } in shore_lines.contours {
         water_bodies[feature as usize].shores.push(points);
     }
@@ -83,9 +88,9 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
             body.used = false;
             continue;
         }
-        // Contours far apart are no reason to move the shores of a small lake as far.
+        // Where contours are far apart, the shore of a small lake must still not move further than its size allows.
         let size = body.area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
-        let reach = Reach { snap: SNAP * spacing.min(size), tolerance: ground.frame.tolerance() };
+        let reach = Reach { snap: SNAP * spacing.min(size), tolerance: dry.frame.tolerance() };
         let shores = std::mem::take(&mut body.shores).into_iter();
         body.shores = shores.map(|shore| node(shore, body.height, &mut net, reach)).collect();
         body.shores.retain(|shore| shore.len() >= 2);
@@ -94,7 +99,7 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
             body.used = false;
         }
     }
-    // Vertices that a later shore adds to a contour count for the earlier ones too.
+    // This check comes last, because a later shore may add vertices to a contour that an earlier one follows.
     for body in water_bodies.iter_mut().filter(|body| body.used) {
         if let Some(place) = conflict(&body.shores, body.height, &net) {
             findings.push(left_out(
@@ -106,53 +111,56 @@ pub(crate) fn settle(lakes: &[Lake], ground: &Shores, findings: &mut Vec<Finding
             body.used = false;
         }
     }
-    // Vertices where shores met the frame that are gone or have moved. Where a contour runs along the frame, such a one
-    // would lie beside it, with a height of its own.
+    // Vertices where shores met the frame may be gone or have moved. Where a contour runs along the frame, such a
+    // vertex would lie beside the contour, with another height.
     let shores = water_bodies.iter().filter(|body| body.used).flat_map(|body| &body.shores).flatten().copied();
-    let kept: HashSet<[u64; 2]> = ground.frame.rings().flatten().chain(shores).map(bits).collect();
-    // Those that contours along the frame got instead.
+    let kept: HashSet<[u64; 2]> = dry.frame.rings().flatten().chain(shores).map(bits).collect();
+    // The vertices that contours along the frame got instead.
     let nodes: Vec<DVec2> = net.nodes.values().flatten().copied().collect();
     let frame = FrameRing { area }.only(|p| kept.contains(&bits(p))).with_points(&nodes);
     Ok((WaterBodies { water_bodies, nodes: net.nodes }, frame))
 }
 
-/// Mean width of an area, as of a long rectangle.
+/// Mean width of an area, as of a long rectangle: twice the area divided by the perimeter.
 fn width(area: &Polygon<f64>) -> f64 {
     2.0 * area.unsigned_area() / Euclidean.length(area.exterior())
 }
 
-/// Takes lakes out that no triangle lies in: their vertices moved further than they are wide, and their shores part nothing.
+/// Leaves out lakes that contain no triangle. Their vertices moved further than the lake is wide, and their shores
+/// enclose nothing.
 pub(crate) fn leave_out_vanished(water_bodies: &mut WaterBodies, tin: &Tin) -> Vec<Finding> {
     if water_bodies.is_empty() {
         return Vec::new();
     }
     let found: HashSet<u32> = (0..tin.len() as u32).filter_map(|t| tin.lake(t)).collect();
     let vanished = (0u32..).zip(&mut water_bodies.water_bodies).filter(|(id, body)| body.used && !found.contains(id));
-    let told = vanished.map(|(_, body)| {
+    let findings = vanished.map(|(_, body)| {
         body.used = false;
         left_out(body.feature, Some(body.height), first_vertex(&body.area), NARROW)
     });
-    told.collect()
+    findings.collect()
 }
 
-/// The height that a lake brings, else that of the contour along its shore, else the lowest ground on the shore.
-fn height_of(lake: &Lake, ground: &Shores, net: &Net, near: f64) -> Result<Option<f64>> {
+/// The height of a lake: its own, or that of the contour along its shore, or that of the lowest ground on the shore.
+fn height_of(lake: &Lake, dry: &DrySubdivision, net: &Net, near: f64) -> Result<Option<f64>> {
     let Some(height) = lake.height else {
-        return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, ground)));
+        return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, dry)));
     };
     if !is_height(height) {
         let message = format!(
-            "the lake of feature {} has the height {height}, which cannot be: correct it, or leave it empty to have that of its shore",
+            "the lake of feature {} has the height {height}, which is not possible: correct it, or leave it \
+             empty to take the height of the shore",
             lake.feature
         );
         return Err(Error::Data(message));
     }
-    let levels = ground.map.contours.iter().map(|c| c.elevation);
+    let levels = dry.map.contours.iter().map(|c| c.elevation);
     let nearest = levels.min_by(|a, b| (a - height).abs().total_cmp(&(b - height).abs()));
     Ok(nearest.filter(|level| (level - height).abs() <= SAME_LEVEL).or(Some(height)))
 }
 
-/// Adds a lake to those before it: joined with water of its height, cut back from water of another.
+/// Adds a lake to those before it. It is joined with water of the same height, and cut back from water of another
+/// height.
 fn add(water_bodies: &mut Vec<WaterBody>, mut body: WaterBody, distance: f64, findings: &mut Vec<Finding>) {
     for other in water_bodies.iter().filter(|other| other.height != body.height) {
         if let Some(rest) = cut_from_water(&body.area, &other.area, distance) {
@@ -178,7 +186,7 @@ fn add(water_bodies: &mut Vec<WaterBody>, mut body: WaterBody, distance: f64, fi
 }
 
 fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
-    let course = if clash.is_link { "the way on to the frame from an end of contour" } else { "contour" };
+    let course = if clash.is_extension { "the extension to the frame of contour" } else { "contour" };
     let message = format!(
         "the lake of feature {feature} at {} is crossed or touched by {course} {}; it is cut back from it",
         rounded(height),

@@ -1,14 +1,15 @@
-//! The class of a sub-domain by the levels along its exterior and its interior boundaries (paper, section 3.2).
+//! The class of a sub-domain, from the levels along its exterior and interior boundaries (paper, section 3.2).
 
 use std::fmt;
 
 use super::Ring;
 use crate::subdomains::{Region, Side};
 
-/// What a sub-domain is.
+/// The landform class of a sub-domain.
 ///
-/// Peak to ridge-peak and branching are the paper's, for sub-domains that closed contours surround. Valley and slope are
-/// not in it. A sub-domain that the frame cuts takes the class that the contours along its border show.
+/// The classes peak, bottom, tableland, basin, ridge-peak and branching are the paper's, for sub-domains that closed
+/// contours surround. Valley, slope and water are additions. An open sub-domain, which the frame cuts, takes the class
+/// that the contours on its border give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LandformClass {
@@ -28,12 +29,12 @@ pub enum LandformClass {
     Slope,
     /// A lake or the sea.
     Water,
-    /// Several contours inside; the [`Mixture`] tells of which kinds.
+    /// Several contours inside; [`Mixture`] counts them by kind.
     Branching,
 }
 
 impl LandformClass {
-    /// All classes, in their order.
+    /// All classes, in the order of their declaration.
     pub const ALL: [Self; 9] = [
         Self::Peak,
         Self::Bottom,
@@ -94,9 +95,9 @@ impl fmt::Display for Mixture {
 
 /// The class of a sub-domain with these rings, the exterior one first.
 ///
-/// An exterior boundary in several pieces has the level of its lowest piece; the others count as branches, and so do the
-/// interior ones, each with its highest level (rings without any contour say nothing). Where the exterior boundary is all
-/// frame, it lies on the ground's side of the levels inside.
+/// An exterior boundary in several pieces has the level of its lowest piece. Its other pieces count as branches. Each
+/// interior boundary is a branch with its highest level; rings without a contour do not count. Where the exterior
+/// boundary is only frame, the levels inside decide: the ground lies above or below them.
 pub(super) fn classify(region: &Region, rings: &[Ring]) -> (LandformClass, Mixture) {
     let Some((exterior, interior)) = rings.split_first() else { return (LandformClass::Slope, Mixture::default()) };
     if region.water.is_some() {

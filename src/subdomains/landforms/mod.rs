@@ -1,7 +1,7 @@
 //! Landforms: every sub-domain with its outline, its class and its place in the nesting tree (paper, section 3.2).
 //!
-//! The paper asks for one exterior boundary and N_IB interior ones, all of them closed contours. On a real sheet contours
-//! run off the map: there the frame closes the outline and the sub-domain is *open*.
+//! The paper requires one exterior boundary and N_IB interior ones, all of them closed contours. On a real map contours
+//! run off the map. There the frame closes the outline, and the sub-domain is *open*.
 
 mod class;
 mod rings;
@@ -18,20 +18,20 @@ use rings::{Outlines, outlines};
 /// A sub-domain as a piece of terrain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landform {
-    /// The exterior boundary, counter-clockwise, then the interior ones, clockwise. They touch in single points at most, so
-    /// they are a valid polygon.
+    /// The exterior boundary, counter-clockwise, then the interior ones, clockwise. They touch in single points only,
+    /// so together they are a valid polygon.
     pub rings: Vec<Ring>,
-    /// What it is.
+    /// The landform class.
     pub class: LandformClass,
-    /// What a branching one is made of.
+    /// The branches of a branching sub-domain by kind.
     pub mixture: Mixture,
-    /// Whether the frame or a gate is part of a boundary.
+    /// Whether the frame or a barrier edge is part of a boundary.
     pub is_open: bool,
     /// Area, square map units.
     pub area: f64,
-    /// The sub-domain that encloses it, by its number: the one that has this one's exterior boundary as an interior
-    /// boundary. With several (contours that touch) the one with the longest common border. None where there is none: the
-    /// exterior boundary is open, or beyond it are only the frame and what lies between it and the outermost contour.
+    /// The number of the sub-domain that encloses it: its interior boundary is this one's exterior boundary. Where
+    /// contours touch there may be several; then it is the one with the longest common border. None where the exterior
+    /// boundary is open, or where nothing but the frame and the ground outside the outermost contour lies beyond.
     pub parent: Option<u32>,
     /// How many sub-domains enclose it: 0 without a parent.
     pub depth: u32,
@@ -73,7 +73,7 @@ pub fn landforms(tin: &Tin, regions: &Regions) -> Vec<Landform> {
     .collect()
 }
 
-/// The exterior ring of each sub-domain: the one with the largest area, since those around holes count as negative.
+/// The exterior ring of each sub-domain: the one with the largest signed area, since rings around holes are negative.
 fn exteriors(tin: &Tin, outlines: &Outlines, count: usize) -> Vec<u32> {
     let mut best = vec![(f64::NEG_INFINITY, NONE); count];
     for (id, (region, ring)) in outlines.rings.iter().enumerate() {
@@ -85,10 +85,10 @@ fn exteriors(tin: &Tin, outlines: &Outlines, count: usize) -> Vec<u32> {
     best.into_iter().map(|(_, id)| id).collect()
 }
 
-/// The sub-domain that encloses each.
+/// The sub-domain that encloses each one.
 ///
-/// A sub-domain has its interior boundaries inside its exterior one, so that a parent is always larger than its child and
-/// the links cannot run in a circle.
+/// The interior boundaries of a sub-domain lie inside its exterior one. So a parent is always larger than its child,
+/// and the chain of parents has no cycle.
 fn parents(tin: &Tin, regions: &Regions, outlines: &Outlines, exterior: &[u32]) -> Vec<Option<u32>> {
     let is_exterior = |ring: u32| exterior[outlines.rings[ring as usize].0 as usize] == ring;
     let mut common: HashMap<(u32, u32), f64> = HashMap::new();
@@ -117,7 +117,7 @@ fn parents(tin: &Tin, regions: &Regions, outlines: &Outlines, exterior: &[u32]) 
     best.into_iter().map(|b| b.map(|(_, parent)| parent)).collect()
 }
 
-/// How many steps each is from the end of its chain of parents.
+/// How many parents are above each sub-domain.
 fn depths(parents: &[Option<u32>]) -> Vec<u32> {
     let mut depths = vec![NONE; parents.len()];
     for first in 0..parents.len() {

@@ -1,31 +1,31 @@
-//! The outlines of sub-domains: rings of triangle edges, with what runs along them.
+//! The outlines of sub-domains: rings of triangle edges, and what each piece of them is.
 //!
-//! Edges whose triangle lies in one sub-domain and whose neighbour does not are followed with the sub-domain on the left.
-//! From the end of an edge the walk turns through the triangles of the sub-domain around that vertex, so that it never
-//! passes from one side of a touching point to the other. A walk that visits a vertex twice is parted there, which leaves
-//! rings that are simple and touch each other in single points at most.
+//! The walk follows edges between a triangle of the sub-domain and one outside it, with the sub-domain on the left. At
+//! the end of an edge it turns through the triangles of the sub-domain around that vertex. So it never changes sides at
+//! a point where the outline touches itself. Where a walk visits a vertex twice, it is split there. The rings are
+//! therefore simple, and touch each other in single points only.
 
 use glam::DVec2;
 
 use crate::tin::{NONE, Tin};
 
-/// What a piece of outline is.
+/// What a piece of an outline is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BorderKind {
-    /// A contour (or a link or bridge of one) of this level, metres.
+    /// A contour of this level, metres, or its frame extension or gap closure.
     Contour(f64),
-    /// The opening between two ends of contours.
-    Gate,
+    /// A barrier edge: it closes the opening between two ends of contours.
+    Barrier,
     /// The shore of a lake of this height, metres, where no contour runs along it.
     Shore(f64),
     /// The frame, where no contour runs along it.
     Frame,
 }
 
-/// A piece of outline of one kind.
+/// A piece of an outline, all of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Border {
-    /// What it is.
+    /// The kind.
     pub kind: BorderKind,
     /// Number of its first edge in the ring; edge `k` starts at the ring's vertex `k`.
     pub first: u32,
@@ -33,12 +33,12 @@ pub struct Border {
     pub edges: u32,
 }
 
-/// A closed line around a sub-domain or around a hole in it, which visits no vertex twice.
+/// A closed line around a sub-domain, or around a hole in it; it visits no vertex twice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     /// Vertices of the triangulation in order, the first one not repeated; the sub-domain lies on the left.
     pub vertices: Vec<u32>,
-    /// What its edges are, piece by piece; two that follow each other around the ring differ.
+    /// Its pieces in order; two pieces that follow each other differ in kind.
     pub borders: Vec<Border>,
 }
 
@@ -55,7 +55,7 @@ impl Ring {
         0.5 * self.vertices.windows(2).map(|w| at(w[0]).perp_dot(at(w[1]))).sum::<f64>()
     }
 
-    /// The level, if a contour runs along the whole ring.
+    /// The level, if one contour runs along the whole ring.
     pub fn closed_level(&self) -> Option<f64> {
         match self.borders[..] {
             [Border { kind: BorderKind::Contour(level), .. }] => Some(level),
@@ -63,10 +63,10 @@ impl Ring {
         }
     }
 
-    /// Whether contours or shores run along the whole ring: one contour, or shores with any.
+    /// Whether the whole ring is one contour, or consists of shores and perhaps contours.
     pub fn is_closed(&self) -> bool {
         let is_shore = |border: &Border| matches!(border.kind, BorderKind::Shore(_));
-        let is_open = |border: &Border| matches!(border.kind, BorderKind::Gate | BorderKind::Frame);
+        let is_open = |border: &Border| matches!(border.kind, BorderKind::Barrier | BorderKind::Frame);
         self.closed_level().is_some() || (self.borders.iter().any(is_shore) && !self.borders.iter().any(is_open))
     }
 
@@ -74,16 +74,16 @@ impl Ring {
     pub fn levels(&self) -> impl Iterator<Item = f64> {
         self.borders.iter().filter_map(|border| match border.kind {
             BorderKind::Contour(level) => Some(level),
-            BorderKind::Gate | BorderKind::Shore(_) | BorderKind::Frame => None,
+            BorderKind::Barrier | BorderKind::Shore(_) | BorderKind::Frame => None,
         })
     }
 }
 
 /// The rings of all sub-domains.
 pub(super) struct Outlines {
-    /// The rings with the sub-domain that each belongs to, by their first triangle.
+    /// The rings, each with its sub-domain; sub-domains are in the order of their first triangle.
     pub rings: Vec<(u32, Ring)>,
-    /// Ring that each edge of each triangle lies on, [`NONE`] inside of sub-domains.
+    /// The ring on which each edge of each triangle lies; [`NONE`] inside of sub-domains.
     pub of_edge: Vec<[u32; 3]>,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn outlines(tin: &Tin, of_triangle: &[u32]) -> Outlines {
     let mut found = Outlines { rings: Vec::new(), of_edge: vec![[NONE; 3]; tin.len()] };
     let is_border =
         |t: u32, i: usize| tin.inner_neighbour(t, i).is_none_or(|n| of_triangle[n as usize] != of_triangle[t as usize]);
-    // The way from the walk's start without the rings parted off so far, and where on it a vertex is.
+    // The walk so far, without the rings that were split off, and the index of each vertex in it.
     let mut way: Vec<(u32, usize)> = Vec::new();
     let mut at = vec![NONE; tin.positions.len()];
     for first in (0..tin.len() as u32).filter(|&t| of_triangle[t as usize] != NONE) {
@@ -137,7 +137,7 @@ impl Outlines {
         edges.iter().for_each(|&(t, i)| self.of_edge[t as usize][i] = id);
         let kind = |&(t, i): &(u32, usize)| match tin.contour_level(t, i) {
             Some(level) => BorderKind::Contour(level),
-            None if tin.is_barrier(t, i) => BorderKind::Gate,
+            None if tin.is_barrier(t, i) => BorderKind::Barrier,
             None if tin.is_shore(t, i) => BorderKind::Shore(tin.heights[tin.edge(t, i)[0] as usize]),
             None => BorderKind::Frame,
         };

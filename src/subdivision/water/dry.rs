@@ -1,11 +1,11 @@
-//! What lakes are settled in.
+//! The data for placing lakes.
 
 use crate::contour::ContourMap;
 use crate::subdomains::{FrameExtension, FrameRing, Regions};
 use crate::tin::Tin;
 
-/// The ground without lakes.
-pub(crate) struct Shores<'a> {
+/// The map and its subdivision without lakes.
+pub(crate) struct DrySubdivision<'a> {
     pub map: &'a ContourMap,
     pub extensions: &'a [FrameExtension],
     pub frame: &'a FrameRing,

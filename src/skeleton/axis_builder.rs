@@ -1,4 +1,4 @@
-//! An axis in the making.
+//! The axis while it is built.
 
 use std::collections::HashSet;
 
@@ -8,16 +8,16 @@ use super::pieces::{Axis, AxisPoint, End};
 use crate::subdomains::{Regions, Side};
 use crate::tin::Tin;
 
-/// An axis in the making, with what tells where its pieces run.
-pub(super) struct Draft {
+/// The axis while it is built, and where its pieces run.
+pub(super) struct AxisBuilder {
     pub axis: Axis,
     /// The axis point on each edge of each triangle, [`NONE`] where the edge is no chord.
     pub of_edge: Vec<[u32; 3]>,
-    /// The piece through each triangle that has just one, else [`NONE`].
+    /// The piece through each triangle that has exactly one, otherwise [`NONE`].
     pub piece_of: Vec<u32>,
-    /// Lines that reach the next contour.
+    /// Where lines reach the next contour.
     pub arrivals: Vec<Arrival>,
-    /// Triangles that a side line runs through; none has two, for they could cross.
+    /// Triangles with a side line. No triangle has two, because they could cross.
     pub crossed: HashSet<u32>,
 }
 
@@ -32,8 +32,8 @@ pub(super) struct Arrival {
     pub triangle: u32,
 }
 
-impl Draft {
-    /// Adds the point of a level in a triangle, and gives its number.
+impl AxisBuilder {
+    /// Adds the point of a level in a triangle, and returns its number.
     pub fn add_point(&mut self, regions: &Regions, t: u32, position: DVec2, level: f64) -> u32 {
         let region = regions.of_triangle[t as usize];
         self.axis.points.push(AxisPoint { position, level: Some(level), triangle: t, region });
@@ -47,7 +47,7 @@ impl Draft {
     }
 }
 
-/// The side of the contour at an arrival that the ground beyond lies on: it goes on falling, or rising.
+/// The side of the contour on which the ground beyond an arrival lies: it continues to fall, or to rise.
 pub(super) fn beyond(tin: &Tin, regions: &Regions, arrival: &Arrival) -> Option<Side> {
     let level = tin.heights[arrival.vertex as usize];
     regions.regions[arrival.region as usize].side(level).map(|side| match side {
