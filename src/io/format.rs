@@ -1,4 +1,4 @@
-//! The vector formats, by the extensions of files.
+//! The vector formats and their file extensions.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ impl VectorFormat {
     /// The format of a file, by its extension.
     ///
     /// # Errors
-    /// If the extension is none of the known ones; the message lists them.
+    /// The extension is not known. The message lists the known ones.
     pub fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {

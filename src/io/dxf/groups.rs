@@ -1,4 +1,4 @@
-//! The groups of a DXF: two lines each, a code and a value.
+//! Reads the groups of a DXF: two lines per group, a code and a value.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ const COMMENT: i32 = 999;
 #[derive(Clone, Copy)]
 pub(super) struct Group<'a> {
     pub code: i32,
-    /// Without the end of the line, in the encoding of the file.
+    /// The value without its line end, in the encoding of the file.
     pub value: &'a [u8],
-    /// The line of the value, counted from 1.
+    /// The line number of the value, counted from 1.
     line: usize,
 }
 
 impl<'a> Group<'a> {
-    /// Whether this is a group of code 0 with this word.
+    /// Whether this group has code 0 and this word.
     pub fn begins(&self, word: &str) -> bool {
         self.code == 0 && self.word() == word.as_bytes()
     }
@@ -28,13 +28,13 @@ impl<'a> Group<'a> {
         self.value.trim_ascii()
     }
 
-    /// The value as a number; NaN and infinities are numbers too.
+    /// The value as a number; NaN and infinities are accepted.
     pub fn number(&self, path: &Path) -> Result<f64> {
         let number = std::str::from_utf8(self.word()).ok().and_then(|text| text.parse().ok());
         number.ok_or_else(|| self.no_number(path))
     }
 
-    /// The value as bits; some programs write them with a decimal point.
+    /// The value as flags; some programs write them with a decimal point.
     pub fn flags(&self, path: &Path) -> Result<i64> {
         let number = self.number(path)?;
         if number.fract() != 0.0 || number.abs() > f64::from(i32::MAX) {
@@ -51,7 +51,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// What is left of a file.
+/// The rest of a file.
 pub(super) struct Groups<'a> {
     pub path: &'a Path,
     rest: &'a [u8],
@@ -91,12 +91,12 @@ impl<'a> Groups<'a> {
         }
     }
 
-    /// Gives a group back, to be the next one again.
+    /// Puts a group back; it is the next one again.
     pub fn put_back(&mut self, group: Group<'a>) {
         self.next = Some(group);
     }
 
-    /// The next group, where the file must not end.
+    /// The next group, at a place where the file must not end.
     pub fn must(&mut self, within: &str) -> Result<Group<'a>> {
         let path = self.path;
         self.next()?.ok_or_else(|| Error::file(path, format!("the file ends within its {within}; it is not complete")))

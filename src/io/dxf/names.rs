@@ -1,4 +1,4 @@
-//! The names of layers: how the file encodes them, and which of them the user named.
+//! The names of layers: their encoding in the file, and the user's selection.
 
 use std::borrow::Cow;
 
@@ -9,36 +9,36 @@ use crate::io::shapefile::encoding;
 /// The first version of the format whose text is always UTF-8 (AutoCAD 2007).
 const FIRST_IN_UTF_8: u32 = 1021;
 
-/// What the header says of the text in the file.
+/// The header's statements about the encoding of text.
 #[derive(Default)]
 pub(super) struct Script {
-    /// Number of the version.
+    /// The version number.
     version: Option<u32>,
     code_page: Option<&'static Encoding>,
 }
 
 impl Script {
-    /// Notes `$ACADVER`, such as `AC1015`.
+    /// Records `$ACADVER`, such as `AC1015`.
     pub fn note_version(&mut self, word: &[u8]) {
         self.version = std::str::from_utf8(word).ok().and_then(|w| w.strip_prefix("AC")).and_then(|w| w.parse().ok());
     }
 
-    /// Notes `$DWGCODEPAGE`, such as `ANSI_932`.
+    /// Records `$DWGCODEPAGE`, such as `ANSI_932`.
     pub fn note_code_page(&mut self, word: &[u8]) {
         self.code_page = std::str::from_utf8(word).ok().and_then(encoding::of_label);
     }
 
-    /// The text that bytes of the file stand for.
+    /// Decodes bytes of the file.
     pub fn text(&self, bytes: &[u8]) -> String {
         let page = self.code_page.unwrap_or(WINDOWS_1252);
-        // Old files name their code page; those without a version and those of a wrong one are often UTF-8 too.
+        // Old files name their code page. Files without a version or with a wrong one are often UTF-8 too.
         let is_utf_8 = self.version.is_none_or(|v| v >= FIRST_IN_UTF_8) && std::str::from_utf8(bytes).is_ok();
         let encoding = if is_utf_8 { UTF_8 } else { page };
         unescaped(&encoding.decode_without_bom_handling(bytes).0).into_owned()
     }
 }
 
-/// The text with the characters that `\U+XXXX` stands for.
+/// The text with each `\U+XXXX` replaced by its character.
 fn unescaped(text: &str) -> Cow<'_, str> {
     if !text.contains("\\U+") {
         return Cow::Borrowed(text);
@@ -61,11 +61,11 @@ fn unescaped(text: &str) -> Cow<'_, str> {
     Cow::Owned(whole)
 }
 
-/// The layers that the user named: one, or several with commas, which no layer's name has. Letter case means nothing.
+/// The layers that the user named, separated by commas, which layer names cannot contain. Letter case is ignored.
 pub(super) struct Wanted(Option<Vec<String>>);
 
 impl Wanted {
-    /// All layers if none is named.
+    /// Selects all layers if none is named.
     pub fn new(named: Option<&str>) -> Self {
         Self(named.map(|named| named.split(',').map(|name| name.trim().to_lowercase()).collect()))
     }
@@ -75,12 +75,12 @@ impl Wanted {
         self.0.is_some()
     }
 
-    /// Whether a layer of this name is wanted.
+    /// Whether a layer of this name is selected.
     pub fn has(&self, layer: &str) -> bool {
         self.0.as_ref().is_none_or(|names| names.contains(&layer.to_lowercase()))
     }
 
-    /// The first name that none of the layers has.
+    /// The first selected name that the drawing does not have.
     pub fn missing<'a>(&self, layers: impl Iterator<Item = &'a String>) -> Option<&str> {
         let layers: Vec<String> = layers.map(|layer| layer.to_lowercase()).collect();
         self.0.iter().flatten().find(|name| !layers.contains(name)).map(String::as_str)

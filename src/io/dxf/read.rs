@@ -10,16 +10,16 @@ use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
 
-/// Vertices that arcs may add to a drawing of any size; larger ones may add one a byte.
+/// Arcs may add this many vertices to any drawing. For larger drawings the limit is one vertex per byte.
 const ROOM: usize = 1 << 20;
 
 const TILTED: &str = "polyline in a tilted plane";
 
-/// Entities besides closed lines that may bound an area.
+/// Entities, other than closed lines, that may bound an area.
 const SURFACES: &[&str] =
     &["CIRCLE", "ELLIPSE", "SPLINE", "HATCH", "MPOLYGON", "REGION", "SOLID", "TRACE", "3DFACE", TILTED];
 
-/// Drawings that are no text, by how they begin.
+/// Recognises drawings that are not text by their first bytes.
 fn known(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"AutoCAD Binary DXF") {
         Some("the file is a binary DXF; save it as text (ASCII DXF)")
@@ -30,8 +30,8 @@ fn known(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model, numbered from 0 in the order of all of its
-/// entities. Closed lines are areas where areas are asked for.
+/// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model space. They are numbered from 0 in
+/// the order of all entities. Closed lines are areas if areas are requested.
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. Blocks are not expanded.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
@@ -69,12 +69,12 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     drawing.finish(request)
 }
 
-/// What was read of a drawing.
+/// The content of a drawing that was read so far.
 struct Drawing<'a> {
     path: &'a Path,
     table: Table,
     script: Script,
-    /// The code of the unit that the header names.
+    /// The code of the unit in the header.
     unit: Option<i64>,
     wanted: Wanted,
     layers: Layers,
@@ -125,7 +125,7 @@ impl<'a> Drawing<'a> {
     }
 
     fn add(&mut self, kind: &[u8], entity: &Entity<'a>, groups: &mut Groups<'a>) -> Result<()> {
-        // What follows these belongs to them, and is read with them.
+        // These entities are read together with the entity before them.
         let polyline = match kind {
             b"POLYLINE" => Some(self.read_polyline(entity, groups)?),
             b"VERTEX" | b"SEQEND" | b"ATTRIB" => return Ok(()),
@@ -178,7 +178,7 @@ impl<'a> Drawing<'a> {
         Ok(())
     }
 
-    /// Counts what is left out. Where areas are asked for, only what may bound one is missed.
+    /// Counts an entity that is left out. If areas are requested, only entities that may bound an area are counted.
     fn leave_out(&mut self, kind: &str) {
         if !self.table.wants_polygons || SURFACES.contains(&kind) {
             self.table.leave_out(kind);
@@ -255,7 +255,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// The name of a unit, by its code in the header, if it is known and not the metre.
+/// The name of a unit, by its code in the header. `None` if the code is unknown or the unit is the metre.
 fn foreign_unit(code: i64) -> Option<&'static str> {
     Some(match code {
         1 => "inches",

@@ -1,8 +1,8 @@
-//! Decides where the elevation of each line and point comes from. This is the one place that does, for every format.
+//! Decides which value is the elevation of each line and point, for every format.
 //!
-//! In this order: the attribute that the user named; an attribute with a name that is known to hold elevations; the z
-//! coordinate. Whatever is not clear is an error that shows the attributes, because a wrong guess would give a wrong
-//! map without a word.
+//! The order is: the attribute that the user named; an attribute with a known elevation name; the z coordinate. If the
+//! choice is not clear, the result is an error that lists the attributes. A wrong guess would give a wrong map without
+//! any message.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,17 +15,17 @@ use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
 use crate::contour::{Contour, ContourMap, SpotHeights};
 
-/// Attributes are often rounded to centimetres: elevations that differ by no more are the same, in metres.
+/// Attributes are often rounded to centimetres. Elevations that differ by no more than this are equal, metres.
 const SAME_ELEVATION: f64 = 0.01;
 
-/// Where elevations come from.
+/// The source of the elevations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Source {
     Field(usize),
     Z,
 }
 
-/// A line or point that wants an elevation.
+/// A line or point that needs an elevation.
 struct Item<'a> {
     feature: u64,
     values: &'a [(usize, Value)],
@@ -35,9 +35,9 @@ struct Item<'a> {
 /// The elevation of one item.
 enum Outcome {
     Known(f64),
-    /// There is none; why.
+    /// There is no elevation, for this reason.
     Missing(String),
-    /// There is something that is no number; what.
+    /// The value is not a number, as described.
     Wrong(String),
 }
 
@@ -135,13 +135,13 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     Ok(Report { value: SpotHeights { points, crs: table.crs }, findings })
 }
 
-/// The height of each feature's polygons, by the feature's number; nothing for those that tell none.
+/// The height of each feature's polygons, by the feature's number. Features without a height are missing.
 pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
     let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
     let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
     let numbers =
         (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
-    // Where z varies, the outline was laid over some terrain, and z says nothing about the water.
+    // If z varies, the outline was draped over a terrain. Then z is not the water level.
     let levels = items.iter().any(|item| item.z.is_some_and(|[lo, hi]| lo == hi && lo != 0.0));
     if named.is_none() && !numbers && !levels {
         let text = items.iter().flat_map(|item| item.values.iter().map(move |value| (item.feature, value)));
@@ -169,13 +169,13 @@ pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -
     Ok(heights)
 }
 
-/// The points that come with contours. They are a bonus: whatever is wrong with them is a finding and no error.
+/// The points of a contour file. They are optional: any problem with them is a finding, not an error.
 fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Finding>) -> Vec<DVec3> {
     let items = spot_items(table);
     if items.is_empty() {
         return Vec::new();
     }
-    // The name is meant for the lines; points may have another.
+    // The user's name is meant for the lines; points may use another attribute.
     let named =
         named.filter(|named| find_field(&table.fields, named).is_some_and(|field| count_numbers(&items, field) > 0));
     let source = match choose(&items, &table.fields, named) {
@@ -200,7 +200,7 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
     spots
 }
 
-/// Decides where the elevations of all items come from, or says what is in doubt.
+/// Decides which attribute or coordinate holds the elevations of all items. An unclear choice is an error.
 fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<Source> {
     let constant_z = |item: &Item<'_>| item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
     let has_z = items.iter().any(|item| item.z.is_some());
@@ -244,7 +244,7 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
                 return doubt(format!("the fields {a:?} ({elevation}) and {b:?} ({rival})"), false, item.feature);
             }
         }
-        // Where z varies, the lines were laid over some terrain, and z says nothing about the contour's level.
+        // If z varies, the lines were draped over a terrain. Then z is not the contour's elevation.
         if let Some(z) = constant_z(item).filter(|&z| z_is_per_line && differ(elevation, z)) {
             let a = &fields[best].name;
             return doubt(format!("the field {a:?} ({elevation}) and the z coordinate ({z})"), true, item.feature);
@@ -297,7 +297,7 @@ fn value<'a>(item: &Item<'a>, field: usize) -> &'a Value {
     item.values.iter().find(|(index, _)| *index == field).map_or(&Value::Null, |(_, value)| value)
 }
 
-/// The value of a field if it is a finite number or the text of one.
+/// The value of a field if it is a finite number, or text that is a finite number.
 fn number(item: &Item<'_>, field: usize) -> Option<f64> {
     let number = match value(item, field) {
         Value::Null => None,
@@ -311,14 +311,14 @@ fn count_numbers(items: &[Item<'_>], field: usize) -> usize {
     items.iter().filter(|item| number(item, field).is_some()).count()
 }
 
-/// The field of exactly this name, else of this name in other letter case.
+/// The field of exactly this name, otherwise of this name in another letter case.
 fn find_field(fields: &[Field], name: &str) -> Option<usize> {
     let lower = name.to_lowercase();
     let exact = fields.iter().position(|field| field.name == name);
     exact.or_else(|| fields.iter().position(|field| field.name.to_lowercase() == lower))
 }
 
-/// All fields with a value of each, for messages.
+/// All fields, each with an example value, for messages.
 fn field_list(fields: &[Field]) -> String {
     if fields.is_empty() {
         return "the file has no fields".to_owned();
@@ -333,8 +333,8 @@ fn field_list(fields: &[Field]) -> String {
     format!("its fields are {}", list.join(", "))
 }
 
-/// Lines or points whose elevation is no number: among others that have one they are left out; where they are as many, the
-/// attribute is none of elevations.
+/// Lines or points whose value is not a number. If more items have a number, these are left out. Otherwise the
+/// attribute does not hold elevations, and that is an error.
 #[derive(Default)]
 struct Wrong {
     known: usize,
@@ -373,7 +373,7 @@ fn keep_spot(spot: &Spot, height: f64, points: &mut Vec<DVec3>, findings: &mut V
     }
 }
 
-/// The points without those that are NaN or infinite, which no later step could place.
+/// Removes points that are NaN or infinite, which no later step can handle.
 fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
     let before = points.len();
     points.retain(|p| p.is_finite());
@@ -386,7 +386,7 @@ fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings:
     points
 }
 
-/// The findings of the reader, and those that are the same for every format.
+/// The findings of the reader, and those that all formats share.
 fn take_findings(table: &mut Table) -> Vec<Finding> {
     let mut findings = std::mem::take(&mut table.findings);
     if table.crs.is_none() {

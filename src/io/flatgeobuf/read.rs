@@ -1,4 +1,4 @@
-//! Walks through a FlatGeobuf and fills a table.
+//! Reads a FlatGeobuf into a table.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,12 +11,12 @@ use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Table};
 
-/// The first bytes of a file: the format's name and its version, twice; the last byte may be any.
+/// The first bytes of a file: the format's name and version, twice. The last byte may have any value.
 const MAGIC: [u8; 7] = *b"fgb\x03fgb";
 /// Bytes of an entry of the spatial index.
 const INDEX_ENTRY: u64 = 40;
 
-/// Reads a file; features are numbered from 0 in the order of the file, as GIS programs show them.
+/// Reads a file. Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut source = Source::open(path)?;
     let mut magic = [0; 8];
@@ -40,7 +40,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let count = header.features_count();
     let mut buffer = Vec::new();
     let mut number = 0;
-    // A file that was written in one go does not know its count, and ends with its last feature.
+    // A file that was streamed does not state its feature count; it ends after its last feature.
     while if count == 0 { source.left > 0 } else { number < count } {
         let broken = |what: String| Error::file(path, format!("feature {number}: {what}; the file is broken"));
         if source.left == 0 {
@@ -54,7 +54,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             .map_err(|e| Error::file_cause(path, format!("feature {number} is broken"), e))?;
         let mut feature = Feature { number, ..Feature::default() };
         if let Some(bytes) = read.properties() {
-            // A feature may have columns of its own.
+            // A feature may have its own columns.
             let own = read.columns().map(|columns| properties::columns(columns.iter(), &mut table));
             properties::read(bytes.bytes(), own.as_ref().unwrap_or(&fields), &mut feature, &mut table)
                 .map_err(broken)?;
@@ -73,7 +73,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     Ok(table)
 }
 
-/// A file and how much of it is left.
+/// A file and the number of bytes that are not read yet.
 struct Source<'a> {
     path: &'a Path,
     file: BufReader<File>,
@@ -93,7 +93,7 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// Reads a table with the length before it.
+    /// Reads a table and the length before it.
     fn chunk(&mut self, buffer: &mut Vec<u8>, what: &str) -> Result<()> {
         let cut =
             || Error::file(self.path, format!("the file ends within {what}; it is not complete, or it is broken"));
@@ -101,7 +101,7 @@ impl<'a> Source<'a> {
         if self.left < 4 {
             return Err(cut());
         }
-        // What follows the length has to fit into the rest of the file, so that a damaged length asks for no memory.
+        // The length must not exceed the rest of the file. Then a damaged length cannot allocate memory.
         let rest = self.left - 4;
         self.file.read_exact(&mut length).map_err(|e| Error::io("read", self.path, e))?;
         let size = u32::from_le_bytes(length) as usize;
@@ -127,7 +127,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Bytes of the spatial index of so many features, `None` if no file holds as many.
+/// Size of the spatial index of `count` features, bytes. `None` if no file can be as large.
 fn index_size(count: u64, node_size: u16) -> Option<u64> {
     if count == 0 || node_size == 0 {
         return Some(0);
@@ -137,18 +137,18 @@ fn index_size(count: u64, node_size: u16) -> Option<u64> {
         level = level.div_ceil(u64::from(node_size.max(2)));
         all = all.checked_add(level)?;
     }
-    // The root of a single feature is an entry of its own.
+    // The root of a single feature is an additional entry.
     if count == 1 {
         all += 1;
     }
     all.checked_mul(INDEX_ENTRY).filter(|&size| i64::try_from(size).is_ok())
 }
 
-/// The system that the header names, and why there is none.
+/// The system in the header, or the reason why there is none.
 fn crs_of(header: &Header<'_>) -> (Option<Crs>, Option<String>) {
     let Some(crs) = header.crs() else { return (None, None) };
     let wkt = crs.wkt().map(str::trim).filter(|wkt| !wkt.is_empty());
-    // The organisation is EPSG unless another one is named.
+    // The organisation is EPSG unless the header names another one.
     let of_epsg = crs.org().is_none_or(|org| org.trim().is_empty() || org.trim().eq_ignore_ascii_case("EPSG"));
     let code = u32::try_from(crs.code()).ok().filter(|&code| code > 0);
     match (code, wkt) {

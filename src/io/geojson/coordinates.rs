@@ -1,8 +1,8 @@
-//! The `coordinates` member, whatever its nesting.
+//! Reads the `coordinates` member, whatever its nesting.
 //!
-//! The type of a geometry may come after its coordinates, so they are read without knowing it: an array of numbers is
-//! a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon types
-//! differ in how deep the parts lie; of that no more is kept than which parts lie in one array.
+//! The type of a geometry may come after its coordinates. Therefore they are read without knowing it: an array of
+//! numbers is a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon
+//! types differ only in the depth of the parts. What is kept of the depth is which parts lie in one array.
 
 use std::fmt;
 
@@ -13,9 +13,9 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, SeqAccess, Visitor};
 #[derive(Default)]
 pub(super) struct Part {
     pub points: Vec<DVec2>,
-    /// One value a point, NaN where the position has none; empty if none has.
+    /// One value per point, NaN for positions without z. Empty if no position has z.
     pub z: Vec<f64>,
-    /// Whether it is the last one of an array of parts, as the rings of a polygon are.
+    /// Whether it is the last part of an array of parts, such as the rings of a polygon.
     pub ends_group: bool,
 }
 
@@ -46,7 +46,7 @@ impl<'de> DeserializeSeed<'de> for Coordinates<'_> {
     }
 }
 
-/// What an element turned out to be.
+/// The kind of an element, known after it is read.
 enum Level {
     Number(f64),
     Position,

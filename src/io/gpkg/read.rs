@@ -20,7 +20,7 @@ struct Layer {
     srs_id: i64,
 }
 
-/// What a layer's geometries are.
+/// The kind of geometry in a layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Content {
     Lines,
@@ -29,10 +29,10 @@ enum Content {
     Other,
 }
 
-/// Reads the one layer that the request is about: the named one, else the only one of lines (or of points or polygons,
-/// if the request is about those). A single layer of points beside a single layer of lines is read with it.
+/// Reads one layer: the named one, otherwise the only layer of lines (of points or polygons if the request asks for
+/// those). A single layer of points beside a single layer of lines is read too.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    // SQLite does not say why it cannot open a file; the system does.
+    // SQLite does not report why it cannot open a file; the operating system does.
     File::open(path).map_err(|e| Error::io("read", path, e))?;
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let db = Connection::open_with_flags(path, flags)
@@ -93,14 +93,14 @@ fn content_of(kind: &str) -> Content {
     }
 }
 
-/// Layers may declare any geometry: then the first one tells.
+/// A layer may declare "any geometry". Then its first geometry decides.
 fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<Content> {
     let (table, geometry) = (quoted(&layer.table), quoted(&layer.geometry));
     let sql = format!("SELECT {geometry} FROM {table} WHERE {geometry} IS NOT NULL LIMIT 1");
     let blob: Option<Vec<u8>> = db.query_row(&sql, [], |row| row.get(0)).optional().unwrap_or(None);
     let kind = blob.and_then(|blob| wkb::without_header(&blob).ok().flatten().and_then(|wkb| wkb::type_name(wkb).ok()));
     Ok(match kind {
-        // Contours are what one would keep in a collection.
+        // A collection most likely holds contours.
         Some("GeometryCollection") => Content::Lines,
         Some(kind) => content_of(kind),
         None => Content::Other,
@@ -152,12 +152,12 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     }
 }
 
-/// The system of an id, and why there is none.
+/// The coordinate reference system of an id, or the reason why there is none.
 fn crs_of(db: &Connection, srs_id: i64) -> rusqlite::Result<(Option<Crs>, Option<String>)> {
     if srs_id == 0 || srs_id == -1 {
         return Ok((None, Some("the layer says that its coordinate reference system is not defined".to_owned())));
     }
-    // The second version of the text has a column of its own, which only some files have.
+    // The second version of the well-known text has its own column, which only some files have.
     let read = |row: &Row<'_>| {
         let text = |name: &str| row.get::<_, Option<String>>(name).ok().flatten();
         let organization = text("organization").unwrap_or_default();
@@ -233,9 +233,10 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     Ok(())
 }
 
-/// The names of a layer's columns, in the order of `SELECT *`, and which of them is the key.
+/// The names of a layer's columns, in the order of `SELECT *`, and the index of the primary key.
 ///
-/// A statement's own names must be UTF-8; those of a broken file may not be.
+/// The names come from a query, not from the statement: the statement's own names must be UTF-8, and those of a broken
+/// file may not be.
 fn columns_of(db: &Connection, layer: &Layer) -> rusqlite::Result<(Vec<String>, Option<usize>)> {
     let mut statement = db.prepare("SELECT name, pk FROM pragma_table_xinfo(?1) WHERE hidden <> 1 ORDER BY cid")?;
     let mut rows = statement.query([&layer.table])?;

@@ -1,7 +1,7 @@
-//! The documents of a path: an XML file, a zip archive as it is served, or a folder of both.
+//! The documents of a path: an XML file, a zip archive as GSI delivers it, or a folder of both.
 //!
-//! Documents are told by their names, `FG-GML-MESH-ITEM-DATE-NUMBER.xml`, so that those of other items are not unpacked.
-//! They are visited one at a time, in the order of their names; archives may lie in archives.
+//! The file name `FG-GML-MESH-ITEM-DATE-NUMBER.xml` gives a document's item. Documents of other items are not unpacked.
+//! Documents are visited one at a time, in the order of their names. Archives may contain archives.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -15,38 +15,38 @@ use super::meter::{LARGEST_DOCUMENT, Metered, Source};
 use super::xml::unreadable;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 
-/// Archives lie in archives at most so deep, and folders in folders.
+/// The largest nesting depth of archives in archives, and of folders in folders.
 const DEEPEST: usize = 3;
 
-/// All that is unpacked may be so many times as large as the archive. Height maps that are mostly sea are packed 200
-/// times, all else less.
+/// Everything that is unpacked may be this many times as large as the archive. Height maps that are mostly sea compress
+/// 200 times, all others less.
 const UNPACKED_RATIO: u64 = 500;
 
-/// So much may be unpacked whatever the archive's size, in bytes.
+/// This many bytes may be unpacked whatever the archive's size.
 const UNPACKED_FREELY: u64 = 64 << 20;
 
-/// An archive in an archive is unpacked in memory up to this size, in bytes, else into a temporary file.
+/// An archive inside an archive is unpacked in memory up to this size, bytes; a larger one goes into a temporary file.
 const INNER_IN_MEMORY: usize = 32 << 20;
 
 const BUFFER: usize = 1 << 17;
 
-/// What was met on the way.
+/// What the walk through a path found.
 #[derive(Default)]
 pub(super) struct Seen {
     /// Number of documents that were visited.
     pub visited: u64,
-    /// Items that were passed by, and how many documents of each.
+    /// Items that were skipped, and how many documents of each.
     pub others: BTreeMap<String, u64>,
-    /// The extension of files of another vector format.
+    /// The extension of a file in another vector format.
     pub foreign: Option<String>,
-    /// Where the documents with a proper name are, by that name.
+    /// The path of each visited document that has a GSI file name, by that name.
     documents: HashMap<String, PathBuf>,
-    /// Documents that were passed by because one of the same name had been visited.
+    /// Skipped documents: one of the same name had already been visited.
     repeated: Vec<[PathBuf; 2]>,
 }
 
 impl Seen {
-    /// Tells of documents that are there twice, as in a folder with an archive and what was unpacked from it.
+    /// Reports documents that exist twice, such as in a folder that holds an archive and its unpacked content.
     pub fn note_repeated(&self, findings: &mut Vec<Finding>) {
         for [read, passed] in &self.repeated {
             let message = format!("{} left out: {} has the same name", passed.display(), read.display());
@@ -55,7 +55,7 @@ impl Seen {
     }
 }
 
-/// What is done with a document, whose name for messages is a path.
+/// The function that reads a document. The path is the document's name for messages.
 pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut Source<'_>) -> Result<()>;
 
 struct Walk<'v> {
@@ -64,7 +64,7 @@ struct Walk<'v> {
     seen: Seen,
 }
 
-/// Visits the documents of a path whose item is `wanted`, or whose name does not tell the item. A document that the path
+/// Visits the documents of a path whose item is `wanted`, or whose name does not give the item. A document that `path`
 /// itself names is always visited.
 pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<Seen> {
     let mut walk = Walk { wanted, visit, seen: Seen::default() };
@@ -118,8 +118,7 @@ impl Walk<'_> {
         (self.visit)(path, &mut Metered::new(&mut file, LARGEST_DOCUMENT))
     }
 
-    /// Whether a document of this name was visited before; if so, it is noted. Names that are not as they are served say
-    /// nothing.
+    /// Whether a document of this name was visited before; if so, it is noted. Only names in GSI's form are compared.
     fn is_repeated(&mut self, path: &Path, name: &str) -> bool {
         if !is_served(name) {
             return false;
@@ -136,7 +135,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Visits the documents of an archive; `budget` is the number of bytes that may still be unpacked.
+    /// Visits the documents of an archive. `budget` is the number of bytes that may still be unpacked.
     fn archive<R: Read + Seek>(&mut self, path: &Path, file: R, depth: usize, budget: &mut u64) -> Result<()> {
         let mut archive = ZipArchive::new(file)
             .map_err(|e| Error::file_cause(path, "the file is no zip archive, or it is not complete", e))?;
@@ -150,7 +149,7 @@ impl Walk<'_> {
         names.sort();
         let file_name = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
         let is_document = |name: &str| has_extension(Path::new(name), "xml") || has_extension(Path::new(name), "zip");
-        // Renamed documents are looked into where nothing has a proper name.
+        // If no file has a GSI name, all documents are read: they may have been renamed.
         let any_served = names.iter().any(|(name, _)| is_served(&file_name(name)));
         for (name, index) in names {
             let short = file_name(&name);
@@ -189,7 +188,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Whether a document may be of use by its name; counts it if not.
+    /// Whether a document may be useful, judged by its name. If not, it is counted.
     fn is_wanted(&mut self, name: &str) -> bool {
         let Some(item) = item_of(name).filter(|item| item != "ALL") else { return true };
         if (self.wanted)(&item) {
@@ -207,7 +206,7 @@ impl Walk<'_> {
     }
 }
 
-/// Copies with a new allowance for every piece: an archive is no single item.
+/// Copies with a fresh limit for every block, because an archive is not one item of a document.
 fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
     let mut buffer = vec![0; BUFFER];
     loop {
@@ -220,7 +219,7 @@ fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> 
     }
 }
 
-/// Whether a file has a name as they are served: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
+/// Whether a file name has the form of GSI's downloads: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
 fn is_served(name: &str) -> bool {
     let path = Path::new(name);
     let upper = name.to_ascii_uppercase();
@@ -234,7 +233,7 @@ pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().and_then(|e| e.to_str()).is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The item that a document's name tells: `Cntr`, `DEM10B`, `ALL`.
+/// The item in a document's name: `Cntr`, `DEM10B`, `ALL`.
 pub(super) fn item_of(name: &str) -> Option<String> {
     let stem = Path::new(name).file_stem()?.to_str()?;
     let rest = stem.get(..7).filter(|start| start.eq_ignore_ascii_case("FG-GML-")).map(|_| &stem[7..])?;
@@ -243,7 +242,7 @@ pub(super) fn item_of(name: &str) -> Option<String> {
     Some(if is_dem { item.to_ascii_uppercase() } else { item.to_owned() })
 }
 
-/// An error that tells what was looked for and what was met.
+/// An error that states what was expected and what was found.
 pub(super) fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
     if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
         let message = match path.is_dir() {

@@ -1,7 +1,7 @@
-//! One document of a height map: its mesh, its grid and the heights of its cells.
+//! One document of a height map: its grid square, its grid and the heights of its cells.
 //!
-//! A document's list of cells begins at its start point, which comes after the list, and may end early: the cells before
-//! and behind it are void, as in squares that are mostly sea.
+//! A document lists its cells from its start point, which is given after the list. The list may end early. The cells
+//! before and after it have no data, as in squares that are mostly sea.
 
 use std::path::{Path, PathBuf};
 
@@ -24,16 +24,16 @@ pub(super) struct Tile {
     pub code: String,
     pub mesh: Mesh,
     pub product: Product,
-    /// When the heights were published, as year-month-day.
+    /// The publication date, as year-month-day.
     pub date: String,
     pub cols: usize,
-    /// Number of the cell that the first height is of, counted row by row from the north-west.
+    /// Index of the cell of the first height, counted row by row from the north-west.
     pub start: usize,
-    /// Heights of the cells from the first one on, metres; NaN where there is none.
+    /// Heights from that cell on, metres; NaN where there is none.
     pub heights: Vec<f32>,
 }
 
-/// What a document has told so far about a height map.
+/// The content of a height map that was read so far.
 #[derive(Default)]
 struct Draft {
     kind: String,
@@ -47,7 +47,7 @@ struct Draft {
     heights: Vec<f32>,
 }
 
-/// What has to be known before the heights are read.
+/// What must be known before the heights are read.
 #[derive(Clone, Copy)]
 struct Frame {
     mesh: Mesh,
@@ -84,7 +84,7 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                     draft.heights = tuple_list(&mut xml, frame.cols * frame.rows)?;
                 }
             }
-            // Only short texts are of use here.
+            // Long texts are never needed here.
             Step::Text if draft.is_some() && text.len() < 1000 => text.push_str(xml.text()),
             Step::Text => {}
             Step::End if xml.depth() == 1 && xml.name() == "DEM" => {
@@ -113,7 +113,7 @@ pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
     Ok(())
 }
 
-/// Reads the list that has just begun.
+/// Reads the list whose start tag was just read.
 fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     let path = xml.path();
     let wrong = |message: String| Error::file(path, message);
@@ -121,7 +121,7 @@ fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     xml.raw_text(|bytes| list.read(bytes).map_err(wrong))?;
     loop {
         match xml.next()? {
-            // Behind a comment the text goes on.
+            // The text continues after a comment.
             Step::Text => list.read(xml.text().as_bytes()).map_err(wrong)?,
             Step::End => break,
             Step::Start | Step::Over => return Err(xml.error("there is an element among the cells of the tuple list")),
@@ -174,7 +174,7 @@ impl Draft {
                 return Err(wrong(message));
             }
         }
-        // Both are below the limit above.
+        // Both are below the limit that was checked above.
         Ok(Frame { mesh, product, cols: cols as usize, rows: rows as usize })
     }
 

@@ -1,4 +1,4 @@
-//! Contours, spot heights and water, from the documents of a path to one table.
+//! Reads contours, spot heights and water from the documents of a path into one table.
 //!
 //! | element | what becomes of it |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `WA` | polygons of water; rivers are left out because they are not level, the sea lies at 0 m |
 //! | `WL` | closed shores of lakes as polygons, if there is no `WA` |
 //!
-//! Positions are latitude and longitude in the documents, and longitude and latitude in the table. Lines and areas are
-//! cut at the edges of the squares of the map; their ends agree there.
+//! Documents give positions as latitude, longitude. The table has longitude, latitude. Lines and areas are cut at the
+//! edges of the map's grid squares; their ends agree there.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::shapefile::grouped;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
 
-/// The attributes of features that are of any use.
+/// The attributes that are used.
 const FIELDS: [&str; 6] = ["fid", "orgGILvl", "vis", "type", "name", "alti"];
 
 /// The kinds of feature that are read.
@@ -57,7 +57,7 @@ impl Item {
     }
 }
 
-/// Reads the features of a path that are of use for the request; they are numbered from 0 in the order of the documents.
+/// Reads the features of a path that the request needs. They are numbered from 0 in the order of the documents.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let (items, words): (&[Item], &str) = match request.purpose {
         Purpose::Contours => (&[Item::Contour, Item::SpotHeight], "contour (Cntr) or spot height (ElevPt)"),
@@ -101,18 +101,18 @@ struct Reading<'a> {
     open_edges: u64,
 }
 
-/// A feature that is being read.
+/// A feature that is not read completely.
 struct Draft {
     item: Item,
-    /// What the document calls it, for messages.
+    /// The feature's id in the document, for messages.
     fid: String,
     kind: String,
     feature: Feature,
     lines: Vec<Vec<DVec2>>,
     rings: Rings,
-    /// The line or ring that positions are appended to.
+    /// The current line or ring; positions are appended to it.
     current: Vec<DVec2>,
-    /// How many rings lie around the place; one or none.
+    /// Whether a ring element is open.
     in_ring: bool,
 }
 
@@ -163,7 +163,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Notes an attribute.
+    /// Records an attribute.
     fn note(&mut self, draft: &mut Draft, path: &Path, name: &str, text: &str) -> Result<()> {
         match name {
             "fid" => text.clone_into(&mut draft.fid),
@@ -185,7 +185,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// Takes a feature that is complete.
+    /// Stores a complete feature.
     fn push(&mut self, mut draft: Draft) {
         let is_empty = draft.lines.is_empty() && draft.feature.spots.is_empty() && draft.feature.polygons.is_empty();
         match draft.item {
@@ -285,7 +285,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Appends positions. The segments of a line and the lines of a ring repeat the point where they meet.
+    /// Appends positions. Consecutive segments of a line, and lines of a ring, repeat their common point.
     fn append(&mut self, text: &str) -> Result<(), String> {
         let mut numbers = text.split_ascii_whitespace();
         let parsed = |word: &str| number(word.as_bytes()).ok_or_else(|| format!("its positions hold {word:?}"));

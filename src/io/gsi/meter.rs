@@ -2,16 +2,16 @@
 
 use std::io::{self, BufRead, Read};
 
-/// A document that is longer than this is refused, in bytes. The largest that are published have some 20 MB.
+/// The largest document that is accepted, bytes. The largest published ones have about 20 MB.
 pub(super) const LARGEST_DOCUMENT: u64 = 4 << 30;
 
-/// A tag or a text that is longer than this is refused, in bytes.
+/// The longest tag or text that is accepted, bytes.
 const LARGEST_ITEM: u64 = 256 << 20;
 
-/// A document of whatever origin.
+/// A limited reader of a document, from any origin.
 pub(super) type Source<'s> = Metered<&'s mut dyn BufRead>;
 
-/// A reader that stops with an error where a document or an item in it grows beyond its limit.
+/// A reader that stops with an error if a document, or an item in it, exceeds its limit.
 pub(super) struct Metered<R> {
     inner: R,
     document: u64,
@@ -19,7 +19,7 @@ pub(super) struct Metered<R> {
 }
 
 impl<R: BufRead> Metered<R> {
-    /// A reader that gives so many bytes at most.
+    /// A reader that gives at most `limit` bytes.
     pub fn new(inner: R, limit: u64) -> Self {
         Self { inner, document: limit, item: LARGEST_ITEM }
     }
@@ -29,7 +29,7 @@ impl<R: BufRead> Metered<R> {
         self.item = LARGEST_ITEM;
     }
 
-    /// Bytes that may still come.
+    /// Bytes that may still be read.
     pub fn left(&self) -> u64 {
         self.document
     }

@@ -1,7 +1,7 @@
-//! Squares side by side as one height map.
+//! Joins squares into one height map.
 //!
-//! Places are counted in whole cells from the equator and the zero meridian, so that edges meet exactly however many
-//! squares there are.
+//! Positions are whole numbers of cells from the equator and the zero meridian. Therefore edges meet exactly, for any
+//! number of squares.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::base::Grid;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::dem::Dem;
 
-/// A height map may have so many cells; they take 4 GB.
+/// The largest number of cells of a height map; they take 4 GB.
 const MOST_CELLS: i64 = 1 << 30;
 
-/// Lays squares of one product onto their common grid. Where squares are missing there are no heights.
+/// Places squares of one product on their common grid. Cells of missing squares have no height.
 pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Finding>) -> Result<(Dem, Product)> {
     let Some(first) = tiles.first() else {
         return Err(Error::file(path, "there is no height map (DEM) in it"));
@@ -34,7 +34,7 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
         );
         return Err(Error::file(path, message));
     }
-    // Of two editions of a square the newer one is laid on top.
+    // If a square occurs twice, the newer edition comes later and overwrites the older one.
     tiles.sort_by(|a, b| a.date.cmp(&b.date));
     note_repeated(&tiles, findings);
 
@@ -55,7 +55,7 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
         );
         return Err(Error::file(path, message));
     }
-    // The limit lies below the range of all of these.
+    // The limit above is smaller than the range of each type.
     let (cols, rows) = ((east - west) as usize, (north - south) as usize);
     let mut values: Vec<f32> = Vec::new();
     values

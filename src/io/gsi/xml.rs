@@ -1,5 +1,5 @@
-//! The events of one XML document, with what all readers of such documents share: errors that name the document, a check
-//! that it is complete, and texts in the encoding that it declares.
+//! The events of one XML document. The parts that all readers share are here: errors that name the document, a check
+//! that the document is complete, and texts in the declared encoding.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -11,26 +11,26 @@ use quick_xml::events::{BytesStart, Event};
 use super::meter::Source;
 use crate::base::error::{Cause, Error, Result};
 
-/// Elements lie in each other at most so deep; the deepest that is published has some 12.
+/// The largest nesting depth of elements. Published documents reach about 12.
 const DEEPEST: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
 const ATTRIBUTES: [&str; 3] = ["srsName", "srsDimension", "order"];
 
-/// What comes next in a document.
+/// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
     /// An element begins.
     Start,
     /// An element ends.
     End,
-    /// A piece of text; an element's text may come in several.
+    /// A piece of text. The text of one element may come in several pieces.
     Text,
-    /// The document is over, and it is complete.
+    /// The document has ended, and it is complete.
     Over,
 }
 
-/// A document that is read from its beginning to its end.
+/// A document that is read from start to end.
 pub(super) struct Xml<'a, 's> {
     reader: Reader<&'a mut Source<'s>>,
     buffer: Vec<u8>,
@@ -44,7 +44,7 @@ pub(super) struct Xml<'a, 's> {
 }
 
 impl<'a, 's> Xml<'a, 's> {
-    /// A document with its name for messages.
+    /// Starts a document; `path` is its name for messages.
     pub fn new(path: &'a Path, source: &'a mut Source<'s>) -> Result<Self> {
         let start = source.fill_buf().map_err(|e| unreadable(path, e))?;
         if start.starts_with(b"\xfe\xff") || start.starts_with(b"\xff\xfe") {
@@ -73,7 +73,7 @@ impl<'a, 's> Xml<'a, 's> {
         self.path
     }
 
-    /// How many elements lie around the place, with the one that began last.
+    /// How many elements are open, including the one that began last.
     pub fn depth(&self) -> usize {
         self.depth
     }
@@ -94,7 +94,7 @@ impl<'a, 's> Xml<'a, 's> {
         self.attributes[index].as_deref()
     }
 
-    /// Goes on to the next event that matters.
+    /// Goes to the next event that matters.
     pub fn next(&mut self) -> Result<Step> {
         loop {
             self.reader.get_mut().next_item();
@@ -167,11 +167,11 @@ impl<'a, 's> Xml<'a, 's> {
         }
     }
 
-    /// Gives the bytes up to the next tag to `take`, in pieces and not decoded. For texts that are too long to be kept.
+    /// Passes the raw bytes up to the next tag to `take`, in pieces. For texts that are too long to be kept in memory.
     pub fn raw_text(&mut self, mut take: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
         let mut stream = self.reader.stream();
         loop {
-            // What has no end of its own is limited by the document.
+            // The document's limit applies here, because a text of any length is allowed.
             stream.get_mut().next_item();
             let bytes = stream.fill_buf().map_err(|e| unreadable(self.path, e))?;
             let end = bytes.iter().position(|&b| b == b'<');
@@ -190,7 +190,7 @@ impl<'a, 's> Xml<'a, 's> {
     }
 }
 
-/// A document that cannot be read to its end.
+/// The error for a document that cannot be read to its end.
 pub(super) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
     Error::file_cause(path, "it cannot be read to its end", cause)
 }

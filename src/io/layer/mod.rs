@@ -1,7 +1,7 @@
-//! Layers of features, as the writers of all formats take them: shapes with attributes.
+//! Layers of features: shapes with attributes. All writers take them.
 //!
-//! What a stage writes is told to the formats in these words only, so that a new kind of layer needs no new writer and
-//! a new format no knowledge of the stages. Each stage that writes features has a file here which says its columns.
+//! Every stage passes its output to the writers in this form. A new kind of layer needs no new writer, and a new format
+//! needs nothing from the stages. Each stage that writes features has a file here that defines its columns.
 
 mod contours;
 mod features;

@@ -1,4 +1,4 @@
-//! Layers in the coordinates of the output, where those are not the coordinates that the map was worked on in.
+//! Layers in the coordinates of the output, if these differ from the working coordinates.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use super::features::{Layer, Row, Shape};
 use crate::base::error::{Error, Result};
 use crate::crs::FromWorking;
 
-/// A shape that holds its vertices.
+/// A shape that owns its vertices.
 enum Moved {
     Point(Option<DVec2>),
     Contour(Vec<DVec2>, f64),
@@ -15,14 +15,14 @@ enum Moved {
     Area(Vec<Vec<DVec2>>),
 }
 
-/// The shapes of layers, moved.
+/// The reprojected shapes of layers.
 pub(in crate::io) struct MovedShapes(Vec<Vec<Moved>>);
 
 impl MovedShapes {
-    /// Moves all shapes of the layers. Vertices of the input get the coordinates that the input has for them.
+    /// Reprojects all shapes of the layers. Vertices of the input get their input coordinates.
     ///
     /// # Errors
-    /// If a vertex has no place in the system of the output.
+    /// A vertex has no coordinates in the output's system.
     pub fn new(layers: &[Layer<'_>], back: &FromWorking) -> Result<Self> {
         let layer = |layer: &Layer<'_>| -> Result<Vec<Moved>> {
             let place = |p: DVec2| {
@@ -35,7 +35,7 @@ impl MovedShapes {
             let flat = |points: &[DVec2]| points.iter().map(|p| place(*p)).collect::<Result<Vec<DVec2>>>();
             let shape = |row: &Row<'_>| {
                 Ok(match &row.shape {
-                    // What is told of a place is told also where the place is nowhere in the other system.
+                    // A finding stays valid without its place, so a point may lose its coordinates.
                     Shape::Point(point) => Moved::Point(point.and_then(|p| back.place(p))),
                     Shape::Contour(points, z) => Moved::Contour(flat(points)?, *z),
                     Shape::Line(points) => {
@@ -50,7 +50,7 @@ impl MovedShapes {
         Ok(Self(layers.iter().map(layer).collect::<Result<_>>()?))
     }
 
-    /// The layers with these shapes in place of their own.
+    /// The layers with the reprojected shapes instead of their own.
     pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
         let row = |(row, moved): (&'a Row<'a>, &'a mut Moved)| {
             let shape = match moved {

@@ -1,7 +1,7 @@
 //! ESRI ASCII grids (`.asc`): a header of words and numbers, then the heights as text, row by row from the north.
 //!
-//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: `dx` and `dy` stand for
-//! `cellsize` then, as GDAL writes and reads it.
+//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: then `dx` and `dy`
+//! replace `cellsize`, as in GDAL.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -19,10 +19,10 @@ use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::text;
 
-/// Longest word of a file. Doubles written out in full have about 330 digits.
+/// The longest word that is accepted. Doubles written out in full have about 330 digits.
 const LONGEST_WORD: usize = 512;
 
-/// The mark of files that do not name theirs.
+/// The nodata value of files that do not name theirs.
 const USUAL_NODATA: f64 = -9999.0;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
@@ -50,12 +50,12 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     Ok(Report { value: Dem { grid, values, crs }, findings: heights.findings().into_iter().collect() })
 }
 
-/// The grid alone, from the header.
+/// Reads only the grid, from the header.
 pub(super) fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
     Ok((open(path)?.0.grid(path)?, sidecar::read_prj(path)?))
 }
 
-/// A number as 64-bit floating point. A height with the digits of a 32-bit one is that very height again when it is
+/// A number as 64-bit floating point. A height with the digits of a 32-bit number gives exactly that number when it is
 /// rounded back.
 fn parse(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
@@ -67,9 +67,9 @@ struct Words {
     /// Bytes of the file.
     length: u64,
     word: Vec<u8>,
-    /// Whether the word is to be given once more.
+    /// Whether the next call returns the same word again.
     again: bool,
-    /// Bytes that were looked at.
+    /// Bytes that were read.
     offset: u64,
 }
 
@@ -88,7 +88,7 @@ impl Words {
             if buffer.is_empty() {
                 return Ok((!self.word.is_empty()).then_some(&self.word));
             }
-            // Everything up to the space, and the end-of-file mark of old systems, parts words.
+            // Spaces and control characters separate words; the end-of-file mark of old systems is one of them.
             let skipped = if self.word.is_empty() { buffer.iter().take_while(|&&b| b <= b' ').count() } else { 0 };
             text::without_zeros(path, &buffer[..skipped], self.offset)?;
             let rest = &buffer[skipped..];
@@ -107,11 +107,11 @@ impl Words {
     }
 }
 
-/// What the header says, as it stands there.
+/// The header, with its values as they are in the file.
 struct Header {
     cols: u64,
     rows: u64,
-    /// West and south: the number, and whether it is that of a cell's centre and not of its corner.
+    /// West and south: the number, and whether it belongs to a cell's centre instead of its corner.
     west: (f64, bool),
     south: (f64, bool),
     cell: DVec2,
@@ -172,7 +172,7 @@ fn open(path: &Path) -> Result<(Header, Words)> {
         cell: DVec2::new(dx.ok_or_else(|| missing("cellsize"))?, dy.ok_or_else(|| missing("cellsize"))?),
         nodata,
     };
-    // A height takes a digit and a space at the least.
+    // A height takes at least a digit and a space.
     if header.cols.saturating_mul(header.rows) > length / 2 + 1 {
         let message = format!(
             "is cut off: {} x {} heights do not fit into its {length} bytes; copy or download it again",
@@ -214,8 +214,8 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
         for row in dem.values.chunks_exact(cols) {
             for (col, height) in row.iter().enumerate() {
                 let space = if col == 0 { "" } else { " " };
-                // The shortest digits that give the same 32-bit height again. They keep their decimal point, without
-                // which readers take the whole map for integers.
+                // The shortest digits that give the same 32-bit height again. They keep their decimal point; without it
+                // readers would treat the whole map as integers.
                 if height.is_finite() { write!(out, "{space}{height:?}")? } else { write!(out, "{space}{nodata}")? }
             }
             out.write_all(b"\n")?;
@@ -228,7 +228,7 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
     }
 }
 
-/// A mark that is no height of the map: -9999, or with more nines.
+/// A nodata value that is not a height of the map: -9999, or a number with more nines.
 fn free_mark(values: &[f32]) -> i64 {
     let mut marks = (4..8).map(|digits| 1 - 10_i64.pow(digits));
     let is_free = |mark: &i64| !values.contains(&(*mark as f32));
