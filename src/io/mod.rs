@@ -37,7 +37,7 @@ use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
 use crate::crs::{Crs, FromWorking};
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
-use layer::{Layer, MovedShapes};
+use layer::{Layer, ReprojectedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
@@ -224,8 +224,8 @@ pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWo
     if back.is_identity() {
         return write_layers(out, layers, back.crs());
     }
-    let mut moved = MovedShapes::new(layers, back)?;
-    write_layers(out, &moved.layers(layers), back.crs())
+    let mut reprojected = ReprojectedShapes::new(layers, back)?;
+    write_layers(out, &reprojected.layers(layers), back.crs())
 }
 
 /// The files that [`write_contours`] and [`write_layers`] write for layers of these names. The caller can check them

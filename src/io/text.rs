@@ -19,13 +19,17 @@ const BYTES_PER_BYTE: f64 = 2.0;
 /// # Errors
 /// The file cannot be read, `other_format` recognises it, its beginning has a zero byte, or it needs more memory than
 /// the limit.
-pub(super) fn read(path: &Path, memory: Option<u64>, known: fn(&[u8]) -> Option<&'static str>) -> Result<Vec<u8>> {
+pub(super) fn read(
+    path: &Path,
+    memory: Option<u64>,
+    other_format: fn(&[u8]) -> Option<&'static str>,
+) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut bytes = Vec::new();
     (&mut file).take(BEGINNING).read_to_end(&mut bytes).map_err(unreadable)?;
-    if let Some(what) = known(&bytes) {
+    if let Some(what) = other_format(&bytes) {
         return Err(Error::file(path, what));
     }
     without_zeros(path, &bytes, 0)?;

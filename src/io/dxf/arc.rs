@@ -10,7 +10,7 @@ const TOLERANCE: f64 = 0.01;
 
 /// Adds the points between two vertices. Returns false, and adds nothing, if the arc needs more than `max_points`
 /// chords.
-pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, most: usize, points: &mut Vec<DVec2>) -> bool {
+pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, max_points: usize, points: &mut Vec<DVec2>) -> bool {
     let chord = to - from;
     let to_centre = (1.0 - bulge * bulge) / (4.0 * bulge);
     let start = from - ((from + to) / 2.0 + chord.perp() * to_centre);
@@ -22,7 +22,7 @@ pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, most: usize, poin
     // The middle of a chord is 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
     let widest = 4.0 * (TOLERANCE / (2.0 * radius)).min(1.0).sqrt().asin();
     let count = (angle.abs() / widest).ceil();
-    if count > most as f64 {
+    if count > max_points as f64 {
         return false;
     }
     let centre = from - start;

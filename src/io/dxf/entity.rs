@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::arc;
-use super::groups::{Group, Groups};
+use super::groups::{Group, GroupReader};
 use crate::base::error::{Error, Result};
 
 /// Groups with this code or a larger one belong to other programs.
@@ -21,7 +21,7 @@ pub(super) struct Entity<'a> {
 
 impl<'a> Entity<'a> {
     /// Reads up to the next entity.
-    pub fn read(groups: &mut Groups<'a>) -> Result<Self> {
+    pub fn read(groups: &mut GroupReader<'a>) -> Result<Self> {
         let mut own = Vec::new();
         let mut embedded = false;
         loop {

@@ -52,14 +52,14 @@ impl<'a> Group<'a> {
 }
 
 /// The rest of a file.
-pub(super) struct Groups<'a> {
+pub(super) struct GroupReader<'a> {
     pub path: &'a Path,
     rest: &'a [u8],
     line: usize,
     next: Option<Group<'a>>,
 }
 
-impl<'a> Groups<'a> {
+impl<'a> GroupReader<'a> {
     /// The groups of a file's text.
     pub fn new(path: &'a Path, text: &'a [u8]) -> Self {
         Self { path, rest: text, line: 0, next: None }

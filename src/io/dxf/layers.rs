@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::names::Wanted;
+use super::names::LayerFilter;
 use crate::base::error::{Error, Result};
 
 /// Words in the names of layers that hold contours, in lower case.
@@ -14,7 +14,7 @@ const SHOWN: usize = 20;
 
 /// Counts of one layer.
 #[derive(Default)]
-struct Content {
+struct LayerCounts {
     lines: u64,
     /// Lines whose heights are all 0.
     at_zero: u64,
@@ -22,7 +22,7 @@ struct Content {
 
 /// The layers of a drawing that have entities.
 #[derive(Default)]
-pub(super) struct Layers(BTreeMap<String, Content>);
+pub(super) struct Layers(BTreeMap<String, LayerCounts>);
 
 impl Layers {
     /// Records an entity and how many lines it is.
@@ -30,7 +30,7 @@ impl Layers {
         match self.0.get_mut(layer) {
             Some(content) => content.lines += lines,
             None => {
-                self.0.insert(layer.to_owned(), Content { lines, at_zero: 0 });
+                self.0.insert(layer.to_owned(), LayerCounts { lines, at_zero: 0 });
             }
         }
     }
@@ -43,7 +43,7 @@ impl Layers {
     }
 
     /// Refuses a layer name that is not in the drawing.
-    pub fn check_named(&self, path: &Path, wanted: &Wanted) -> Result<()> {
+    pub fn check_named(&self, path: &Path, wanted: &LayerFilter) -> Result<()> {
         match wanted.missing(self.0.keys()) {
             Some(missing) => {
                 Err(Error::file(path, format!("there is no layer {missing:?}; its layers are {}", self.list())))
@@ -55,7 +55,7 @@ impl Layers {
     /// Refuses drawings whose lines have no elevations. Also refuses drawings where only some layers have elevations,
     /// while the lines of others lie at 0, such as the map border or roads. Those lines would become contours at sea
     /// level.
-    pub fn check_elevations(&self, path: &Path, wanted: &Wanted, texts: u64) -> Result<()> {
+    pub fn check_elevations(&self, path: &Path, wanted: &LayerFilter, texts: u64) -> Result<()> {
         let with_lines = || self.0.iter().filter(|(layer, content)| wanted.has(layer) && content.lines > 0);
         let flat: Vec<&str> = with_lines()
             .filter(|(layer, content)| content.at_zero == content.lines && !says_contour(layer))

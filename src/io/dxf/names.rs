@@ -11,13 +11,13 @@ const FIRST_IN_UTF_8: u32 = 1021;
 
 /// The header's statements about the encoding of text.
 #[derive(Default)]
-pub(super) struct Script {
+pub(super) struct TextEncoding {
     /// The version number.
     version: Option<u32>,
     code_page: Option<&'static Encoding>,
 }
 
-impl Script {
+impl TextEncoding {
     /// Records `$ACADVER`, such as `AC1015`.
     pub fn note_version(&mut self, word: &[u8]) {
         self.version = std::str::from_utf8(word).ok().and_then(|w| w.strip_prefix("AC")).and_then(|w| w.parse().ok());
@@ -62,9 +62,9 @@ fn unescaped(text: &str) -> Cow<'_, str> {
 }
 
 /// The layers that the user named, separated by commas, which layer names cannot contain. Letter case is ignored.
-pub(super) struct Wanted(Option<Vec<String>>);
+pub(super) struct LayerFilter(Option<Vec<String>>);
 
-impl Wanted {
+impl LayerFilter {
     /// Selects all layers if none is named.
     pub fn new(named: Option<&str>) -> Self {
         Self(named.map(|named| named.split(',').map(|name| name.trim().to_lowercase()).collect()))
@@ -93,23 +93,23 @@ mod tests {
 
     #[test]
     fn text_in_every_encoding() {
-        let mut script = Script::default();
-        assert_eq!(script.text("等高線".as_bytes()), "等高線");
-        assert_eq!(script.text(b"H\xF6he"), "Höhe");
-        script.note_version(b"AC1015");
-        script.note_code_page(b"ANSI_932");
-        assert_eq!(script.text(b"\x93\x99\x8D\x82\x90\xFC"), "等高線");
-        script.note_version(b"AC1032");
-        assert_eq!(script.text("等高線".as_bytes()), "等高線");
-        assert_eq!(script.text(b"A\\U+7B49\\U+9AD8 \\U+zz \\U+D800 \\U+00e"), "A等高 \\U+zz \\U+D800 \\U+00e");
+        let mut encoding = TextEncoding::default();
+        assert_eq!(encoding.text("等高線".as_bytes()), "等高線");
+        assert_eq!(encoding.text(b"H\xF6he"), "Höhe");
+        encoding.note_version(b"AC1015");
+        encoding.note_code_page(b"ANSI_932");
+        assert_eq!(encoding.text(b"\x93\x99\x8D\x82\x90\xFC"), "等高線");
+        encoding.note_version(b"AC1032");
+        assert_eq!(encoding.text("等高線".as_bytes()), "等高線");
+        assert_eq!(encoding.text(b"A\\U+7B49\\U+9AD8 \\U+zz \\U+D800 \\U+00e"), "A等高 \\U+zz \\U+D800 \\U+00e");
     }
 
     #[test]
     fn layers_are_named_with_commas() {
-        let wanted = Wanted::new(Some("Kontur , INDEX"));
+        let wanted = LayerFilter::new(Some("Kontur , INDEX"));
         assert!(wanted.has("KONTUR") && wanted.has("index") && !wanted.has("0"));
         let layers = ["0".to_owned(), "Kontur".to_owned()];
         assert_eq!(wanted.missing(layers.iter()), Some("index"));
-        assert!(Wanted::new(None).has("anything") && !Wanted::new(None).is_named());
+        assert!(LayerFilter::new(None).has("anything") && !LayerFilter::new(None).is_named());
     }
 }

@@ -6,13 +6,13 @@ use std::io::{BufWriter, Result as Written, Write};
 use std::path::Path;
 
 /// The DXF file that is being written.
-pub(super) struct Groups {
+pub(super) struct GroupWriter {
     file: BufWriter<File>,
     /// The next free handle.
     handle: u64,
 }
 
-impl Groups {
+impl GroupWriter {
     /// Creates the file. `handle` is the first handle.
     pub fn create(path: &Path, handle: u64) -> Written<Self> {
         let file = File::create(path)?;

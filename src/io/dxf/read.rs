@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::entity::{Entity, HAS_HEIGHTS, IS_MESH, Plane, Polyline};
-use super::groups::Groups;
+use super::groups::GroupReader;
 use super::layers::Layers;
-use super::names::{Script, Wanted};
+use super::names::{LayerFilter, TextEncoding};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
@@ -20,7 +20,7 @@ const SURFACES: &[&str] =
     &["CIRCLE", "ELLIPSE", "SPLINE", "HATCH", "MPOLYGON", "REGION", "SOLID", "TRACE", "3DFACE", TILTED];
 
 /// Recognises drawings that are not text by their first bytes.
-fn known(bytes: &[u8]) -> Option<&'static str> {
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"AutoCAD Binary DXF") {
         Some("the file is a binary DXF; save it as text (ASCII DXF)")
     } else if bytes.starts_with(b"AC10") {
@@ -35,14 +35,14 @@ fn known(bytes: &[u8]) -> Option<&'static str> {
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. Blocks are not expanded.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = text::read(path, request.memory, known)?;
-    let mut groups = Groups::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
+    let bytes = text::read(path, request.memory, other_format)?;
+    let mut groups = GroupReader::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
     let mut drawing = Drawing {
         path,
         table: Table::new(request),
-        script: Script::default(),
+        encoding: TextEncoding::default(),
         unit: None,
-        wanted: Wanted::new(request.layer),
+        wanted: LayerFilter::new(request.layer),
         layers: Layers::default(),
         inserts: 0,
         texts: 0,
@@ -73,10 +73,10 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
 struct Drawing<'a> {
     path: &'a Path,
     table: Table,
-    script: Script,
+    encoding: TextEncoding,
     /// The code of the unit in the header.
     unit: Option<i64>,
-    wanted: Wanted,
+    wanted: LayerFilter,
     layers: Layers,
     inserts: u64,
     texts: u64,
@@ -86,7 +86,7 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    fn read_header(&mut self, groups: &mut Groups<'a>) -> Result<()> {
+    fn read_header(&mut self, groups: &mut GroupReader<'a>) -> Result<()> {
         loop {
             let group = groups.must("header")?;
             if group.code == 0 {
@@ -99,15 +99,15 @@ impl<'a> Drawing<'a> {
             let variable = group.word();
             let value = groups.must("header")?;
             match variable {
-                b"$ACADVER" => self.script.note_version(value.word()),
-                b"$DWGCODEPAGE" => self.script.note_code_page(value.word()),
+                b"$ACADVER" => self.encoding.note_version(value.word()),
+                b"$DWGCODEPAGE" => self.encoding.note_code_page(value.word()),
                 b"$INSUNITS" => self.unit = value.flags(self.path).ok(),
                 _ => groups.put_back(value),
             }
         }
     }
 
-    fn read_entities(&mut self, groups: &mut Groups<'a>) -> Result<()> {
+    fn read_entities(&mut self, groups: &mut GroupReader<'a>) -> Result<()> {
         loop {
             let group = groups.must("entities")?;
             if group.begins("EOF") {
@@ -124,7 +124,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    fn add(&mut self, kind: &[u8], entity: &Entity<'a>, groups: &mut Groups<'a>) -> Result<()> {
+    fn add(&mut self, kind: &[u8], entity: &Entity<'a>, groups: &mut GroupReader<'a>) -> Result<()> {
         // These entities are read together with the entity before them.
         let polyline = match kind {
             b"POLYLINE" => Some(self.read_polyline(entity, groups)?),
@@ -133,7 +133,7 @@ impl<'a> Drawing<'a> {
         };
         let number = self.number;
         self.number += 1;
-        let layer = entity.find(8).map_or_else(|| "0".to_owned(), |group| self.script.text(group.word()));
+        let layer = entity.find(8).map_or_else(|| "0".to_owned(), |group| self.encoding.text(group.word()));
         let is_line = matches!(kind, b"LWPOLYLINE" | b"LINE") || matches!(polyline, Some(Some(_)));
         self.layers.note(&layer, u64::from(is_line));
         if !self.wanted.has(&layer) {
@@ -186,7 +186,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// The line of a `POLYLINE` with the vertices that follow it; `None` if it is a mesh.
-    fn read_polyline(&mut self, entity: &Entity<'a>, groups: &mut Groups<'a>) -> Result<Option<Polyline>> {
+    fn read_polyline(&mut self, entity: &Entity<'a>, groups: &mut GroupReader<'a>) -> Result<Option<Polyline>> {
         let flags = entity.flags(70)?;
         let mut line = Polyline::new(flags);
         loop {

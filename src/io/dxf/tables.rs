@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::Result as Written;
 
-use super::output::Groups;
+use super::output::GroupWriter;
 use crate::io::layer::Bounds;
 
 /// Handle of the block that the entities belong to.
@@ -71,7 +71,7 @@ const OBJECTS: &[(i32, &str)] = &[
 ];
 
 /// Writes the sections before the entities. The value of each layer says whether it holds index contours.
-pub(super) fn write(out: &mut Groups, layers: &BTreeMap<&str, bool>, bounds: Bounds) -> Written<()> {
+pub(super) fn write(out: &mut GroupWriter, layers: &BTreeMap<&str, bool>, bounds: Bounds) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "CLASSES"), (0, "ENDSEC"), (0, "SECTION"), (2, "TABLES")])?;
     write_view(out, bounds)?;
     out.pairs(BEFORE)?;
@@ -106,12 +106,12 @@ pub(super) fn write(out: &mut Groups, layers: &BTreeMap<&str, bool>, bounds: Bou
 }
 
 /// Writes the section after the entities.
-pub(super) fn write_objects(out: &mut Groups) -> Written<()> {
+pub(super) fn write_objects(out: &mut GroupWriter) -> Written<()> {
     out.pairs(OBJECTS)
 }
 
 /// The view with which the drawing opens: its full extent.
-fn write_view(out: &mut Groups, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+fn write_view(out: &mut GroupWriter, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
     // Halves are added, because the sum of two finite numbers may be infinite.
     let half = |a: f64, b: f64| b / 2.0 - a / 2.0;
     let height = (2.0 * half(min_y, max_y).max(half(min_x, max_x) / 1.5)).clamp(1.0, f64::MAX);

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::output::Groups;
+use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
@@ -29,7 +29,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     let bounds = layer.rows.iter().fold(NO_BOUNDS, |bounds, row| joined(bounds, row.shape.bounds()));
     let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
     let run = || -> Written<()> {
-        let mut out = Groups::create(path, FIRST_HANDLE)?;
+        let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
         write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
         tables::write(&mut out, &layers, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
@@ -44,7 +44,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     run().map_err(|e| Error::io("write", path, e))
 }
 
-fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+fn write_header(out: &mut GroupWriter, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")])?;
     out.pairs(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED")])?;
     out.put(5, format_args!("{next_handle:X}"))?;
@@ -66,7 +66,7 @@ fn handles_of(row: &Row<'_>) -> u64 {
     }
 }
 
-fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> {
+fn write_shape(out: &mut GroupWriter, layer: &str, shape: &Shape<'_>) -> Written<()> {
     match shape {
         Shape::Contour(points, elevation) => write_level(out, layer, points, *elevation),
         Shape::Line(points) => write_climbing(out, layer, points),
@@ -80,7 +80,7 @@ fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> 
     }
 }
 
-fn write_level(out: &mut Groups, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
+fn write_level(out: &mut GroupWriter, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
     // A closed line does not repeat its first vertex. A line that only goes there and back is not closed.
     let bits = |p: &DVec2| p.to_array().map(f64::to_bits);
     let is_closed = points.len() > 3 && points.first().map(bits) == points.last().map(bits);
@@ -94,7 +94,7 @@ fn write_level(out: &mut Groups, layer: &str, points: &[DVec2], elevation: f64) 
     points.iter().try_for_each(|p| out.numbers(10, &p.to_array()))
 }
 
-fn write_climbing(out: &mut Groups, layer: &str, points: &[DVec3]) -> Written<()> {
+fn write_climbing(out: &mut GroupWriter, layer: &str, points: &[DVec3]) -> Written<()> {
     let line = out.begin_entity("POLYLINE", MODEL_SPACE, layer)?;
     out.pairs(&[(100, "AcDb3dPolyline"), (66, "1")])?;
     out.numbers(10, &[0.0; 3])?;

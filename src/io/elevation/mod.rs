@@ -20,7 +20,7 @@ const SAME_ELEVATION: f64 = 0.01;
 
 /// The source of the elevations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
+enum ElevationSource {
     Field(usize),
     Z,
 }
@@ -38,7 +38,7 @@ enum Outcome {
     /// There is no elevation, for this reason.
     Missing(String),
     /// The value is not a number, as described.
-    Wrong(String),
+    Invalid(String),
 }
 
 /// The contours and spot heights of a table.
@@ -61,12 +61,12 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     let depressions = depression::marks(&table);
     let mut contours = Vec::new();
     let mut first_reason = None;
-    let mut wrong = Wrong::default();
+    let mut invalid = InvalidValues::default();
     for feature in table.features {
         for Line { points, z } in feature.lines {
             match elevation(source, &table.fields, &item(feature.number, &feature.values, z)) {
                 Outcome::Known(elevation) => {
-                    wrong.known += 1;
+                    invalid.known += 1;
                     let points = finite_points(points, feature.number, elevation, &mut findings);
                     if !points.is_empty() {
                         contours.push(Contour { elevation, points, feature: feature.number });
@@ -76,14 +76,14 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
                     findings.push(left_out("line", feature.number, points.first(), &reason));
                     first_reason.get_or_insert(reason);
                 }
-                Outcome::Wrong(what) => {
+                Outcome::Invalid(what) => {
                     findings.push(left_out("line", feature.number, points.first(), &what));
-                    wrong.add(feature.number, what);
+                    invalid.add(feature.number, what);
                 }
             }
         }
     }
-    wrong.check(path)?;
+    invalid.check(path)?;
     if contours.is_empty() {
         let reason = first_reason.unwrap_or_else(|| "no vertex has finite coordinates".to_owned());
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
@@ -109,25 +109,25 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         ));
     }
     let mut points = Vec::new();
-    let mut wrong = Wrong::default();
+    let mut invalid = InvalidValues::default();
     for feature in &table.features {
         for spot in &feature.spots {
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
                 Outcome::Known(height) => {
-                    wrong.known += 1;
+                    invalid.known += 1;
                     keep_spot(spot, height, &mut points, &mut findings);
                 }
                 Outcome::Missing(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
-                Outcome::Wrong(what) => {
+                Outcome::Invalid(what) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &what));
-                    wrong.add(feature.number, what);
+                    invalid.add(feature.number, what);
                 }
             }
         }
     }
-    wrong.check(path)?;
+    invalid.check(path)?;
     if points.is_empty() {
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
@@ -163,7 +163,7 @@ pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -
                 heights.insert(item.feature, height);
             }
             Outcome::Missing(_) => {}
-            Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
+            Outcome::Invalid(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
         }
     }
     Ok(heights)
@@ -191,7 +191,7 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
         for spot in &feature.spots {
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
                 Outcome::Known(height) => keep_spot(spot, height, &mut spots, findings),
-                Outcome::Missing(reason) | Outcome::Wrong(reason) => {
+                Outcome::Missing(reason) | Outcome::Invalid(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
             }
@@ -201,13 +201,13 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
 }
 
 /// Decides which attribute or coordinate holds the elevations of all items. An unclear choice is an error.
-fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<Source> {
+fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<ElevationSource> {
     let constant_z = |item: &Item<'_>| item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
     let has_z = items.iter().any(|item| item.z.is_some());
     if let Some(named) = named {
         return match find_field(fields, named) {
-            Some(field) => Ok(Source::Field(field)),
-            None if has_z && named.eq_ignore_ascii_case("z") => Ok(Source::Z),
+            Some(field) => Ok(ElevationSource::Field(field)),
+            None if has_z && named.eq_ignore_ascii_case("z") => Ok(ElevationSource::Z),
             None => Err(Error::Data(format!("there is no field {named:?}; {}", field_list(fields)))),
         };
     }
@@ -223,7 +223,7 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
     candidates.sort_by_key(|&(count, field)| (std::cmp::Reverse(count), field));
     let Some(&(_, best)) = candidates.first() else {
         if z_is_usable {
-            return Ok(Source::Z);
+            return Ok(ElevationSource::Z);
         }
         let z = match (has_z, z_is_set) {
             (false, _) => ZCoordinate::Missing,
@@ -250,22 +250,22 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
             return doubt(format!("the field {a:?} ({elevation}) and the z coordinate ({z})"), true, item.feature);
         }
     }
-    Ok(Source::Field(best))
+    Ok(ElevationSource::Field(best))
 }
 
 /// The elevation of one item from the chosen source.
-fn elevation(source: Source, fields: &[Field], item: &Item<'_>) -> Outcome {
+fn elevation(source: ElevationSource, fields: &[Field], item: &Item<'_>) -> Outcome {
     let checked = |z: f64, what: &str| match z.is_finite() {
         true => Outcome::Known(z),
         false => Outcome::Missing(format!("{what} is {z}")),
     };
     match source {
-        Source::Z => match item.z {
+        ElevationSource::Z => match item.z {
             None => Outcome::Missing("it has no z".to_owned()),
             Some([lo, hi]) if lo == hi || lo.is_nan() => checked(lo, "its z"),
             Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is no contour")),
         },
-        Source::Field(index) => {
+        ElevationSource::Field(index) => {
             let name = &fields[index].name;
             match value(item, index) {
                 Value::Null => Outcome::Missing(format!("its field {name:?} is empty")),
@@ -273,7 +273,7 @@ fn elevation(source: Source, fields: &[Field], item: &Item<'_>) -> Outcome {
                 Value::Text(text) if text.trim().is_empty() => Outcome::Missing(format!("its field {name:?} is empty")),
                 Value::Text(text) => match text.trim().parse() {
                     Ok(z) => checked(z, &format!("its field {name:?}")),
-                    Err(_) => Outcome::Wrong(format!("the field {name:?} holds {text:?}, which is not a number")),
+                    Err(_) => Outcome::Invalid(format!("the field {name:?} holds {text:?}, which is not a number")),
                 },
             }
         }
@@ -336,21 +336,21 @@ fn field_list(fields: &[Field]) -> String {
 /// Lines or points whose value is not a number. If more items have a number, these are left out. Otherwise the
 /// attribute does not hold elevations, and that is an error.
 #[derive(Default)]
-struct Wrong {
+struct InvalidValues {
     known: usize,
-    wrong: usize,
+    invalid: usize,
     first: Option<(u64, String)>,
 }
 
-impl Wrong {
+impl InvalidValues {
     fn add(&mut self, feature: u64, what: String) {
-        self.wrong += 1;
+        self.invalid += 1;
         self.first.get_or_insert((feature, what));
     }
 
     fn check(self, path: &Path) -> Result<()> {
         match self.first {
-            Some((feature, what)) if self.wrong >= self.known => {
+            Some((feature, what)) if self.invalid >= self.known => {
                 Err(Error::file(path, format!("feature {feature}: {what}")))
             }
             _ => Ok(()),

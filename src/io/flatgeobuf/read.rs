@@ -18,13 +18,13 @@ const INDEX_ENTRY: u64 = 40;
 
 /// Reads a file. Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let mut source = Source::open(path)?;
+    let mut reader = FileReader::open(path)?;
     let mut magic = [0; 8];
-    if source.left < 12 || source.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {
+    if reader.remaining < 12 || reader.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {
         return Err(Error::file(path, "the file is not a FlatGeobuf of version 3, or it is broken"));
     }
     let mut header = Vec::new();
-    source.chunk(&mut header, "the header")?;
+    reader.chunk(&mut header, "the header")?;
     let header = size_prefixed_root_as_header(&header)
         .map_err(|e| Error::file_cause(path, "the header of the file is broken", e))?;
     let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -34,22 +34,22 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     }
     let mut table = Table::new(request);
     (table.crs, table.crs_problem) = crs_of(&header);
-    source.skip_index(&header)?;
+    reader.skip_index(&header)?;
 
     let fields = properties::columns(header.columns().into_iter().flat_map(|c| c.iter()), &mut table);
     let count = header.features_count();
     let mut buffer = Vec::new();
     let mut number = 0;
     // A file that was streamed does not state its feature count; it ends after its last feature.
-    while if count == 0 { source.left > 0 } else { number < count } {
+    while if count == 0 { reader.remaining > 0 } else { number < count } {
         let broken = |what: String| Error::file(path, format!("feature {number}: {what}; the file is broken"));
-        if source.left == 0 {
+        if reader.remaining == 0 {
             return Err(Error::file(
                 path,
                 format!("the file ends after {number} of {count} features; it is not complete"),
             ));
         }
-        source.chunk(&mut buffer, &format!("feature {number}"))?;
+        reader.chunk(&mut buffer, &format!("feature {number}"))?;
         let read = size_prefixed_root_as_feature(&buffer)
             .map_err(|e| Error::file_cause(path, format!("feature {number} is broken"), e))?;
         let mut feature = Feature { number, ..Feature::default() };
@@ -66,30 +66,31 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         table.push(feature);
         number += 1;
     }
-    if source.left > 0 {
-        let message = format!("there are {} bytes after the last of {count} features; the file is broken", source.left);
+    if reader.remaining > 0 {
+        let message =
+            format!("there are {} bytes after the last of {count} features; the file is broken", reader.remaining);
         return Err(Error::file(path, message));
     }
     Ok(table)
 }
 
 /// A file and the number of bytes that are not read yet.
-struct Source<'a> {
+struct FileReader<'a> {
     path: &'a Path,
     file: BufReader<File>,
-    left: u64,
+    remaining: u64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> FileReader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
-        let left = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-        Ok(Self { path, file: BufReader::with_capacity(1 << 16, file), left })
+        let remaining = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+        Ok(Self { path, file: BufReader::with_capacity(1 << 16, file), remaining })
     }
 
     fn fill(&mut self, bytes: &mut [u8]) -> Result<()> {
         self.file.read_exact(bytes).map_err(|e| Error::io("read", self.path, e))?;
-        self.left = self.left.saturating_sub(bytes.len() as u64);
+        self.remaining = self.remaining.saturating_sub(bytes.len() as u64);
         Ok(())
     }
 
@@ -98,17 +99,17 @@ impl<'a> Source<'a> {
         let cut =
             || Error::file(self.path, format!("the file ends within {what}; it is not complete, or it is broken"));
         let mut length = [0; 4];
-        if self.left < 4 {
+        if self.remaining < 4 {
             return Err(cut());
         }
         // The length must not exceed the rest of the file. Then a damaged length cannot allocate memory.
-        let rest = self.left - 4;
+        let rest = self.remaining - 4;
         self.file.read_exact(&mut length).map_err(|e| Error::io("read", self.path, e))?;
         let size = u32::from_le_bytes(length) as usize;
         if size as u64 > rest {
             return Err(cut());
         }
-        self.left = rest;
+        self.remaining = rest;
         buffer.clear();
         buffer.resize(size + 4, 0);
         buffer[..4].copy_from_slice(&length);
@@ -116,12 +117,12 @@ impl<'a> Source<'a> {
     }
 
     fn skip_index(&mut self, header: &Header<'_>) -> Result<()> {
-        let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.left)
+        let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.remaining)
         else {
             let message = "the file ends within its spatial index; it is not complete, or it is broken";
             return Err(Error::file(self.path, message));
         };
-        self.left -= size;
+        self.remaining -= size;
         let size = i64::try_from(size).expect("no file is longer");
         self.file.seek_relative(size).map_err(|e| Error::io("read", self.path, e))
     }

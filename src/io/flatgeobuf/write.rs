@@ -13,13 +13,13 @@ use crate::crs::Crs;
 use crate::io::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
 
 /// The largest number of vertices per feature: a feature's table ends at 2 GB, and a vertex takes 24 bytes.
-const MOST_VERTICES: usize = 80_000_000;
+const MAX_VERTICES: usize = 80_000_000;
 
 /// Writes one file: the header, the spatial index, then the features in the order of the index.
 ///
 /// Missing attribute values are omitted. The system is written as EPSG code and WKT if they are known.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
-    if layer.rows.iter().any(|row| row.shape.vertex_count() > MOST_VERTICES) {
+    if layer.rows.iter().any(|row| row.shape.vertex_count() > MAX_VERTICES) {
         let message = "a feature does not fit into a FlatGeobuf; write a GeoPackage (.gpkg) instead";
         return Err(Error::file(path, message));
     }

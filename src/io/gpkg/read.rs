@@ -16,13 +16,13 @@ use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 struct Layer {
     table: String,
     geometry: String,
-    content: Content,
+    content: LayerGeometry,
     srs_id: i64,
 }
 
 /// The kind of geometry in a layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Content {
+enum LayerGeometry {
     Lines,
     Points,
     Polygons,
@@ -69,7 +69,8 @@ fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
     )?;
     let rows = statement.query_map([], |row| {
         let kind: String = row.get(2)?;
-        let layer = Layer { table: row.get(0)?, geometry: row.get(1)?, content: Content::Other, srs_id: row.get(3)? };
+        let layer =
+            Layer { table: row.get(0)?, geometry: row.get(1)?, content: LayerGeometry::Other, srs_id: row.get(3)? };
         Ok((layer, kind))
     })?;
     let mut layers = Vec::new();
@@ -84,26 +85,26 @@ fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
     Ok(layers)
 }
 
-fn content_of(kind: &str) -> Content {
+fn content_of(kind: &str) -> LayerGeometry {
     match kind.to_ascii_uppercase().as_str() {
-        "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => Content::Lines,
-        "POINT" | "MULTIPOINT" => Content::Points,
-        "POLYGON" | "MULTIPOLYGON" | "SURFACE" | "CURVEPOLYGON" | "MULTISURFACE" => Content::Polygons,
-        _ => Content::Other,
+        "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => LayerGeometry::Lines,
+        "POINT" | "MULTIPOINT" => LayerGeometry::Points,
+        "POLYGON" | "MULTIPOLYGON" | "SURFACE" | "CURVEPOLYGON" | "MULTISURFACE" => LayerGeometry::Polygons,
+        _ => LayerGeometry::Other,
     }
 }
 
 /// A layer may declare "any geometry". Then its first geometry decides.
-fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<Content> {
+fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<LayerGeometry> {
     let (table, geometry) = (quoted(&layer.table), quoted(&layer.geometry));
     let sql = format!("SELECT {geometry} FROM {table} WHERE {geometry} IS NOT NULL LIMIT 1");
     let blob: Option<Vec<u8>> = db.query_row(&sql, [], |row| row.get(0)).optional().unwrap_or(None);
     let kind = blob.and_then(|blob| wkb::without_header(&blob).ok().flatten().and_then(|wkb| wkb::type_name(wkb).ok()));
     Ok(match kind {
         // A collection most likely holds contours.
-        Some("GeometryCollection") => Content::Lines,
+        Some("GeometryCollection") => LayerGeometry::Lines,
         Some(kind) => content_of(kind),
-        None => Content::Other,
+        None => LayerGeometry::Other,
     })
 }
 
@@ -122,8 +123,8 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
             None => Err(Error::file(path, format!("there is no layer {wanted:?}; its layers are {}", names(&all)))),
         };
     }
-    let of = |content: Content| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
-    let (lines, points, polygons) = (of(Content::Lines), of(Content::Points), of(Content::Polygons));
+    let of = |content: LayerGeometry| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
+    let (lines, points, polygons) = (of(LayerGeometry::Lines), of(LayerGeometry::Points), of(LayerGeometry::Polygons));
     let (wanted, what) = match request.purpose {
         Purpose::Contours => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),

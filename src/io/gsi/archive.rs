@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 
 use zip::ZipArchive;
 
-use super::meter::{LARGEST_DOCUMENT, Metered, Source};
+use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::xml::unreadable;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 
 /// The largest nesting depth of archives in archives, and of folders in folders.
-const DEEPEST: usize = 3;
+const MAX_DEPTH: usize = 3;
 
 /// Everything that is unpacked may be this many times as large as the archive. Height maps that are mostly sea compress
 /// 200 times, all others less.
@@ -32,7 +32,7 @@ const BUFFER: usize = 1 << 17;
 
 /// What the walk through a path found.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct WalkReport {
     /// Number of documents that were visited.
     pub visited: u64,
     /// Items that were skipped, and how many documents of each.
@@ -45,7 +45,7 @@ pub(super) struct Seen {
     repeated: Vec<[PathBuf; 2]>,
 }
 
-impl Seen {
+impl WalkReport {
     /// Reports documents that exist twice, such as in a folder that holds an archive and its unpacked content.
     pub fn note_repeated(&self, findings: &mut Vec<Finding>) {
         for [read, passed] in &self.repeated {
@@ -56,25 +56,25 @@ impl Seen {
 }
 
 /// The function that reads a document. The path is the document's name for messages.
-pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut Source<'_>) -> Result<()>;
+pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut DocumentReader<'_>) -> Result<()>;
 
 struct Walk<'v> {
     wanted: &'v dyn Fn(&str) -> bool,
     visit: Visit<'v>,
-    seen: Seen,
+    report: WalkReport,
 }
 
 /// Visits the documents of a path whose item is `wanted`, or whose name does not give the item. A document that `path`
 /// itself names is always visited.
-pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<Seen> {
-    let mut walk = Walk { wanted, visit, seen: Seen::default() };
+pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<WalkReport> {
+    let mut walk = Walk { wanted, visit, report: WalkReport::default() };
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_dir() {
         walk.folder(path, 0)?;
     } else {
         walk.file(path)?;
     }
-    Ok(walk.seen)
+    Ok(walk.report)
 }
 
 impl Walk<'_> {
@@ -91,7 +91,7 @@ impl Walk<'_> {
             let inner = path.join(&name);
             let name = name.to_string_lossy();
             if is_folder {
-                if depth < DEEPEST {
+                if depth < MAX_DEPTH {
                     self.folder(&inner, depth + 1)?;
                 }
             } else if !is_served(&name) {
@@ -114,8 +114,8 @@ impl Walk<'_> {
             return Ok(());
         }
         let mut file = BufReader::with_capacity(BUFFER, file);
-        self.seen.visited += 1;
-        (self.visit)(path, &mut Metered::new(&mut file, LARGEST_DOCUMENT))
+        self.report.visited += 1;
+        (self.visit)(path, &mut LimitedReader::new(&mut file, MAX_DOCUMENT_LENGTH))
     }
 
     /// Whether a document of this name was visited before; if so, it is noted. Only names in GSI's form are compared.
@@ -123,9 +123,9 @@ impl Walk<'_> {
         if !is_served(name) {
             return false;
         }
-        match self.seen.documents.entry(name.to_ascii_lowercase()) {
+        match self.report.documents.entry(name.to_ascii_lowercase()) {
             Entry::Occupied(entry) => {
-                self.seen.repeated.push([entry.get().clone(), path.to_owned()]);
+                self.report.repeated.push([entry.get().clone(), path.to_owned()]);
                 true
             }
             Entry::Vacant(entry) => {
@@ -167,22 +167,22 @@ impl Walk<'_> {
             let entry = archive
                 .by_index(index)
                 .map_err(|e| Error::file_cause(&inner, "it cannot be unpacked; unpack the archive first", e))?;
-            let limit = LARGEST_DOCUMENT.min(*budget);
+            let limit = MAX_DOCUMENT_LENGTH.min(*budget);
             let mut entry = BufReader::with_capacity(BUFFER, entry);
-            let mut source: Source<'_> = Metered::new(&mut entry, limit);
+            let mut source: DocumentReader<'_> = LimitedReader::new(&mut entry, limit);
             if has_extension(Path::new(&short), "zip") {
-                if depth >= DEEPEST {
+                if depth >= MAX_DEPTH {
                     return Err(Error::file(&inner, "archives lie in each other too deep; unpack them first"));
                 }
                 let mut unpacked = tempfile::SpooledTempFile::new(INNER_IN_MEMORY);
                 unlimited_copy(&mut source, &mut unpacked).map_err(|e| unreadable(&inner, e))?;
-                *budget = budget.saturating_sub(limit - source.left());
+                *budget = budget.saturating_sub(limit - source.remaining());
                 unpacked.rewind().map_err(|e| unreadable(&inner, e))?;
                 self.archive(&inner, BufReader::with_capacity(BUFFER, unpacked), depth + 1, budget)?;
             } else {
-                self.seen.visited += 1;
+                self.report.visited += 1;
                 (self.visit)(&inner, &mut source)?;
-                *budget = budget.saturating_sub(limit - source.left());
+                *budget = budget.saturating_sub(limit - source.remaining());
             }
         }
         Ok(())
@@ -194,20 +194,20 @@ impl Walk<'_> {
         if (self.wanted)(&item) {
             return true;
         }
-        *self.seen.others.entry(item).or_default() += 1;
+        *self.report.others.entry(item).or_default() += 1;
         false
     }
 
     fn note_foreign(&mut self, name: &str) {
         let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         if ["shp", "geojson", "json", "gpkg", "fgb", "dxf", "kml", "gml"].contains(&extension.as_str()) {
-            self.seen.foreign.get_or_insert(extension);
+            self.report.foreign.get_or_insert(extension);
         }
     }
 }
 
 /// Copies with a fresh limit for every block, because an archive is not one item of a document.
-fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
+fn unlimited_copy(source: &mut DocumentReader<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
     let mut buffer = vec![0; BUFFER];
     loop {
         source.next_item();
@@ -243,8 +243,8 @@ pub(super) fn item_of(name: &str) -> Option<String> {
 }
 
 /// An error that states what was expected and what was found.
-pub(super) fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
-    if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
+pub(super) fn nothing(path: &Path, report: &WalkReport, wanted: &str) -> Error {
+    if let Some(foreign) = report.foreign.as_ref().filter(|_| report.visited == 0 && report.others.is_empty()) {
         let message = match path.is_dir() {
             true => {
                 format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file")
@@ -253,10 +253,10 @@ pub(super) fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
         };
         return Error::file(path, message);
     }
-    let mut found: Vec<String> = seen.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
-    if seen.visited > 0 {
-        let noun = if seen.visited == 1 { "document" } else { "documents" };
-        found.push(format!("{} {noun} without one", seen.visited));
+    let mut found: Vec<String> = report.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
+    if report.visited > 0 {
+        let noun = if report.visited == 1 { "document" } else { "documents" };
+        found.push(format!("{} {noun} without one", report.visited));
     }
     let found = if found.is_empty() {
         "no file FG-GML-….xml or FG-GML-….zip is in it".to_owned()

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::archive::item_of;
 use super::datum::Datums;
 use super::mesh::{Mesh, cells_per_degree};
-use super::meter::Source;
+use super::meter::DocumentReader;
 use super::product::Product;
 use super::tuples::TupleList;
 use super::xml::{Step, Xml};
@@ -35,7 +35,7 @@ pub(super) struct Tile {
 
 /// The content of a height map that was read so far.
 #[derive(Default)]
-struct Draft {
+struct PartialTile {
     kind: String,
     code: String,
     date: String,
@@ -43,13 +43,13 @@ struct Draft {
     low: String,
     high: String,
     start: String,
-    frame: Option<Frame>,
+    grid: Option<TileGrid>,
     heights: Vec<f32>,
 }
 
 /// What must be known before the heights are read.
 #[derive(Clone, Copy)]
-struct Frame {
+struct TileGrid {
     mesh: Mesh,
     product: Product,
     cols: usize,
@@ -57,9 +57,14 @@ struct Frame {
 }
 
 /// Appends the height maps of a document.
-pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, tiles: &mut Vec<Tile>) -> Result<()> {
+pub(super) fn read(
+    path: &Path,
+    source: &mut DocumentReader<'_>,
+    datums: &mut Datums,
+    tiles: &mut Vec<Tile>,
+) -> Result<()> {
     let mut xml = Xml::new(path, source)?;
-    let mut draft: Option<Draft> = None;
+    let mut partial: Option<PartialTile> = None;
     let mut text = String::new();
     loop {
         match xml.next()? {
@@ -67,9 +72,9 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                 check_root(&xml)?;
                 text.clear();
                 if xml.depth() == 2 && xml.name() == "DEM" {
-                    draft = Some(Draft::default());
+                    partial = Some(PartialTile::default());
                 }
-                let Some(draft) = &mut draft else { continue };
+                let Some(partial) = &mut partial else { continue };
                 if let Some(name) = xml.attribute("srsName") {
                     datums.note(path, name)?;
                 }
@@ -79,19 +84,19 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                     return Err(xml.error(message));
                 }
                 if xml.name() == "tupleList" {
-                    let frame = draft.frame(path)?;
-                    draft.frame = Some(frame);
-                    draft.heights = tuple_list(&mut xml, frame.cols * frame.rows)?;
+                    let grid = partial.grid(path)?;
+                    partial.grid = Some(grid);
+                    partial.heights = tuple_list(&mut xml, grid.cols * grid.rows)?;
                 }
             }
             // Long texts are never needed here.
-            Step::Text if draft.is_some() && text.len() < 1000 => text.push_str(xml.text()),
+            Step::Text if partial.is_some() && text.len() < 1000 => text.push_str(xml.text()),
             Step::Text => {}
             Step::End if xml.depth() == 1 && xml.name() == "DEM" => {
-                tiles.extend(draft.take().map(|draft| draft.tile(path)).transpose()?);
+                tiles.extend(partial.take().map(|partial| partial.tile(path)).transpose()?);
             }
             Step::End => {
-                if let Some(field) = draft.as_mut().and_then(|draft| draft.field(xml.name())) {
+                if let Some(field) = partial.as_mut().and_then(|partial| partial.field(xml.name())) {
                     text.trim().clone_into(field);
                 }
                 text.clear();
@@ -131,7 +136,7 @@ fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     Ok(list.heights)
 }
 
-impl Draft {
+impl PartialTile {
     fn field(&mut self, name: &str) -> Option<&mut String> {
         Some(match name {
             "type" => &mut self.kind,
@@ -146,7 +151,7 @@ impl Draft {
         })
     }
 
-    fn frame(&self, path: &Path) -> Result<Frame> {
+    fn grid(&self, path: &Path) -> Result<TileGrid> {
         let wrong = |message: String| Error::file(path, message);
         let mesh = Mesh::of_code(&self.code)
             .ok_or_else(|| wrong(format!("the mesh code {:?} is not known; one has 4, 6 or 8 digits", self.code)))?;
@@ -175,12 +180,12 @@ impl Draft {
             }
         }
         // Both are below the limit that was checked above.
-        Ok(Frame { mesh, product, cols: cols as usize, rows: rows as usize })
+        Ok(TileGrid { mesh, product, cols: cols as usize, rows: rows as usize })
     }
 
     fn tile(self, path: &Path) -> Result<Tile> {
         let wrong = |message: String| Error::file(path, message);
-        let Some(Frame { mesh, product, cols, rows }) = self.frame else {
+        let Some(TileGrid { mesh, product, cols, rows }) = self.grid else {
             return Err(wrong("there is no tuple list in it".to_owned()));
         };
         let (cells, count) = (cols * rows, self.heights.len());

@@ -37,7 +37,7 @@ use crate::base::error::{Report, Result};
 use crate::dem::Dem;
 use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
-use meter::Source;
+use meter::DocumentReader;
 use xml::unreadable;
 
 /// The content of a document is recognised from this many bytes.
@@ -61,7 +61,7 @@ pub struct GsiDem {
 pub(super) fn is_height_map(path: &Path) -> Result<bool> {
     let (mut has_heights, mut has_contours) = (false, false);
     let wanted = |item: &str| item.starts_with("DEM") || item == "Cntr";
-    let mut look = |name: &Path, source: &mut Source<'_>| {
+    let mut look = |name: &Path, source: &mut DocumentReader<'_>| {
         let document = name.to_string_lossy();
         let item = item_of(document.rsplit(['/', '\\', '!']).next().unwrap_or_default());
         match item.as_deref() {
@@ -94,11 +94,11 @@ pub(super) fn is_height_map(path: &Path) -> Result<bool> {
 pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
     let (mut datums, mut tiles, mut findings) = (Datums::default(), Vec::new(), Vec::new());
     let wanted = |item: &str| item.starts_with("DEM");
-    let seen = each_document(path, &wanted, &mut |path, source| dem::read(path, source, &mut datums, &mut tiles))?;
+    let report = each_document(path, &wanted, &mut |path, source| dem::read(path, source, &mut datums, &mut tiles))?;
     if tiles.is_empty() {
-        return Err(nothing(path, &seen, "height map (DEM1A, DEM5A, DEM5B, DEM5C, DEM10A, DEM10B)"));
+        return Err(nothing(path, &report, "height map (DEM1A, DEM5A, DEM5B, DEM5C, DEM10A, DEM10B)"));
     }
-    seen.note_repeated(&mut findings);
+    report.note_repeated(&mut findings);
     let (mut dem, product) = mosaic::mosaic(path, tiles, &mut findings)?;
     dem.crs = datums.crs(&mut findings);
     Ok(Report { value: GsiDem { dem, product }, findings })

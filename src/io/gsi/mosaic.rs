@@ -16,7 +16,7 @@ use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::dem::Dem;
 
 /// The largest number of cells of a height map; they take 4 GB.
-const MOST_CELLS: i64 = 1 << 30;
+const MAX_CELLS: i64 = 1 << 30;
 
 /// Places squares of one product on their common grid. Cells of missing squares have no height.
 pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Finding>) -> Result<(Dem, Product)> {
@@ -47,9 +47,9 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
     let (west, east) = (fold(|m| m.west, i64::min), fold(|m| m.west + m.width, i64::max));
     let (south, north) = (fold(|m| m.south, i64::min), fold(|m| m.south + m.height, i64::max));
     let count = (east - west) * (north - south);
-    if count > MOST_CELLS {
+    if count > MAX_CELLS {
         let message = format!(
-            "the box around all its squares has {} x {} cells, more than {MOST_CELLS}; read fewer squares at a time",
+            "the box around all its squares has {} x {} cells, more than {MAX_CELLS}; read fewer squares at a time",
             east - west,
             north - south
         );
@@ -80,12 +80,12 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
 fn note_repeated(tiles: &[Tile], findings: &mut Vec<Finding>) {
     let mut seen: HashMap<Mesh, &Tile> = HashMap::new();
     for tile in tiles {
-        if let Some(below) = seen.insert(tile.mesh, tile) {
+        if let Some(older) = seen.insert(tile.mesh, tile) {
             let [[lat, lon], _] = tile.mesh.corners();
             let message = format!(
                 "the square {} is in {} and in {}; where both have heights those of the second are taken",
                 tile.code,
-                below.path.display(),
+                older.path.display(),
                 tile.path.display()
             );
             findings.push(Finding::at(FindingKind::RepeatedMesh, DVec2::new(lon, lat), message));

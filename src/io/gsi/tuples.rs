@@ -8,7 +8,7 @@
 const NO_DATA: f64 = -9999.0;
 
 /// A longer line cannot be a cell, bytes.
-const LONGEST_LINE: usize = 200;
+const MAX_LINE_LENGTH: usize = 200;
 
 /// A list that is not read completely.
 pub(super) struct TupleList {
@@ -64,7 +64,7 @@ impl TupleList {
     }
 
     fn check_length(&self, length: usize) -> Result<(), String> {
-        if length > LONGEST_LINE {
+        if length > MAX_LINE_LENGTH {
             return Err(format!("line {} of the tuple list is too long for a cell", self.line));
         }
         Ok(())

@@ -8,11 +8,11 @@ use encoding_rs::{Encoding, UTF_8};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
-use super::meter::Source;
+use super::meter::DocumentReader;
 use crate::base::error::{Cause, Error, Result};
 
 /// The largest nesting depth of elements. Published documents reach about 12.
-const DEEPEST: usize = 100;
+const MAX_DEPTH: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
 const ATTRIBUTES: [&str; 3] = ["srsName", "srsDimension", "order"];
@@ -32,7 +32,7 @@ pub(super) enum Step {
 
 /// A document that is read from start to end.
 pub(super) struct Xml<'a, 's> {
-    reader: Reader<&'a mut Source<'s>>,
+    reader: Reader<&'a mut DocumentReader<'s>>,
     buffer: Vec<u8>,
     encoding: &'static Encoding,
     path: &'a Path,
@@ -45,7 +45,7 @@ pub(super) struct Xml<'a, 's> {
 
 impl<'a, 's> Xml<'a, 's> {
     /// Starts a document; `path` is its name for messages.
-    pub fn new(path: &'a Path, source: &'a mut Source<'s>) -> Result<Self> {
+    pub fn new(path: &'a Path, source: &'a mut DocumentReader<'s>) -> Result<Self> {
         let start = source.fill_buf().map_err(|e| unreadable(path, e))?;
         if start.starts_with(b"\xfe\xff") || start.starts_with(b"\xff\xfe") {
             return Err(Error::file(path, "the document is encoded in UTF-16; convert it to UTF-8"));
@@ -112,7 +112,7 @@ impl<'a, 's> Xml<'a, 's> {
                 Event::Start(start) => {
                     self.depth += 1;
                     self.seen_root = true;
-                    if self.depth > DEEPEST {
+                    if self.depth > MAX_DEPTH {
                         return Err(Error::file(self.path, "its elements lie in each other too deep for this format"));
                     }
                     set(&mut self.name, start.local_name().as_ref());
@@ -219,11 +219,11 @@ fn attributes(start: &BytesStart<'_>) -> [Option<String>; ATTRIBUTES.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::gsi::meter::Metered;
+    use crate::io::gsi::meter::LimitedReader;
 
     fn steps(text: &[u8]) -> Result<Vec<String>> {
         let mut bytes = text;
-        let mut source: Source<'_> = Metered::new(&mut bytes, 1 << 20);
+        let mut source: DocumentReader<'_> = LimitedReader::new(&mut bytes, 1 << 20);
         let mut xml = Xml::new(Path::new("a.zip!b.xml"), &mut source)?;
         let mut steps = Vec::new();
         loop {

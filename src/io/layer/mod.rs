@@ -7,8 +7,8 @@ mod contours;
 mod features;
 mod findings;
 mod landforms;
-mod moved;
 mod repaired;
+mod reprojected;
 mod skeleton;
 mod steep;
 
@@ -17,7 +17,7 @@ pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_nam
 pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 pub use findings::of_findings;
 pub use landforms::of_landforms;
-pub(super) use moved::MovedShapes;
 pub use repaired::{of_map, of_spots};
+pub(super) use reprojected::ReprojectedShapes;
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 pub use steep::steep_areas;

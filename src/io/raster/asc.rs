@@ -20,7 +20,7 @@ use crate::dem::Dem;
 use crate::io::text;
 
 /// The longest word that is accepted. Doubles written out in full have about 330 digits.
-const LONGEST_WORD: usize = 512;
+const MAX_WORD_LENGTH: usize = 512;
 
 /// The nodata value of files that do not name theirs.
 const USUAL_NODATA: f64 = -9999.0;
@@ -93,11 +93,11 @@ impl Words {
             text::without_zeros(path, &buffer[..skipped], self.offset)?;
             let rest = &buffer[skipped..];
             let length = rest.iter().position(|&b| b <= b' ').unwrap_or(rest.len());
-            self.word.extend_from_slice(&rest[..length.min(LONGEST_WORD + 1)]);
+            self.word.extend_from_slice(&rest[..length.min(MAX_WORD_LENGTH + 1)]);
             let is_whole = length < rest.len();
             self.offset += (skipped + length) as u64;
             self.input.consume(skipped + length);
-            if self.word.len() > LONGEST_WORD {
+            if self.word.len() > MAX_WORD_LENGTH {
                 return Err(Error::file(path, "is not an ESRI ASCII grid, which holds words and numbers"));
             }
             if is_whole && !self.word.is_empty() {

@@ -26,7 +26,7 @@ const WHITE_IS_ZERO: u16 = 0;
 const IS_MASK: u32 = 4;
 
 /// The largest number of overviews and masks that are checked.
-const MOST_SUBFILES: usize = 64;
+const MAX_SUBFILES: usize = 64;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     read_band(path, 0)
@@ -280,7 +280,7 @@ fn copy(decoded: &DecodingResult, start: usize, samples: usize, out: &mut [f32],
 
 /// A mask marks cells without data. Without it, their values would be treated as heights.
 fn refuse_mask<R: std::io::Read + std::io::Seek>(path: &Path, decoder: &mut tiff::decoder::Decoder<R>) -> Result<()> {
-    for _ in 0..MOST_SUBFILES {
+    for _ in 0..MAX_SUBFILES {
         // Overviews that cannot be read do not matter for the height map.
         if !decoder.more_images() || decoder.next_image().is_err() {
             break;

@@ -5,18 +5,18 @@ use std::path::Path;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 
 /// The largest number of cells of a height map; each takes four bytes of memory.
-const MOST_CELLS: u64 = 4_000_000_000;
+const MAX_CELLS: u64 = 4_000_000_000;
 
 /// The largest number of cells per byte of a file. Rasters with missing empty tiles come close to it.
 const CELLS_PER_BYTE: u64 = 16_384;
 
 /// Refuses a size that the file cannot hold. A header can state any size, and memory is allocated for it.
 pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<u64> {
-    let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MOST_CELLS);
+    let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MAX_CELLS);
     let Some(cells) = cells else {
         return Err(Error::file(
             path,
-            format!("has {cols} x {rows} cells; a height map has one at least and {MOST_CELLS} at most. Cut it first"),
+            format!("has {cols} x {rows} cells; a height map has one at least and {MAX_CELLS} at most. Cut it first"),
         ));
     };
     if cells / CELLS_PER_BYTE > file_length {

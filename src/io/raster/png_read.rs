@@ -25,7 +25,7 @@ const WEB_MERCATOR: u32 = 3857;
 const SIDE_MEMORY: usize = 64 << 20;
 
 /// The largest ratio of decompressed to deflated bytes, rounded up.
-const MOST_DEFLATED: u64 = 1100;
+const MAX_DEFLATE_RATIO: u64 = 1100;
 
 /// The range of heights on Earth, metres. Colours outside it belong to an ordinary picture.
 const EARTH: std::ops::RangeInclusive<f64> = -12_000.0..=9_500.0;
@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     check_size(path, width.into(), height.into(), length)?;
     decoder.set_limits(Limits { bytes: SIDE_MEMORY.saturating_add(width as usize * 16) });
     let mut reader = decoder.read_info().map_err(wrong)?;
-    let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MOST_DEFLATED <= length);
+    let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MAX_DEFLATE_RATIO <= length);
     let Some(bytes) = bytes else {
         let message = format!("claims {width} x {height} cells, but is only {length} bytes long: the file is broken");
         return Err(Error::file(path, message));
@@ -134,8 +134,8 @@ fn system(path: &Path, own: Option<Crs>, beside: Option<Crs>) -> Result<Option<C
 }
 
 fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
-    let is_told = |aux: &Aux| aux.scale.is_some() || aux.offset.is_some() || aux.unit.is_some();
-    if own.scale.is_none() && !beside.as_ref().is_some_and(is_told) {
+    let has_coding = |aux: &Aux| aux.scale.is_some() || aux.offset.is_some() || aux.unit.is_some();
+    if own.scale.is_none() && !beside.as_ref().is_some_and(has_coding) {
         let message = "is a grey picture that does not say how its values become heights; write an .aux.xml with Scale \
                        and Offset beside it, for example with 'gdal_translate -a_scale 0.1 -a_offset 0'";
         return Err(Error::file(path, message));

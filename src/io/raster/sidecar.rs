@@ -78,13 +78,13 @@ pub(super) struct Aux {
 }
 
 /// The largest sidecar file that is read, bytes. Files with statistics of many bands have some hundred kilobytes.
-const LARGEST: u64 = 64 << 20;
+const MAX_LENGTH: u64 = 64 << 20;
 
 /// The content of a small text file, if it exists.
 pub(super) fn read_text(path: &Path) -> Result<Option<String>> {
     match std::fs::metadata(path) {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Ok(meta) if meta.len() > LARGEST => {
+        Ok(meta) if meta.len() > MAX_LENGTH => {
             return Err(Error::file(path, "is too large for a file that describes a raster"));
         }
         _ => {}

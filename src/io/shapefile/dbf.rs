@@ -116,7 +116,7 @@ const NUMBER_DECIMALS: u8 = 15;
 const INT_WIDTH: u8 = 18;
 
 /// The largest length of a text field, bytes.
-const LONGEST_TEXT: u8 = 254;
+const MAX_TEXT_LENGTH: u8 = 254;
 
 /// Width of a column, bytes per record.
 fn width(column: &Column) -> u8 {
@@ -124,7 +124,7 @@ fn width(column: &Column) -> u8 {
         Kind::Real => NUMBER_WIDTH,
         Kind::Int => INT_WIDTH,
         Kind::Text(width) => width,
-        Kind::LongText => LONGEST_TEXT,
+        Kind::LongText => MAX_TEXT_LENGTH,
         Kind::Bool => 1,
     }
 }

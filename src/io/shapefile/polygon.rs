@@ -15,16 +15,19 @@ pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
     if rings.len() == 1 {
         return vec![rings];
     }
-    let nodes: Vec<Node> = rings.iter().map(|ring| Node::new(ring)).collect();
-    let around: Vec<Vec<usize>> = (0..nodes.len())
-        .map(|inner| (0..nodes.len()).filter(|&outer| outer != inner && nodes[outer].holds(&nodes[inner])).collect())
+    let measured: Vec<MeasuredRing> = rings.iter().map(|ring| MeasuredRing::new(ring)).collect();
+    let enclosing: Vec<Vec<usize>> = (0..measured.len())
+        .map(|inner| {
+            (0..measured.len()).filter(|&outer| outer != inner && measured[outer].holds(&measured[inner])).collect()
+        })
         .collect();
-    let innermost = |ring: usize| around[ring].iter().copied().min_by(|&a, &b| nodes[a].area.total_cmp(&nodes[b].area));
-    let is_even = |ring: usize| around[ring].len().is_multiple_of(2);
+    let innermost =
+        |ring: usize| enclosing[ring].iter().copied().min_by(|&a, &b| measured[a].area.total_cmp(&measured[b].area));
+    let is_even = |ring: usize| enclosing[ring].len().is_multiple_of(2);
     // If the smallest ring around a hole is itself a hole, the rings must cross. Such a hole becomes a polygon of its
     // own.
     let owner = |ring: usize| innermost(ring).filter(|&outer| !is_even(ring) && is_even(outer));
-    let owners: Vec<Option<usize>> = (0..nodes.len()).map(owner).collect();
+    let owners: Vec<Option<usize>> = (0..measured.len()).map(owner).collect();
     let mut place = vec![0; rings.len()];
     let mut polygons: Vec<Rings> = Vec::new();
     let (holes, exteriors): (Vec<_>, Vec<_>) = rings.into_iter().enumerate().partition(|(i, _)| owners[*i].is_some());
@@ -39,13 +42,13 @@ pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
 }
 
 /// A ring with its polygon, bounds and area, which the nesting test needs often.
-struct Node {
+struct MeasuredRing {
     polygon: Polygon<f64>,
     bounds: Option<Rect<f64>>,
     area: f64,
 }
 
-impl Node {
+impl MeasuredRing {
     fn new(ring: &[DVec2]) -> Self {
         let polygon =
             Polygon::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect::<LineString<f64>>(), Vec::new());
