@@ -34,7 +34,7 @@ impl VectorFormat {
             "shp" => Ok(Self::Shapefile),
             _ => Err(Error::file(
                 path,
-                "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
+                "the file's extension does not name a vector format; known are .geojson and .json (GeoJSON), \
                  .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
             )),
         }

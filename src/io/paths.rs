@@ -20,7 +20,7 @@ pub fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<()> {
             )));
         }
         if taken.contains(&file) {
-            return Err(Error::Parameter(format!("{} is named for two outputs", path.display())));
+            return Err(Error::Parameter(format!("{} is the name of two outputs", path.display())));
         }
         taken.push(file);
     }

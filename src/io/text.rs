@@ -49,7 +49,7 @@ pub(super) fn without_zeros(path: &Path, bytes: &[u8], offset: u64) -> Result<()
         None => Ok(()),
         Some(at) => {
             let message = format!(
-                "is no text: its byte {} is zero; the file is broken, or it is saved as UTF-16: save it as UTF-8",
+                "is not text: its byte {} is zero; the file is broken, or it is saved as UTF-16: save it as UTF-8",
                 offset + at as u64 + 1
             );
             Err(Error::file(path, message))

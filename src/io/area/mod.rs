@@ -93,13 +93,13 @@ fn check_all(path: &Path, members: &[Member]) -> Result<()> {
 /// A closed ring that can bound an area.
 fn ring(points: Vec<DVec2>) -> Result<LineString<f64>, String> {
     if let Some(p) = points.iter().find(|p| !is_place(**p)) {
-        return Err(format!("a vertex of its boundary is at {:?} {:?}, which is no place", p.x, p.y));
+        return Err(format!("a vertex of its boundary is at {:?} {:?}, which is not a valid position", p.x, p.y));
     }
     let mut ring: LineString<f64> = points.iter().map(|p| Coord { x: p.x, y: p.y }).collect();
     ring.close();
     if ring.0.len() < 4 {
         let start = points.first().map_or(String::new(), |p| format!(" at {:.3} {:.3}", p.x, p.y));
-        return Err(format!("a ring of its boundary{start} has {} points, it needs four at least", ring.0.len()));
+        return Err(format!("a ring of its boundary{start} has {} points, it needs at least four", ring.0.len()));
     }
     Ok(ring)
 }

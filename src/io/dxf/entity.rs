@@ -167,7 +167,7 @@ impl Polyline {
             let Some(&next) = self.points.get(i + 1).filter(|_| self.bulges[i] != 0.0) else { continue };
             let before = line.points.len();
             if !arc::push_between(self.points[i], next, self.bulges[i], *room, &mut line.points) {
-                let message = "its polylines have arcs that are too large to be drawn as chords; are they meant to be?";
+                let message = "its polylines have arcs that are too large to be replaced by chords; check their bulges";
                 return Err(Error::file(path, message));
             }
             *room -= line.points.len() - before;

@@ -46,7 +46,7 @@ impl<'a> Group<'a> {
     fn no_number(&self, path: &Path) -> Error {
         let shown: String = String::from_utf8_lossy(self.word()).chars().take(40).collect();
         let message =
-            format!("line {}: {shown:?} is no number for the group {}; the file is broken", self.line, self.code);
+            format!("line {}: {shown:?} is not a number for the group {}; the file is broken", self.line, self.code);
         Error::file(path, message)
     }
 }
@@ -78,8 +78,10 @@ impl<'a> GroupReader<'a> {
             }
             let Some(code) = std::str::from_utf8(code).ok().and_then(|code| code.parse::<i32>().ok()) else {
                 let shown: String = String::from_utf8_lossy(code).chars().take(40).collect();
-                let message =
-                    format!("line {}: {shown:?} is no group code; the file is no DXF, or it is broken", self.line);
+                let message = format!(
+                    "line {}: {shown:?} is not a group code; the file is not a DXF, or it is broken",
+                    self.line
+                );
                 return Err(Error::file(self.path, message));
             };
             let Some(value) = self.take_line() else {

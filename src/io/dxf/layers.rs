@@ -65,7 +65,7 @@ impl Layers {
             let place = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
             let texts = match texts {
                 0 => String::new(),
-                n => format!(", and the {n} texts that may tell them are not read"),
+                n => format!(", and the {n} texts that may hold them are not read"),
             };
             return Err(Error::NoElevations { place, texts }.in_file(path));
         }

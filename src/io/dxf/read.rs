@@ -24,7 +24,7 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"AutoCAD Binary DXF") {
         Some("the file is a binary DXF; save it as text (ASCII DXF)")
     } else if bytes.starts_with(b"AC10") {
-        Some("the file is a DWG and no DXF; save it as DXF")
+        Some("the file is a DWG, not a DXF; save it as DXF")
     } else {
         None
     }
@@ -64,7 +64,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         }
     }
     if !has_entities {
-        return Err(Error::file(path, "the file has no section of entities; it is no DXF, or it is not complete"));
+        return Err(Error::file(path, "the file has no section of entities; it is not a DXF, or it is not complete"));
     }
     drawing.finish(request)
 }

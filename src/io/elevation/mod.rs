@@ -263,7 +263,7 @@ fn elevation(source: ElevationSource, fields: &[Field], item: &Item<'_>) -> Outc
         ElevationSource::Z => match item.z {
             None => Outcome::Missing("it has no z".to_owned()),
             Some([lo, hi]) if lo == hi || lo.is_nan() => checked(lo, "its z"),
-            Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is no contour")),
+            Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is not a contour")),
         },
         ElevationSource::Field(index) => {
             let name = &fields[index].name;

@@ -144,7 +144,7 @@ array_seed!(Features, (), "an array of features", |table, seq| {
     let mut number = 0;
     while let Some(object) = seq.next_element_seed(ObjectSeed { table, is_root: false })? {
         if object.kind.as_deref().is_some_and(|kind| kind != "Feature") {
-            return Err(A::Error::custom(format!("the member {number} of features is no feature")));
+            return Err(A::Error::custom(format!("the member {number} of features is not a feature")));
         }
         add_feature(object, number, table);
         number += 1;
@@ -260,8 +260,8 @@ fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
         if lines.chain(spots).chain(corners).all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0) {
             table.crs = Some(Crs::wgs84());
         } else {
-            let problem = "the file does not name its coordinate reference system, and its coordinates are no degrees, \
-                           as GeoJSON asks for";
+            let problem = "the file does not name its coordinate reference system, and its coordinates are not degrees, \
+                           as GeoJSON requires";
             table.crs_problem = Some(problem.to_owned());
         }
         return;

@@ -187,7 +187,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     let (columns, key) = columns_of(db, layer).map_err(broken)?;
     let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
     if statement.column_count() != columns.len() {
-        return Err(Error::file(path, format!("the columns of the layer {:?} cannot be told apart", layer.table)));
+        return Err(Error::file(path, format!("the columns of the layer {:?} cannot be distinguished", layer.table)));
     }
     let is = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
     let geometry = columns.iter().position(|name| is(name, &layer.geometry)).ok_or_else(|| {

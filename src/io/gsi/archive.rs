@@ -138,7 +138,7 @@ impl Walk<'_> {
     /// Visits the documents of an archive. `budget` is the number of bytes that may still be unpacked.
     fn archive<R: Read + Seek>(&mut self, path: &Path, file: R, depth: usize, budget: &mut u64) -> Result<()> {
         let mut archive = ZipArchive::new(file)
-            .map_err(|e| Error::file_cause(path, "the file is no zip archive, or it is not complete", e))?;
+            .map_err(|e| Error::file_cause(path, "the file is not a zip archive, or it is not complete", e))?;
         let mut names: Vec<(String, usize)> = Vec::new();
         for index in 0..archive.len() {
             match archive.name_for_index(index) {
@@ -172,7 +172,7 @@ impl Walk<'_> {
             let mut source: DocumentReader<'_> = LimitedReader::new(&mut entry, limit);
             if has_extension(Path::new(&short), "zip") {
                 if depth >= MAX_DEPTH {
-                    return Err(Error::file(&inner, "archives lie in each other too deep; unpack them first"));
+                    return Err(Error::file(&inner, "the archives are nested too deep; unpack them first"));
                 }
                 let mut unpacked = tempfile::SpooledTempFile::new(INNER_IN_MEMORY);
                 unlimited_copy(&mut source, &mut unpacked).map_err(|e| unreadable(&inner, e))?;

@@ -110,7 +110,7 @@ pub(super) fn read(
 pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
     if xml.depth() == 1 && xml.name() != ROOT {
         if !xml.name().chars().all(|c| c.is_alphanumeric() || "-_.:".contains(c)) {
-            return Err(Error::file(xml.path(), "is no XML document, whatever its extension says"));
+            return Err(Error::file(xml.path(), "is not an XML document, despite its extension"));
         }
         let message = format!("its root element is {:?}, that of 基盤地図情報 is {ROOT:?}", xml.name());
         return Err(xml.error(message));
@@ -159,7 +159,8 @@ impl PartialTile {
             return Err(wrong(format!("its grid begins at {:?} instead of 0 0", self.low)));
         }
         let size = pair::<u64>(&self.high).filter(|high| high.iter().all(|&high| high < 1 << 20));
-        let [cols, rows] = size.ok_or_else(|| wrong(format!("its grid ends at {:?}, which is no cell", self.high)))?;
+        let [cols, rows] =
+            size.ok_or_else(|| wrong(format!("its grid ends at {:?}, which is not a cell", self.high)))?;
         let [cols, rows] = [cols + 1, rows + 1];
         let item = path.to_str().and_then(|name| item_of(name.rsplit(['/', '\\', '!']).next().unwrap_or(name)));
         let product = cells_per_degree(&mesh, cols, rows).and_then(|n| Product::of(item.as_deref(), &self.kind, n));
@@ -193,7 +194,7 @@ impl PartialTile {
             Some([x, y]) if x < cols && y < rows => y * cols + x,
             None if self.start.is_empty() && count == cells => 0,
             _ => {
-                let message = format!("its start point {:?} is no cell of its {cols} x {rows} cells", self.start);
+                let message = format!("its start point {:?} is not one of its {cols} x {rows} cells", self.start);
                 return Err(wrong(message));
             }
         };

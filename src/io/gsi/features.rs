@@ -174,7 +174,7 @@ impl Reading<'_> {
             _ if text.is_empty() => Value::Null,
             Some(number) => Value::Number(number),
             None if name == "alti" => {
-                return Err(partial.error(path, &format!("its elevation (alti) is {text:?}, which is no number")));
+                return Err(partial.error(path, &format!("its elevation (alti) is {text:?}, which is not a number")));
             }
             None => Value::Text(text.to_owned()),
         };
@@ -221,7 +221,7 @@ impl Reading<'_> {
             }
         };
         left_out(self.rivers, "rivers among the water areas (WA) left out: they are not level");
-        left_out(self.open_edges, "water edges (WL) left out: they are no closed shores of lakes");
+        left_out(self.open_edges, "water edges (WL) left out: they are not closed lake shores");
         if self.table.features.iter().any(|feature| !feature.polygons.is_empty()) {
             left_out(self.shores.len() as u64, "shores of lakes (WL) left out: the water areas (WA) are taken");
         } else {
@@ -297,7 +297,7 @@ impl PartialFeature {
             };
             let (lat, lon) = (parsed(lat)?, parsed(lon)?);
             if lat.abs() > 90.0 || lon.abs() > 180.0 {
-                return Err(format!("its position {lat} {lon} is no latitude and longitude"));
+                return Err(format!("its position {lat} {lon} is not a latitude and longitude"));
             }
             let place = DVec2::new(lon, lat);
             if !(is_first && self.current.last() == Some(&place)) {

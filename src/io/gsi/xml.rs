@@ -101,11 +101,9 @@ impl<'a, 's> Xml<'a, 's> {
             self.buffer.clear();
             let event = self.reader.read_event_into(&mut self.buffer).map_err(|e| match e {
                 quick_xml::Error::Io(e) => unreadable(self.path, e),
-                quick_xml::Error::Syntax(e) => Error::file_cause(
-                    self.path,
-                    "the XML is broken or ends in the middle; load the file again from where it came",
-                    e,
-                ),
+                quick_xml::Error::Syntax(e) => {
+                    Error::file_cause(self.path, "the XML is broken or cut off; download the file again", e)
+                }
                 e => Error::file_cause(self.path, "the XML is broken", e),
             })?;
             match event {
@@ -113,7 +111,7 @@ impl<'a, 's> Xml<'a, 's> {
                     self.depth += 1;
                     self.seen_root = true;
                     if self.depth > MAX_DEPTH {
-                        return Err(Error::file(self.path, "its elements lie in each other too deep for this format"));
+                        return Err(Error::file(self.path, "its elements are nested too deep for this format"));
                     }
                     set(&mut self.name, start.local_name().as_ref());
                     self.attributes = attributes(&start);
@@ -154,11 +152,11 @@ impl<'a, 's> Xml<'a, 's> {
                     }
                 }
                 Event::Eof if !self.seen_root => {
-                    let message = "there is no element in it: it is no XML, or only the beginning of one";
+                    let message = "it has no XML element: the file is not XML, or it is cut off";
                     return Err(Error::file(self.path, message));
                 }
                 Event::Eof if self.depth > 0 => {
-                    let message = "the document ends in the middle; load the file again from where it came";
+                    let message = "the document is cut off; download the file again";
                     return Err(Error::file(self.path, message));
                 }
                 Event::Eof => return Ok(Step::Over),
@@ -254,10 +252,10 @@ mod tests {
     fn broken_documents_are_errors_with_their_name() {
         for (text, word) in [
             (&b""[..], "empty"),
-            (b"<a><b></b>", "ends in the middle"),
+            (b"<a><b></b>", "document is cut off"),
             (b"<a></b>", "broken"),
-            (b"<a", "broken or ends"),
-            (b"no tag at all", "no element in it"),
+            (b"<a", "broken or cut off"),
+            (b"no tag at all", "no XML element"),
             (b"\xff\xfe<\0", "UTF-16"),
             (b"<?xml version=\"1.0\" encoding=\"klingon\"?><a/>", "klingon"),
         ] {

@@ -217,7 +217,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
         let is_plain = column.name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
         let is_own = ["fid", "geom"].contains(&column.name.to_ascii_lowercase().as_str());
         if !is_plain || is_own || !(1..=10).contains(&column.name.len()) {
-            return Err(Error::Parameter(format!("layer {name:?}: {:?} is no name for an attribute", column.name)));
+            return Err(Error::Parameter(format!("layer {name:?}: {:?} is not a valid attribute name", column.name)));
         }
         if !names.insert(column.name.to_ascii_lowercase()) {
             return Err(Error::Parameter(format!("layer {name:?}: two attributes are called {:?}", column.name)));
@@ -235,7 +235,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
             return wrong(flaw);
         }
         if row.cells.len() != layer.columns.len() {
-            return wrong("has not as many values as the layer has attributes");
+            return wrong("does not have one value per attribute of the layer");
         }
         for (column, cell) in layer.columns.iter().zip(&row.cells) {
             if let Some(flaw) = cell.flaw(column.kind) {
@@ -254,7 +254,7 @@ pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
     let mut seen = BTreeSet::new();
     for name in names {
         if name.trim().is_empty() || name.contains('\0') {
-            return Err(Error::Parameter(format!("{name:?} is no name for a layer")));
+            return Err(Error::Parameter(format!("{name:?} is not a valid layer name")));
         }
         if !seen.insert(suffix(name).to_lowercase()) {
             return Err(Error::Parameter(format!("two layers would be called {name:?}")));

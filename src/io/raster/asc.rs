@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         };
         let Some(number) = parse(word) else {
             let word = String::from_utf8_lossy(word).into_owned();
-            return Err(Error::file(path, format!("{word:?} at {} is no number", place(index))));
+            return Err(Error::file(path, format!("{word:?} at {} is not a number", place(index))));
         };
         *value = heights.height(number);
     }
@@ -154,14 +154,14 @@ fn open(path: &Path) -> Result<(Header, Words)> {
             "nodata_value" | "nodata" => nodata = number,
             _ => {
                 let key: String = key.chars().take(24).collect();
-                return Err(Error::file(path, format!("{key:?} is no word of the header of an ESRI ASCII grid")));
+                return Err(Error::file(path, format!("{key:?} is not a header word of an ESRI ASCII grid")));
             }
         }
     }
     let missing = |name: &str| Error::file(path, format!("is not an ESRI ASCII grid: its header has no {name}"));
     let whole = |number: f64, name: &str| {
         let is_count = number >= 1.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0;
-        let message = || Error::file(path, format!("{name} is {number} in its header, which is no number of cells"));
+        let message = || Error::file(path, format!("{name} is {number} in its header, which is not a number of cells"));
         if is_count { Ok(number as u64) } else { Err(message()) }
     };
     let header = Header {
@@ -187,7 +187,7 @@ impl Header {
     fn grid(&self, path: &Path) -> Result<Grid> {
         let (cell, rows) = (self.cell, self.rows as f64);
         if cell.is_nan() || cell.min_element() <= 0.0 {
-            return Err(Error::file(path, format!("has cells of {} x {}, which is no grid", cell.x, cell.y)));
+            return Err(Error::file(path, format!("has cells of {} x {}, which is not a valid grid", cell.x, cell.y)));
         }
         let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
         let origin = DVec2::new(half(self.west, cell.x), half(self.south, cell.y) + rows * cell.y);

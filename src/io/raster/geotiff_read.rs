@@ -102,7 +102,7 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
     let color = tiff.decoder.colortype().map_err(|_| picture())?;
     let white_is_zero = tiff.decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
     if matches!(white_is_zero, Ok(Some(WHITE_IS_ZERO))) {
-        return Err(Error::file(path, "counts its values down from white, as scanned pages do; it is no height map"));
+        return Err(Error::file(path, "has 0 as white, as scanned pages have; it is not a height map"));
     }
     let bands = match color {
         ColorType::Gray(_) => 1,
@@ -140,8 +140,10 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
     let mut own = Aux::default();
     if let Some(text) = text_tag(path, tiff, Tag::GdalNodata)? {
         let text = text.trim_matches(['\0', ' ']);
-        own.nodata =
-            Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
+        own.nodata = Some(
+            text.parse()
+                .map_err(|_| Error::file(path, format!("has the nodata value {text:?}, which is not a number")))?,
+        );
     }
     if let Some(text) = text_tag(path, tiff, GDAL_METADATA)? {
         for item in elements(&text).unwrap_or_default() {

@@ -60,7 +60,7 @@ pub(super) fn placement(path: &Path, size: (u32, u32)) -> Option<Placement> {
 /// it.
 pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     if quantity != Quantity::Height {
-        return Err(Error::Parameter(format!("elevation tiles hold heights and no {}", quantity.name())));
+        return Err(Error::Parameter(format!("elevation tiles hold heights, not {}", quantity.name())));
     }
     for (index, height) in dem.values.iter().enumerate() {
         if height.is_finite() && color(*height).is_none() {

@@ -16,7 +16,7 @@ pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) ->
     let Some(cells) = cells else {
         return Err(Error::file(
             path,
-            format!("has {cols} x {rows} cells; a height map has one at least and {MAX_CELLS} at most. Cut it first"),
+            format!("has {cols} x {rows} cells; a height map has at least one and at most {MAX_CELLS}. Clip it first"),
         ));
     };
     if cells / CELLS_PER_BYTE > file_length {
@@ -89,7 +89,7 @@ impl Heights {
     /// The finding about undeclared nodata values, if there were any.
     pub fn findings(self) -> Option<Finding> {
         let message = format!(
-            "{} cells of the height map hold a value that is no height, such as {}; they are taken as cells without data",
+            "{} cells of the height map hold a value that is not a height, such as {}; they are taken as cells without data",
             self.odd, self.example
         );
         (self.odd > 0).then(|| Finding::general(FindingKind::NoHeight, message))

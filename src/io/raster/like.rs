@@ -217,7 +217,7 @@ mod tests {
             (matrix(&ROTATED), "rotated"),
             (matrix(&MIRRORED), "east to west"),
             (vec![(Tag::ModelPixelScaleTag, &[10.0, -10.0, 0.0]), tie], "negative cell height"),
-            (vec![(Tag::ModelPixelScaleTag, &[10.0, f64::NAN, 0.0]), tie], "no grid"),
+            (vec![(Tag::ModelPixelScaleTag, &[10.0, f64::NAN, 0.0]), tie], "not a valid grid"),
         ];
         for (tags, reason) in cases {
             let error = grid(&tags, &[]).unwrap_err().to_string();

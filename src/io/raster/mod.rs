@@ -122,7 +122,7 @@ pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
             let known = TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
             Err(Error::file(
                 path,
-                format!("this format has one value a cell; heights with errors are written as {known}"),
+                format!("this format has one value per cell; heights with errors are written as {known}"),
             ))
         }
     }

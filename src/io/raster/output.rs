@@ -20,7 +20,7 @@ pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
     }
     if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
         return Err(Error::Parameter(format!(
-            "{}: cells of {} x {} at {}, {} have no place on a map",
+            "{}: cells of {} x {} at {}, {} are not a valid grid",
             path.display(),
             cell.x,
             cell.y,

@@ -142,7 +142,7 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
     }
     let beside = beside.unwrap_or_default();
     let Some(placement) = placed(path, size, &own, &beside)? else {
-        return Err(Error::file(path, "has no place on a map; a world file (.pgw) beside it would tell it"));
+        return Err(Error::file(path, "has no georeferencing; put a world file (.pgw) beside it"));
     };
     let unit = beside.unit.unwrap_or_default();
     let metres = metres_in(&unit).unwrap_or(1.0);
@@ -178,7 +178,7 @@ fn colour(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: 
         None => {
             let placement = gsi_tile::placement(&std::path::absolute(path).unwrap_or(path.to_owned()), size);
             let Some(placement) = placement else {
-                let message = "is in colour. If it is an elevation tile, its place must be told: keep the path \
+                let message = "is in colour. If it is an elevation tile, its placement must be known: keep the path \
                                zoom/column/row.png of the tile, or put a world file (.pgw) beside it";
                 return Err(Error::file(path, message));
             };

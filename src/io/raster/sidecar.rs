@@ -47,7 +47,10 @@ pub(super) fn north_up(
     let south_up = down.y > 0.0;
     let corner = if south_up { origin + DVec2::new(0.0, rows as f64 * down.y) } else { origin };
     if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
-        return Err(format!("has cells of {} x {} at {}, {}, which is no grid", cell.x, cell.y, corner.x, corner.y));
+        return Err(format!(
+            "has cells of {} x {} at {}, {}, which is not a valid grid",
+            cell.x, cell.y, corner.x, corner.y
+        ));
     }
     Ok(Placement { grid: Grid { corner, cell, cols, rows }, south_up })
 }
@@ -147,7 +150,7 @@ pub(super) fn read_world(path: &Path, extensions: &[&str], size: (usize, usize))
         let path = path.with_extension(extension);
         let Some(text) = read_text(&path)? else { continue };
         let [a, d, b, e, x, y] = six_numbers(&text)
-            .ok_or_else(|| Error::file(&path, "is not a world file, which holds six numbers, one a line"))?;
+            .ok_or_else(|| Error::file(&path, "is not a world file, which holds six numbers, one per line"))?;
         // A world file gives the centre of the first cell.
         let (across, down) = (DVec2::new(a, d), DVec2::new(b, e));
         let origin = DVec2::new(x, y) - 0.5 * (across + down);
