@@ -89,8 +89,10 @@ pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<Sp
 /// the file are ignored. In a DXF each closed polyline is a polygon, and none is a hole in another.
 ///
 /// # Errors
-/// The file cannot be read or has no polygon. Also if a ring is not valid: it has fewer than four points (the last
-/// repeats the first), coordinates that are not finite or no area, or it crosses itself or another ring of its polygon.
+/// One of these is the case:
+/// - The file cannot be read or has no polygon.
+/// - A ring has fewer than four points (the last repeats the first), coordinates that are not finite, or no area.
+/// - A ring crosses itself or another ring of its polygon.
 pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64>, Option<Crs>)> {
     let mut table = read_table(path, options, Purpose::Area)?;
     let crs = table.crs.take();
@@ -156,8 +158,12 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
 /// without a leading `contours_`. The returned paths are the final ones.
 ///
 /// # Errors
-/// The extension is not known, two layers would get the same file name, a line cannot be written (fewer than two
-/// points, NaN), the data exceed a limit of the format, or the disk is full.
+/// One of these is the case:
+/// - The extension is not known.
+/// - A layer name is not valid, or two layers share one.
+/// - A line has fewer than two points or a coordinate that is NaN.
+/// - The data exceed a limit of the format.
+/// - The disk is full.
 pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
     let layers: Vec<Layer<'_>> = layers.iter().map(layer::of_contours).collect();
     write_layers(out, &layers, crs)
@@ -186,8 +192,7 @@ pub fn write_landforms(
 /// files are named as in [`write_contours`].
 ///
 /// # Errors
-/// The extension is not known, two layers would get the same file name, a feature cannot be written (see the types of
-/// [`layer`] for what they may hold), the data exceed a limit of the format, or the disk is full.
+/// As [`write_contours`], and if a feature breaks a rule of its type (see the types in [`layer`]).
 pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
     let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
     let files = contour_files(out.target(), &names)?;
@@ -232,7 +237,7 @@ pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWo
 /// before the computation.
 ///
 /// # Errors
-/// The extension is not known, or two layers would get the same file name.
+/// The extension is not known, a layer name is not valid, or two layers share one.
 pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     layer::check_names(layers)?;
     if VectorFormat::from_path(target)? == VectorFormat::GeoPackage {

@@ -76,7 +76,7 @@ impl StagedOutput {
     /// # Errors
     /// `target` is a folder, a device or not a file name, or its folder is missing or cannot be written to.
     pub fn create(target: &Path) -> Result<Self> {
-        // "x/" would be taken for the file x.
+        // Otherwise "x/" would name the file x.
         let ends_open =
             target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
         if target.file_name().is_none() || ends_open {
@@ -304,7 +304,7 @@ mod tests {
         let begun = StagedOutput::create(&dir.path().join("b.tif")).unwrap();
         fs::write(begun.path(), "half").unwrap();
         let folder = begun.staging.path().to_owned();
-        // Other tests have outputs in the making too.
+        // Other tests may have unfinished outputs too.
         assert!(unfinished().contains(&folder));
         drop(begun);
         drop(StagedOutput::create(&dir.path().join("c.tif")).unwrap());

@@ -65,12 +65,12 @@ mod tests {
     fn a_file_of_zeros_is_refused_before_it_is_read() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.geojson");
-        // Longer than any memory: nothing of it is on the disk.
+        // The first length exceeds any memory. The file is sparse: its zeros take no space on the disk.
         for (length, start) in [(1 << 42, ""), (1 << 20, "{\"type\":")] {
             std::fs::write(&path, start).unwrap();
             let file = File::options().write(true).open(&path).unwrap();
             if file.set_len(length).is_err() {
-                // File systems without files that are mostly empty cannot hold this one.
+                // A file system without sparse files cannot hold this file.
                 file.set_len(1 << 20).unwrap();
             }
             let said = read(&path, None, |_| None).unwrap_err().to_string();

@@ -13,7 +13,7 @@
 //! | `datum` | coordinate reference systems |
 //! | `mesh` | mesh codes |
 //! | `dem`, `tuples` | a height map of one square |
-//! | `mosaic` | squares side by side |
+//! | `mosaic` | joins the squares |
 //! | `features` | contours, spot heights, water |
 
 mod archive;
@@ -89,8 +89,10 @@ pub(super) fn is_height_map(path: &Path) -> Result<bool> {
 /// a finding.
 ///
 /// # Errors
-/// A document cannot be read or contradicts itself, there is no height map, there are several products, or the box
-/// around all squares has more than 2^30 cells.
+/// One of these is the case:
+/// - A document cannot be read or contradicts itself.
+/// - There is no height map, or there are several products.
+/// - The box around all squares has more than 2^30 cells.
 pub fn read_dem(path: &Path) -> Result<Report<GsiDem>> {
     let (mut datums, mut tiles, mut findings) = (Datums::default(), Vec::new(), Vec::new());
     let wanted = |item: &str| item.starts_with("DEM");

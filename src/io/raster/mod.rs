@@ -75,8 +75,11 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
 /// Writes values on a grid in the format of the extension of `path`, with its sidecar files beside it.
 ///
 /// # Errors
-/// The extension is not in [`DEM_EXTENSIONS`], the grid has no cells or an invalid placement, the grid or a value does
-/// not fit the format, or the operating system reports an error.
+/// One of these is the case:
+/// - The extension is not in [`DEM_EXTENSIONS`].
+/// - The grid has no cells or an invalid placement.
+/// - The grid or a value does not fit the format.
+/// - The operating system reports an error.
 pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {

@@ -24,16 +24,20 @@ pub struct DemFile {
     pub product: Option<Product>,
 }
 
-/// Reads a height map: GeoTIFF, ESRI ASCII grid, OpenEXR, 16-bit PNG, an elevation tile (PNG) of the Geospatial
-/// Information Authority of Japan, or its 基盤地図情報 (.xml, .zip or a folder of them, as one mosaic).
+/// Reads a height map as 32-bit floating point, metres, north up.
 ///
-/// Heights are 32-bit floating point, metres, north up. 64-bit floating point and 32-bit whole numbers are rounded to
-/// that. Scale and offset of the file are applied, and feet become metres. If there are several bands, the first one is
-/// used.
+/// The formats are GeoTIFF, ESRI ASCII grid, OpenEXR, 16-bit PNG and elevation tile (PNG) of the Geospatial Information
+/// Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
+///
+/// 64-bit floating point and 32-bit whole numbers are rounded to 32-bit floating point. Scale and offset of the file
+/// are applied, and feet become metres. If there are several bands, the first one is used.
 ///
 /// # Errors
-/// The extension is not in [`READABLE_EXTENSIONS`]; the file cannot be read, is broken or cut off, is a picture, has no
-/// georeferencing, is rotated, or states more cells than its size can hold.
+/// One of these is the case:
+/// - The extension is not in [`READABLE_EXTENSIONS`].
+/// - The file cannot be read, is broken or cut off.
+/// - It is a picture, has no georeferencing or is rotated.
+/// - It states more cells than its size can hold.
 pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     if gsi::is_source(path) {
         let Report { value: GsiDem { dem, product }, findings } = gsi::read_dem(path)?;
