@@ -1,7 +1,7 @@
-//! Names of attributes that are known: those that hold elevations, and those that may mark depression contours.
+//! Known attribute names: those that hold elevations, and those that may mark depression contours.
 
-/// Names of attributes that hold elevations in metres, in lower case and without a unit: English, then what mapping
-/// agencies of other languages write.
+/// Attribute names that hold elevations in metres, in lower case and without a unit. English names come first, then
+/// those of mapping agencies in other languages.
 const NAMES: &[&str] = &[
     "elev",
     "elevation",
@@ -66,14 +66,14 @@ const NAMES: &[&str] = &[
     "высота",
 ];
 
-/// Endings that say metres. Names that say feet are not recognised: the user has to name such a field knowingly.
+/// Endings that mean metres. Names in feet are not recognised: the user must select such a field explicitly.
 const METRE_ENDINGS: &[&str] = &["_m", "_metre", "_metres", "_meter", "_meters", "(m)", "[m]"];
 
-/// Names of attributes that say whether a line is a depression contour, in lower case.
+/// Attribute names that say whether a line is a depression contour, in lower case.
 pub(super) const FLAGS: &[&str] =
     &["depression", "is_depression", "isdepression", "depress", "depressed", "isdepressed", "is_depr", "凹地"];
 
-/// Names of attributes whose text tells the kind of line, in lower case.
+/// Attribute names whose text gives the kind of line, in lower case.
 pub(super) const KINDS: &[&str] = &[
     "type",
     "kind",
@@ -100,7 +100,7 @@ pub(super) const KINDS: &[&str] = &[
     "分類",
 ];
 
-/// Whether an attribute of this name is taken for an elevation when the user names none.
+/// Whether an attribute of this name is used as the elevation if the user names none.
 pub(super) fn is_elevation_name(name: &str) -> bool {
     let name = name.trim().to_lowercase();
     let bare = METRE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).map_or(name.as_str(), str::trim_end);

@@ -1,4 +1,4 @@
-//! What a file is for a verb that takes both height maps and contours.
+//! Decides whether a file is a height map or contours, for commands that take both.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::gsi;
 use super::raster::READABLE_EXTENSIONS;
 use crate::base::error::{Error, Result};
 
-/// What can be read from a path.
+/// What a path contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// A height map, see [`read_dem`](super::raster::read_dem).
@@ -16,11 +16,11 @@ pub enum Content {
     Contours,
 }
 
-/// Tells height maps from contours: by the extension, and for documents, archives and folders of 基盤地図情報 by what is in
-/// them. Where both are there, contours count.
+/// Decides between a height map and contours. The extension decides; for documents, archives and folders of 基盤地図情報 the
+/// content decides. If both are present, the answer is contours.
 ///
 /// # Errors
-/// If the extension is none of the known ones, or if an archive or folder cannot be looked into.
+/// The extension is not known, or an archive or folder cannot be read.
 pub fn content(path: &Path) -> Result<Content> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if gsi::is_source(path) {

@@ -1,16 +1,17 @@
-//! Marks of depression contours among the attributes of lines.
+//! Finds the attributes that mark depression contours.
 //!
-//! Agencies mark contours around lower ground by an attribute of yes and no, or by a word in the attribute that tells the
-//! kind of line. The marks are not needed to find depressions; where they contradict the map, one of the two is wrong.
+//! Agencies mark contours around lower ground in one of two ways: by a yes/no attribute, or by a word in the attribute
+//! for the kind of line. Depressions are found without these marks. Where a mark contradicts the map, one of the two is
+//! wrong.
 
 use std::collections::BTreeMap;
 
 use super::attributes::{FLAGS, KINDS};
 use super::table::{Field, Table, Value};
 
-/// The features with lines that are marked as depressions (true) or, by an attribute of yes and no, as none (false).
+/// The marks of the features with lines: true for a depression. False only comes from a yes/no attribute.
 ///
-/// Without any yes the attribute was never filled in, so that nothing is marked.
+/// If no feature says yes, the attribute was never filled in, and no mark is returned.
 pub(super) fn marks(table: &Table) -> BTreeMap<u64, bool> {
     let mut marks = BTreeMap::new();
     for feature in table.features.iter().filter(|feature| !feature.lines.is_empty()) {
@@ -25,7 +26,7 @@ pub(super) fn marks(table: &Table) -> BTreeMap<u64, bool> {
     marks
 }
 
-/// What one value says, if it says anything.
+/// What one value says about depressions; `None` if it says nothing.
 fn mark(field: &Field, value: &Value) -> Option<bool> {
     let name = field.name.trim().to_lowercase();
     let is_flag = FLAGS.contains(&name.as_str());

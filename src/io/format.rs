@@ -1,4 +1,4 @@
-//! The vector formats, by the extensions of files.
+//! The vector formats and their file extensions.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ impl VectorFormat {
     /// The format of a file, by its extension.
     ///
     /// # Errors
-    /// If the extension is none of the known ones; the message lists them.
+    /// The extension is not known. The message lists the known ones.
     pub fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
@@ -34,7 +34,7 @@ impl VectorFormat {
             "shp" => Ok(Self::Shapefile),
             _ => Err(Error::file(
                 path,
-                "the file's extension does not tell its format; known are .geojson and .json (GeoJSON), \
+                "the file's extension does not name a vector format; known are .geojson and .json (GeoJSON), \
                  .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
             )),
         }

@@ -1,11 +1,11 @@
-//! Vector files in and out: GeoJSON, GeoPackage, FlatGeobuf, DXF, shapefile, chosen by the file's extension; files of
-//! 基盤地図情報 in.
+//! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, DXF and shapefile. The file's extension selects the
+//! format. Files of 基盤地図情報 are read only.
 //!
-//! Reading goes file → table of features → elevations: each format has a file that fills the table, and
-//! one place decides what the elevation is. Writing goes lines → layers of features → file. Every
-//! format gives vertices back bit for bit.
+//! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
+//! attribute holds the elevation. Writing: lines → layers of features → file. Every format preserves the vertices bit
+//! for bit.
 //!
-//! Outputs are written through [`StagedOutput`], so that they appear whole or not at all.
+//! Outputs are written through [`StagedOutput`]: a file appears complete or not at all.
 
 mod area;
 mod attributes;
@@ -37,7 +37,7 @@ use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
 use crate::crs::{Crs, FromWorking};
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
-use layer::{Layer, MovedShapes};
+use layer::{Layer, ReprojectedShapes};
 use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
@@ -48,25 +48,25 @@ pub use staged::{StagedOutput, discard_unfinished};
 /// How to read a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// The attribute that holds the elevation, in any letter case; `z` also names the z coordinate where no attribute
-    /// has that name. Chosen from known names and the z coordinate if `None`.
+    /// The name of the attribute that holds the elevation, in any letter case. `z` also selects the z coordinate if no
+    /// attribute has that name. If `None`, the reader looks for known attribute names and then for the z coordinate.
     pub elevation_field: Option<String>,
-    /// The layer of a GeoPackage with several, or the layers of a DXF, with commas between them.
+    /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas.
     pub layer: Option<String>,
-    /// Memory that may be taken, bytes: a file that needs more is refused. No limit if `None`.
+    /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
 }
 
 /// Reads contour lines, and the spot heights that come with them.
 ///
-/// Lines of several parts become one contour a part. Features that cannot be used are left out, each with a finding.
-/// A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]), whose contours are cut at the edges of
-/// squares; their ends meet there, so that [`clean`](fn@crate::clean::clean) joins them. Of a DXF, polylines, lines and
-/// points are read; arcs in polylines become chords that stay within 0.01 units, and blocks are not expanded.
+/// A line of several parts becomes one contour per part. Features that cannot be used are left out, each with a
+/// finding. A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]). Their contours are cut at the
+/// edges of grid squares; the ends meet there, and [`clean`](fn@crate::clean::clean) joins them. From a DXF, polylines,
+/// lines and points are read. Arcs in polylines become chords that stay within 0.01 units. Blocks are not expanded.
 ///
 /// # Errors
-/// If the file cannot be read, has no lines, or leaves in doubt where the elevations are: in a DXF also if all lines of some
-/// layers lie at 0 and no layer is named.
+/// The file cannot be read, has no lines, or does not make clear where the elevations are. For a DXF also: all lines of
+/// some layers lie at 0 and the caller names no layer.
 pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
     let table = read_table(path, options, Purpose::Contours)?;
     elevation::contour_map(path, table, options.elevation_field.as_deref())
@@ -75,36 +75,40 @@ pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<Contou
 /// Reads points of known height.
 ///
 /// # Errors
-/// If the file cannot be read, has no points, or leaves in doubt where the heights are.
+/// The file cannot be read, has no points, or does not make clear where the heights are.
 pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<SpotHeights>> {
     let table = read_table(path, options, Purpose::Spots)?;
     elevation::spot_heights(path, table, options.elevation_field.as_deref())
 }
 
-/// Reads the area inside the polygons of a boundary file, with the coordinate reference system if the file names one.
+/// Reads the area inside the polygons of a boundary file. Also gives the coordinate reference system if the file names
+/// one.
 ///
-/// Polygons of all features go together: those that overlap or share an edge are united, which may move their vertices
-/// by a billionth of their size; all others keep theirs bit for bit. Lines and points in the file are not looked at. In a
-/// DXF each closed polyline is a polygon, and none is a hole in another.
+/// The polygons of all features together are one area. Polygons that overlap or share an edge are united; this may move
+/// their vertices by a billionth of their size. All other polygons keep their vertices bit for bit. Lines and points in
+/// the file are ignored. In a DXF each closed polyline is a polygon, and none is a hole in another.
 ///
 /// # Errors
-/// If the file cannot be read or has no polygon, or if a ring has fewer than four points (the last repeats the first),
-/// coordinates that are not finite, no area, or crosses itself or another ring of its polygon.
+/// One of these is the case:
+/// - The file cannot be read or has no polygon.
+/// - A ring has fewer than four points (the last repeats the first), coordinates that are not finite, or no area.
+/// - A ring crosses itself or another ring of its polygon.
 pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64>, Option<Crs>)> {
     let mut table = read_table(path, options, Purpose::Area)?;
     let crs = table.crs.take();
     Ok((area::area(path, table)?, crs))
 }
 
-/// Reads lakes and other flat water: polygons, each with its height if the file tells it, and the coordinate reference
-/// system if the file names one.
+/// Reads water bodies: polygons, each with its height if the file gives one. Also gives the coordinate reference system
+/// if the file names one.
 ///
-/// The height is an attribute that is known to hold elevations, else the z that all vertices of a feature have. Features
-/// without either have none. Files of 基盤地図情報 give their water areas (`WA`) without the rivers, pieces of one lake
-/// united, else the closed shores of lakes (`WL`); what of them is not taken is a finding.
+/// The height is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the feature
+/// share it. Features with neither have no height. Files of 基盤地図情報 give their water areas (`WA`) without the rivers,
+/// and the pieces of one lake are united. If they have no water areas, they give the closed shores of lakes (`WL`).
+/// What is left out is a finding.
 ///
 /// # Errors
-/// As [`read_area`], and if the file leaves in doubt where the heights are.
+/// As [`read_area`], and if the file does not make clear where the heights are.
 pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake>, Option<Crs>)>> {
     let mut table = read_table(path, options, Purpose::Water)?;
     let crs = table.crs.take();
@@ -143,27 +147,32 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     }
 }
 
-/// Writes contour lines, in the format that the target's extension names.
+/// Writes contour lines, in the format of the target's extension.
 ///
 /// Lines are three-dimensional, z is the elevation. The attributes are `elev`, `source` (`input` or `interpolated`),
-/// `is_index`, `depression` and `closed`. A DXF has no attributes but the name of the layer, such as `CONTOUR-INPUT-INDEX`
-/// or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system. A GeoPackage takes all layers into the one file. The other formats hold one
-/// layer a file: a single layer gets exactly the target's name, several are written beside each other as
-/// `STEM_SUFFIX.EXT`, where the suffix is the layer's name without a leading `contours_`; the returned paths are the
-/// final ones.
+/// `is_index`, `depression` and `closed`. A DXF has no attributes except the layer's name, such as
+/// `CONTOUR-INPUT-INDEX` or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system.
+///
+/// A GeoPackage holds all layers in one file. The other formats hold one layer per file. A single layer gets exactly
+/// the target's name. Several layers are written beside each other as `STEM_SUFFIX.EXT`; the suffix is the layer's name
+/// without a leading `contours_`. The returned paths are the final ones.
 ///
 /// # Errors
-/// If the extension is not known, the layers cannot be told apart by name, a line cannot be written (fewer than two
-/// points, NaN), the format cannot hold as much, or the disk is full.
+/// One of these is the case:
+/// - The extension is not known.
+/// - A layer name is not valid, or two layers share one.
+/// - A line has fewer than two points or a coordinate that is NaN.
+/// - The data exceed a limit of the format.
+/// - The disk is full.
 pub fn write_contours(out: &StagedOutput, layers: &[ContourLayer], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
     let layers: Vec<Layer<'_>> = layers.iter().map(layer::of_contours).collect();
     write_layers(out, &layers, crs)
 }
 
-/// Writes the landforms of sub-domains as areas, in one layer `regions`, in the format that the target's extension names.
+/// Writes the landforms of sub-domains as areas, in one layer `regions`, in the format of the target's extension.
 ///
-/// The attributes are `id`, `class`, `is_open`, `band_lo`, `band_hi`, `n_ib`, `mixture`, `parent`, `depth` and `area`;
-/// vertices are those of the triangulation bit for bit.
+/// The attributes are `id`, `class`, `is_open`, `band_lo`, `band_hi`, `n_ib`, `mixture`, `parent`, `depth` and `area`.
+/// The vertices are those of the triangulation, bit for bit.
 ///
 /// # Errors
 /// As [`write_contours`].
@@ -177,14 +186,13 @@ pub fn write_landforms(
     write_layers(out, &[layer::of_landforms(forms, tin, regions)], crs)
 }
 
-/// Writes layers of features, in the format that the target's extension names.
+/// Writes layers of features, in the format of the target's extension.
 ///
-/// Lines are three-dimensional, areas are not. Layers of one GeoPackage may differ in geometry and attributes. The files
-/// are named as [`write_contours`] says.
+/// Lines are three-dimensional, areas are not. Layers of one GeoPackage may differ in geometry and attributes. The
+/// files are named as in [`write_contours`].
 ///
 /// # Errors
-/// If the extension is not known, the layers cannot be told apart by name, a feature cannot be written (see
-/// [`layer`]'s types for what they may hold), the format cannot hold as much, or the disk is full.
+/// As [`write_contours`], and if a feature breaks a rule of its type (see the types in [`layer`]).
 pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<Vec<PathBuf>> {
     let names: Vec<&str> = layers.iter().map(|layer| layer.name).collect();
     let files = contour_files(out.target(), &names)?;
@@ -212,24 +220,24 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     Ok(files)
 }
 
-/// Writes layers of features in the coordinates that `back` leads to: vertices of the input get those that the input has
-/// for them, bit for bit. Attributes stay as they are, lengths and areas among them, which are those of the plane that the
-/// map was worked on.
+/// Writes layers of features in the coordinates that `back` converts to. Vertices of the input get their input
+/// coordinates back, bit for bit. Attributes do not change: lengths and areas stay those of the working plane.
 ///
 /// # Errors
-/// As [`write_layers`], and if a vertex has no place there.
+/// As [`write_layers`], and if a vertex has no coordinates in that system.
 pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
     if back.is_identity() {
         return write_layers(out, layers, back.crs());
     }
-    let mut moved = MovedShapes::new(layers, back)?;
-    write_layers(out, &moved.layers(layers), back.crs())
+    let mut reprojected = ReprojectedShapes::new(layers, back)?;
+    write_layers(out, &reprojected.layers(layers), back.crs())
 }
 
-/// The files that [`write_contours`] and [`write_layers`] write for layers of these names, so that they can be looked at before the work.
+/// The files that [`write_contours`] and [`write_layers`] write for layers of these names. The caller can check them
+/// before the computation.
 ///
 /// # Errors
-/// If the extension is not known, or the layers cannot be told apart by name.
+/// The extension is not known, a layer name is not valid, or two layers share one.
 pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     layer::check_names(layers)?;
     if VectorFormat::from_path(target)? == VectorFormat::GeoPackage {

@@ -1,12 +1,12 @@
-//! An output that appears whole or not at all.
+//! An output that appears complete or not at all.
 //!
-//! Files are written into a hidden folder beside the target and moved over it at the end. So an output folder that is
-//! missing or cannot be written to is noticed before the long computation, a finished file is never replaced by a
-//! broken one, and formats of several files get their final names at once.
+//! Files are written into a hidden folder beside the target and moved into place at the end. This has three benefits:
+//! an output folder that is missing or write-protected is noticed before the long computation; a broken file never
+//! replaces a finished one; formats of several files get their final names together.
 //!
 //! Dropping the output without [`StagedOutput::commit`] removes everything. A process that is ended by a signal runs no
-//! destructors: a program that catches the signal calls [`discard_unfinished`]. One that is killed outright leaves its
-//! hidden folder (`.tokosen-…`) behind; nothing reads it, and it can be deleted.
+//! destructors: a program that catches the signal calls [`discard_unfinished`]. A process that is killed leaves its
+//! hidden folder (`.tokosen-…`) behind. Nothing reads it, and it can be deleted.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -17,16 +17,16 @@ use tempfile::TempDir;
 
 use crate::base::error::{Error, Result};
 
-/// Files beside an output that describe its former content and would be wrong for the new one. The first column is
-/// the extension of the output, the second an ending that replaces that extension.
+/// Files beside an output that describe its former content and would be wrong for the new one. The first column is the
+/// extension of the output. The second lists endings that replace that extension.
 const REPLACED_ENDINGS: &[(&str, &[&str])] = &[
     ("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]),
-    // A .prj may be that of a shapefile of the same name, so it is left alone.
+    // A .prj may belong to a shapefile of the same name, therefore it is kept.
     ("png", &["pgw"]),
 ];
 
-/// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and what a database
-/// engine keeps beside a file that it did not close.
+/// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and the files that a
+/// database engine leaves if a database was not closed.
 const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
     ("gpkg", &["-journal", "-wal", "-shm"]),
     ("tif", &[".aux.xml", ".ovr", ".msk"]),
@@ -37,45 +37,46 @@ const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
     ("xyz", &[".aux.xml"]),
 ];
 
-/// The hidden folders of all outputs in the making. A signal is for the whole process, so this is known to all of it.
-/// Whoever holds it can be sure that no output is just being moved to its place.
+/// The hidden folders of all unfinished outputs. The list is global because a signal is for the whole process. While
+/// this lock is held, no output is being moved into place.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// How often a folder is removed that somebody writes to at the same time.
+/// How often the removal of a folder is tried, because another thread may still write to it.
 const TRIES: usize = 20;
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all that unfinished outputs have written, and runs `last`, during which none can be finished.
+/// Removes everything that unfinished outputs have written, then runs `last`. No output can be finished during `last`.
 ///
-/// For a process that is about to end by a signal. An output that is being moved to its place is waited for.
+/// For a process that is about to end by a signal. If an output is just being moved into place, this function waits for
+/// it.
 pub fn discard_unfinished<T>(last: impl FnOnce() -> T) -> T {
     let mut folders = unfinished();
     for folder in folders.drain(..) {
-        // It is not empty any more if a file was made in it meanwhile.
+        // Removal fails if another thread has just created a file in the folder.
         let _ = (0..TRIES).find(|_| fs::remove_dir_all(&folder).is_ok() || !folder.exists());
     }
     last()
 }
 
-/// A target file, or several beside each other, in the making.
+/// An unfinished output: a target file, or several files beside each other.
 #[derive(Debug)]
 pub struct StagedOutput {
-    /// Where the main file goes; symbolic links resolved, so that a link stays a link.
+    /// The final path of the main file. Symbolic links are resolved: a link stays a link.
     target: PathBuf,
     folder: PathBuf,
     staging: TempDir,
 }
 
 impl StagedOutput {
-    /// Makes the hidden folder beside `target`.
+    /// Creates the hidden folder beside `target`.
     ///
     /// # Errors
-    /// If `target` is a folder, a device or no file name, or if its folder is missing or cannot be written to.
+    /// `target` is a folder, a device or not a file name, or its folder is missing or cannot be written to.
     pub fn create(target: &Path) -> Result<Self> {
-        // "x/" would be taken for the file x.
+        // Otherwise "x/" would name the file x.
         let ends_open =
             target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
         if target.file_name().is_none() || ends_open {
@@ -93,7 +94,7 @@ impl StagedOutput {
             Ok(meta) if !meta.is_file() => {
                 return Err(Error::file(&target, "is not an ordinary file; name one to write to"));
             }
-            // The folder would let it be replaced, and whoever protected it would find out too late.
+            // The folder's permissions would allow replacing the file. Its owner protected it, so this is refused.
             Ok(meta) if meta.permissions().readonly() => {
                 return Err(Error::file(&target, "is write-protected; take the protection off, or name another file"));
             }
@@ -108,28 +109,29 @@ impl StagedOutput {
             .prefix(".tokosen-")
             .tempdir_in(&folder)
             .map_err(|e| Error::io("create a file in", &folder, without_path(e)))?;
-        // Those that were finished or dropped are gone from the disk.
+        // Finished or dropped outputs no longer have a folder on the disk.
         unfinished.retain(|folder| folder.exists());
         unfinished.push(staging.path().to_owned());
         Ok(Self { target, folder, staging })
     }
 
-    /// Where the main file will be.
+    /// The final path of the main file.
     pub fn target(&self) -> &Path {
         &self.target
     }
 
-    /// Where to write the main file.
+    /// The path at which to write the main file.
     pub fn path(&self) -> PathBuf {
         self.sibling(self.target.file_name().unwrap_or_default())
     }
 
-    /// Where to write a file that will be called `name`, beside the target.
+    /// The path at which to write a file that will be called `name`, beside the target.
     pub fn sibling(&self, name: impl AsRef<OsStr>) -> PathBuf {
         self.staging.path().join(name.as_ref())
     }
 
-    /// An error about a file of this output, with the name that the user knows instead of that in the hidden folder.
+    /// Replaces the path in an error about a file of this output: the user knows the final name, not the one in the
+    /// hidden folder.
     pub fn with_final_name(&self, error: Error) -> Error {
         let renamed = |path: PathBuf| match path.strip_prefix(self.staging.path()) {
             Ok(name) => self.folder.join(name),
@@ -143,15 +145,15 @@ impl StagedOutput {
         }
     }
 
-    /// Writes everything through to the disk and moves it over to the target's folder, the main file last. Gives the path of
-    /// the target.
+    /// Flushes all files to the disk and moves them to the target's folder, the main file last. Returns the target's
+    /// path.
     ///
     /// Files that belong to the former content of a target, such as a spatial index or a statistics file, are removed.
     ///
     /// # Errors
-    /// If the disk is full or a file of that name cannot be replaced. What was moved before that stays.
+    /// The disk is full, or a file of that name cannot be replaced. Files that were already moved stay.
     pub fn commit(self) -> Result<PathBuf> {
-        // Several files get their names all or none, whatever signal comes.
+        // The lock makes a signal wait: either all files get their names, or none.
         let _unfinished = unfinished();
         let names = self.staged_names()?;
         for name in &names {
@@ -172,8 +174,8 @@ impl StagedOutput {
             let goal = self.folder.join(name);
             fs::rename(self.sibling(name), &goal).map_err(|e| Error::io("replace", &goal, e))?;
         }
-        // The names themselves reach the disk with the folder. Not every file system offers that, and the content is
-        // safe already, so a refusal is no failure.
+        // The file names are only safe on the disk after the folder is flushed. Not every file system can do that. The
+        // content is already safe, therefore a failure here is ignored.
         if let Ok(folder) = File::open(&self.folder) {
             let _ = folder.sync_all();
         }
@@ -193,7 +195,7 @@ impl StagedOutput {
     }
 }
 
-/// The system's own word, without the temporary file's name that follows it and means nothing to the user.
+/// The system's message, without the temporary file's name, which means nothing to the user.
 fn without_path(error: std::io::Error) -> std::io::Error {
     let text = error.to_string();
     match text.split_once(" at path ") {
@@ -202,7 +204,7 @@ fn without_path(error: std::io::Error) -> std::io::Error {
     }
 }
 
-/// Names beside an output of this name that only fit its former content.
+/// Files beside an output of this name that only fit its former content.
 fn stale_companions(name: &OsStr) -> Vec<OsString> {
     let path = Path::new(name);
     let Some(extension) = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase) else {
@@ -302,7 +304,7 @@ mod tests {
         let begun = StagedOutput::create(&dir.path().join("b.tif")).unwrap();
         fs::write(begun.path(), "half").unwrap();
         let folder = begun.staging.path().to_owned();
-        // Other tests have outputs in the making too.
+        // Other tests may have unfinished outputs too.
         assert!(unfinished().contains(&folder));
         drop(begun);
         drop(StagedOutput::create(&dir.path().join("c.tif")).unwrap());

@@ -1,7 +1,7 @@
-//! What every vector format is read into before elevations are looked for: features with lines, points, polygons and
-//! the few attribute values that could be an elevation.
+//! The table into which every vector format is read before elevations are found. It holds features with lines, points
+//! and polygons, and the few attribute values that could be an elevation.
 //!
-//! Attributes that nobody will ask for are not kept; one example of each stays for messages.
+//! Other attributes are not kept; one example value of each remains for messages.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,26 +11,26 @@ use super::attributes::{is_elevation_name, may_mark};
 use crate::base::error::Finding;
 use crate::crs::Crs;
 
-/// What a reader is asked for.
+/// What the caller requests from a reader.
 pub(super) struct Request<'a> {
     /// The attribute that the user named.
     pub elevation_field: Option<&'a str>,
     /// The layer that the user named.
     pub layer: Option<&'a str>,
-    /// What the file is read for.
+    /// The purpose of reading the file.
     pub purpose: Purpose,
-    /// Memory that may be taken, bytes, if there is a limit.
+    /// Memory limit, bytes, if there is one.
     pub memory: Option<u64>,
 }
 
-/// What a file is read for.
+/// The purpose of reading a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// Contours, with the spot heights that come with them.
     Contours,
     /// Spot heights alone.
     Spots,
-    /// Polygons that bound an area. Otherwise polygons are left out.
+    /// Polygons that bound an area. For lines and points, polygons are left out.
     Area,
     /// Polygons of water, with their heights.
     Water,
@@ -39,7 +39,7 @@ pub(super) enum Purpose {
 /// An attribute of the features.
 pub(super) struct Field {
     pub name: String,
-    /// A value of it, as text.
+    /// An example value, as text.
     pub example: Option<String>,
     /// Whether its values are kept.
     pub kept: bool,
@@ -63,25 +63,25 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// A line as the file has it.
+/// A line of the file.
 pub(super) struct Line {
     pub points: Vec<DVec2>,
     /// Least and greatest z of its vertices; both NaN if one vertex has none.
     pub z: Option<[f64; 2]>,
 }
 
-/// A point as the file has it.
+/// A point of the file.
 pub(super) struct Spot {
     pub place: DVec2,
     pub z: Option<f64>,
 }
 
-/// A feature with the geometry that is of use here.
+/// A feature with its geometry, as far as it is used.
 #[derive(Default)]
 pub(super) struct Feature {
-    /// As the format counts: what GIS programs show as the feature's id.
+    /// The number that GIS programs show as the feature's id in this format.
     pub number: u64,
-    /// Values of kept fields, by the field's place in [`Table::fields`].
+    /// Values of kept fields, by the field's index in [`Table::fields`].
     pub values: Vec<(usize, Value)>,
     pub lines: Vec<Line>,
     pub spots: Vec<Spot>,
@@ -90,11 +90,11 @@ pub(super) struct Feature {
     pub polygon_z: Option<[f64; 2]>,
 }
 
-/// A polygon as the file has it: the exterior ring, then the holes.
+/// A polygon of the file: the exterior ring, then the holes.
 pub(super) type Rings = Vec<Vec<DVec2>>;
 
 impl Feature {
-    /// Adds a line; z is one value a vertex, or empty.
+    /// Adds a line. `z` has one value per vertex, or is empty.
     pub fn push_line(&mut self, mut points: Vec<DVec2>, z: &[f64]) {
         if points.is_empty() {
             return;
@@ -103,13 +103,13 @@ impl Feature {
         self.lines.push(Line { points, z: widened(None, z) });
     }
 
-    /// Adds the z of vertices of polygons.
+    /// Extends the z range of the feature's polygons by these vertices.
     pub fn note_polygon_z(&mut self, z: &[f64]) {
         self.polygon_z = widened(self.polygon_z, z);
     }
 }
 
-/// A range of z with further ones.
+/// A range of z, extended by further values.
 fn widened(range: Option<[f64; 2]>, z: &[f64]) -> Option<[f64; 2]> {
     z.iter().fold(range, |range, &z| match range {
         None => Some([z, z]),
@@ -118,7 +118,7 @@ fn widened(range: Option<[f64; 2]>, z: &[f64]) -> Option<[f64; 2]> {
     })
 }
 
-/// The content of a file or of the layers asked for.
+/// The content of a file, or of the requested layers.
 #[derive(Default)]
 pub(super) struct Table {
     pub fields: Vec<Field>,
@@ -128,13 +128,13 @@ pub(super) struct Table {
     wants_marks: bool,
     /// Whether polygons are kept.
     pub wants_polygons: bool,
-    /// Whether areas are cut at the edges of the map's squares, so that those that share an edge are one.
+    /// Whether areas are cut at the edges of grid squares. Then areas that share an edge are one.
     pub in_pieces: bool,
     pub features: Vec<Feature>,
     pub crs: Option<Crs>,
-    /// Why there is no coordinate reference system, if there is more to say than that the file names none.
+    /// Why there is no coordinate reference system, if the reason is not only that the file names none.
     pub crs_problem: Option<String>,
-    /// Geometry that was left out: its kind and how often it was met.
+    /// Geometries that were left out, with a count per kind.
     pub left_out: BTreeMap<String, u64>,
     pub findings: Vec<Finding>,
 }
@@ -143,7 +143,7 @@ pub(super) struct Table {
 pub(super) const NO_GEOMETRY: &str = "no geometry";
 
 impl Table {
-    /// An empty table that keeps the fields that the request could be about.
+    /// An empty table that keeps the fields that the request may need.
     pub fn new(request: &Request<'_>) -> Self {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
@@ -153,7 +153,7 @@ impl Table {
         }
     }
 
-    /// The place of a field, which is added if it is new.
+    /// The index of a field. A new field is added.
     pub fn field(&mut self, name: &str) -> usize {
         if let Some(&index) = self.by_name.get(name) {
             return index;
@@ -166,12 +166,12 @@ impl Table {
         self.fields.len() - 1
     }
 
-    /// Whether a value of this field is of any use.
+    /// Whether values of this field are needed.
     pub fn wants(&self, field: usize) -> bool {
         self.fields[field].kept || self.fields[field].example.is_none()
     }
 
-    /// Notes a value: as an example, and among the feature's `values` if the field is kept.
+    /// Records a value: as an example, and in the feature's `values` if the field is kept.
     pub fn note(&mut self, values: &mut Vec<(usize, Value)>, index: usize, value: Value) {
         let field = &mut self.fields[index];
         if field.example.is_none() && value != Value::Null {
@@ -182,7 +182,7 @@ impl Table {
         }
     }
 
-    /// Adds a feature, or counts it if nothing in it is of use.
+    /// Adds a feature, or counts it if it has no usable geometry.
     pub fn push(&mut self, feature: Feature) {
         if !feature.lines.is_empty() || !feature.spots.is_empty() || !feature.polygons.is_empty() {
             self.features.push(feature);
@@ -199,7 +199,7 @@ impl Table {
         }
     }
 
-    /// What was found besides what was looked for, as the end of a message; empty if nothing was.
+    /// The end of a message that lists what else the file contains. Empty if there is nothing.
     pub fn found_words(&self) -> String {
         let mut found: Vec<String> = self.left_out.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let count = |of: fn(&Feature) -> usize| self.features.iter().map(of).sum::<usize>();
@@ -210,7 +210,7 @@ impl Table {
     }
 }
 
-/// At most so many characters of a value are shown in a message.
+/// The largest number of characters of a value in a message.
 const EXAMPLE_LENGTH: usize = 24;
 
 fn shortened(text: &str) -> String {

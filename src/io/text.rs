@@ -1,4 +1,4 @@
-//! Reads files that must be text as a whole.
+//! Reads a whole file that must be text.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,25 +7,29 @@ use std::path::Path;
 use crate::base::error::{Error, Result};
 use crate::base::memory::check;
 
-/// Text has no zero byte. So many bytes are looked at before the others are read: enough to tell what is no text at all,
-/// such as a file of which nothing but its length was written.
+/// Text has no zero byte. This many bytes are checked before the rest is read. That is enough to recognise files that
+/// are not text, such as a file that has a length but no content.
 const BEGINNING: u64 = 4096;
-/// Memory for a byte of text: the text itself, and about as much for what is read from it.
+/// Memory per byte of text: the text itself, and about as much for the data read from it.
 const BYTES_PER_BYTE: f64 = 2.0;
 
-/// Reads a file that must be text, in any encoding without zero bytes. `known` tells from the beginning of a file that is
-/// none what it is instead. `memory` is how many bytes may be taken, if there is a limit.
+/// Reads a file that must be text, in any encoding without zero bytes. `other_format` recognises a file of another kind
+/// by its first bytes and gives the message. `memory` is the limit in bytes, if there is one.
 ///
 /// # Errors
-/// If it cannot be read, if it is known as something else, if its beginning has a zero byte, or if it needs more memory
-/// than that.
-pub(super) fn read(path: &Path, memory: Option<u64>, known: fn(&[u8]) -> Option<&'static str>) -> Result<Vec<u8>> {
+/// The file cannot be read, `other_format` recognises it, its beginning has a zero byte, or it needs more memory than
+/// the limit.
+pub(super) fn read(
+    path: &Path,
+    memory: Option<u64>,
+    other_format: fn(&[u8]) -> Option<&'static str>,
+) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut bytes = Vec::new();
     (&mut file).take(BEGINNING).read_to_end(&mut bytes).map_err(unreadable)?;
-    if let Some(what) = known(&bytes) {
+    if let Some(what) = other_format(&bytes) {
         return Err(Error::file(path, what));
     }
     without_zeros(path, &bytes, 0)?;
@@ -36,16 +40,16 @@ pub(super) fn read(path: &Path, memory: Option<u64>, known: fn(&[u8]) -> Option<
     Ok(bytes)
 }
 
-/// Refuses bytes of a file, which are at `offset` in it, with a zero among them.
+/// Refuses bytes of a file if one of them is zero. `offset` is their position in the file.
 ///
 /// # Errors
-/// The message has the place of the first zero byte.
+/// The message gives the position of the first zero byte.
 pub(super) fn without_zeros(path: &Path, bytes: &[u8], offset: u64) -> Result<()> {
     match bytes.iter().position(|&byte| byte == 0) {
         None => Ok(()),
         Some(at) => {
             let message = format!(
-                "is no text: its byte {} is zero; the file is broken, or it is saved as UTF-16: save it as UTF-8",
+                "is not text: its byte {} is zero; the file is broken, or it is saved as UTF-16: save it as UTF-8",
                 offset + at as u64 + 1
             );
             Err(Error::file(path, message))
@@ -61,12 +65,12 @@ mod tests {
     fn a_file_of_zeros_is_refused_before_it_is_read() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.geojson");
-        // Longer than any memory: nothing of it is on the disk.
+        // The first length exceeds any memory. The file is sparse: its zeros take no space on the disk.
         for (length, start) in [(1 << 42, ""), (1 << 20, "{\"type\":")] {
             std::fs::write(&path, start).unwrap();
             let file = File::options().write(true).open(&path).unwrap();
             if file.set_len(length).is_err() {
-                // File systems without files that are mostly empty cannot hold this one.
+                // A file system without sparse files cannot hold this file.
                 file.set_len(1 << 20).unwrap();
             }
             let said = read(&path, None, |_| None).unwrap_err().to_string();

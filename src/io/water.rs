@@ -1,4 +1,4 @@
-//! From the polygons of a file to lakes.
+//! Makes lakes from the polygons of a file.
 
 use std::path::Path;
 

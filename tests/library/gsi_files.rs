@@ -319,8 +319,8 @@ fn height_maps_that_contradict_themselves_are_errors_with_their_document() {
         (Square { code: "99999999", ..SQUARE }, "mesh code \"99999999\""),
         (Square { code: "36243097", ..SQUARE }, "corner \"24.325 124.1\""),
         (Square { high: "224 150", ..SQUARE }, "225 x 151 cells"),
-        (Square { high: "99999999 99999999", ..SQUARE }, "no cell"),
-        (Square { high: "224", ..SQUARE }, "no cell"),
+        (Square { high: "99999999 99999999", ..SQUARE }, "not a cell"),
+        (Square { high: "224", ..SQUARE }, "not a cell"),
         (Square { tuples: &over, start: "0 0", ..SQUARE }, "more cells than the grid, which has 33750"),
         (
             Square { tuples: &whole, start: "1 0", ..SQUARE },
@@ -385,7 +385,7 @@ fn what_is_no_such_file_is_told() {
         (folder.write("lines.zip", &lines), "found: 1 Cntr"),
         (folder.write("empty.xml", ""), "empty"),
         (folder.write("page.xml", "<html><body/></html>"), "root element is \"html\""),
-        (folder.write("zip.xml", "PK<\u{3}\u{4}\u{14}>x</\u{3}>"), "is no XML document"),
+        (folder.write("zip.xml", "PK<\u{3}\u{4}\u{14}>x</\u{3}>"), "is not an XML document"),
         (folder.path().join("missing.xml"), "cannot read"),
     ];
     for (path, word) in &cases {

@@ -220,7 +220,7 @@ fn what_a_format_cannot_say_is_refused_by_all() {
         (area(vec![vec![DVec2::ZERO; 3]]), "fewer than four"),
         (area(vec![vec![DVec2::NAN; 4]]), "not finite"),
         (Row { shape: Shape::Line(&VALLEY), cells: nulls() }, "another type"),
-        (Row { cells: vec![], ..area(vec![square(0.0, 0.0, 1.0, false)]) }, "as many values"),
+        (Row { cells: vec![], ..area(vec![square(0.0, 0.0, 1.0, false)]) }, "one value per attribute"),
         (with(0, Cell::Text("seventeen letters".into())), "class is longer"),
         (with(0, Cell::Int(1)), "another kind"),
         (with(1, Cell::Int(i64::MIN)), "count is too large"),

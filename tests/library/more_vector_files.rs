@@ -430,7 +430,7 @@ fn broken_drawings_are_told_apart() {
     };
     assert!(told(b"AutoCAD Binary DXF\r\n\x1a\0").contains("binary DXF"));
     assert!(told(b"AC1032\0\0\0").contains("DWG"));
-    assert!(told(b"hello\nworld\n").contains("line 1: \"hello\" is no group code"));
+    assert!(told(b"hello\nworld\n").contains("line 1: \"hello\" is not a group code"));
     assert!(told(b"  0\nEOF\n").contains("no section of entities"));
     let whole = dxf("", &["0 LWPOLYLINE 8 A 38 5 10 1 20 2 10 3 20 4"]);
     assert_eq!(
@@ -439,7 +439,7 @@ fn broken_drawings_are_told_apart() {
     );
     let comma = String::from_utf8(whole).unwrap().replace("\r\n5\r\n", "\r\n5,5\r\n");
     let error = told(comma.as_bytes());
-    assert!(error.contains("\"5,5\" is no number for the group 38") && error.contains("line "), "{error}");
+    assert!(error.contains("\"5,5\" is not a number for the group 38") && error.contains("line "), "{error}");
     // Line feeds alone, a mark of UTF-8, and blank lines at the end do no harm.
     let text = format!("\u{feff}{}\n\n", comma.replace("5,5", "5").replace("\r\n", "\n"));
     fs::write(&path, text).unwrap();

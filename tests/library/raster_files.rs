@@ -201,12 +201,12 @@ fn ascii_grids_of_all_sorts() {
     assert_eq!(dem.grid, Grid { corner: DVec2::new(10.0, 22.0), cell: DVec2::ONE, cols: 3, rows: 2 });
     assert!(same_bits(&dem.values, &[1.0, 2.5, f32::NAN, 4.0, 5.0, 6.0]));
     for (broken, words) in [
-        (text.replace("2.5", "2,5"), "row 1, column 2 is no number"),
+        (text.replace("2.5", "2,5"), "row 1, column 2 is not a number"),
         (text.replace("NCOLS 3", "NCOLS 3.5"), "ncols is 3.5"),
         (text.replace("NCOLS 3", "NCOLS 2"), "more heights"),
         (text.replace("NROWS 2", "NROWS 3"), "ends before the height of row 3, column 1"),
-        (text.replace("CELLSIZE 1", "CELLSIZE 0"), "no grid"),
-        (text.replace("CELLSIZE 1", "CELLSIZE -1"), "no grid"),
+        (text.replace("CELLSIZE 1", "CELLSIZE 0"), "not a valid grid"),
+        (text.replace("CELLSIZE 1", "CELLSIZE -1"), "not a valid grid"),
         (text.replace("CELLSIZE", "SIZE"), "\"size\" is no word"),
         (text.replace("YLLCENTER 20.5", ""), "no yllcorner"),
         ("<html>no grid here</html>".into(), "is not an ESRI ASCII grid"),

@@ -101,7 +101,7 @@ fn wrong_usage_is_told_before_the_work() {
     for (arguments, status, words) in [
         ("derive dem.tif", 2, "name what to write"),
         ("derive dem.tif --slope dem.tif", 2, "is an input"),
-        ("derive dem.tif --slope a.tif --aspect a.tif", 2, "named for two outputs"),
+        ("derive dem.tif --slope a.tif --aspect a.tif", 2, "the name of two outputs"),
         ("derive dem.tif --slope a.jpg", 2, "height maps are written as"),
         ("derive dem.tif --steep a.tif", 2, "steep places are written as"),
         ("derive dem.tif --steep a.gpkg --steep-angle 90", 2, "--steep-angle is 90"),

@@ -170,7 +170,7 @@ fn files_that_hold_no_contours() {
         ("empty.geojson", "the file is empty"),
         ("empty.gpkg", "the file is empty"),
         ("empty.shp", "the file is empty"),
-        ("noise.geojson", "is no text"),
+        ("noise.geojson", "is not text"),
         ("noise.gpkg", "not a GeoPackage"),
         ("noise.shp", "not a shapefile"),
         ("picture.gpkg", "not a GeoPackage"),
@@ -181,7 +181,7 @@ fn files_that_hold_no_contours() {
         ("text.txt", "known are .geojson"),
         ("missing.gpkg", "cannot read"),
         (".", "is a folder without files of 基盤地図情報"),
-        ("noise.zip", "no zip archive"),
+        ("noise.zip", "not a zip archive"),
         ("noise.xml", "noise.xml"),
     ] {
         folder.fails(&format!("densify {name} -i 5 -o out.gpkg"), FAILED, &[name, words]);
@@ -282,7 +282,7 @@ fn outputs_that_cannot_be_written() {
         ("densify hill.geojson -i 5 -o ./hill.geojson", USAGE, "hill.geojson is an input"),
         ("densify hill_5m.geojson -i 5,2 -o hill.geojson", USAGE, "hill_5m.geojson is an input"),
         ("densify hill.geojson -i 5 -o hill_5m.geojson --frame hill_5m.geojson", USAGE, "hill_5m.geojson is an input"),
-        ("dem hill.geojson --cell 5 -o p.png --preview ./p.png", USAGE, "p.png is named for two outputs"),
+        ("dem hill.geojson --cell 5 -o p.png --preview ./p.png", USAGE, "p.png is the name of two outputs"),
         ("densify hill.geojson -i 5,5.0 -o out.gpkg", USAGE, "two layers would be called \"contours_5m\""),
         ("densify hill.geojson -i 5 -o out.kml", USAGE, ".geojson, .gpkg, .fgb, .dxf or .shp"),
         ("densify hill.geojson -i 5 -o out", USAGE, ".geojson, .gpkg, .fgb, .dxf or .shp"),
@@ -406,7 +406,7 @@ fn frames() {
         ("zone.geojson", "there is no contour line inside the frame polygon"),
         ("far.geojson", "there is no contour line inside the frame polygon"),
         ("missing.geojson", "cannot read"),
-        ("convex", "extension does not tell its format"),
+        ("convex", "extension does not name a vector format"),
     ] {
         folder.fails(&format!("densify hill.geojson -i 5 -o o.gpkg --frame {frame}"), FAILED, &[words]);
     }

@@ -1,7 +1,7 @@
-//! From the polygons of a boundary file to one area.
+//! Makes one area from the polygons of a boundary file.
 //!
-//! What no frame can be made of is an error with its place, because a frame that is guessed at would cut the map
-//! wrongly without a word. Polygons are united only where they have to be: uniting rounds coordinates.
+//! A polygon that cannot be a frame is an error with its place. A guessed frame would cut the map wrongly, and nobody
+//! would notice. Polygons are united only where necessary, because uniting rounds coordinates.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
     Ok(MultiPolygon::new(united(members, &pairs).into_iter().map(|member| member.polygon).collect()))
 }
 
-/// Checks that a table has polygons and no other kind of surface, which would be missing from the whole.
+/// Checks that a table has polygons and no other kind of surface. Such a surface would be missing from the result.
 pub(super) fn check_polygons(path: &Path, table: &Table, whole: &str) -> Result<()> {
     if let Some((kind, count)) = table.left_out.iter().find(|(kind, _)| *kind != NO_GEOMETRY) {
         let message = format!(
@@ -50,7 +50,7 @@ pub(super) fn check_polygons(path: &Path, table: &Table, whole: &str) -> Result<
     Ok(())
 }
 
-/// The polygons of a table one by one, each of them sound.
+/// The polygons of a table one by one, each checked.
 pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> {
     let members = members(path, table)?;
     common_pairs(path, &members)?;
@@ -58,8 +58,8 @@ pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> 
     Ok(members)
 }
 
-/// The polygons of a table, those that overlap or share an edge united if their features `may_unite`. A united polygon
-/// goes by the first of its features.
+/// The polygons of a table. Those that overlap or share an edge are united if `may_unite` accepts their features. A
+/// united polygon gets the number of its first feature.
 pub(super) fn united_polygons(path: &Path, table: Table, may_unite: impl Fn(u64, u64) -> bool) -> Result<Vec<Member>> {
     let members = members(path, table)?;
     let mut pairs = common_pairs(path, &members)?;
@@ -68,7 +68,7 @@ pub(super) fn united_polygons(path: &Path, table: Table, may_unite: impl Fn(u64,
     Ok(united(members, &pairs))
 }
 
-/// The polygons of a table, with rings that are closed.
+/// The polygons of a table, with closed rings.
 fn members(path: &Path, table: Table) -> Result<Vec<Member>> {
     let mut members = Vec::new();
     for feature in table.features {
@@ -90,21 +90,21 @@ fn check_all(path: &Path, members: &[Member]) -> Result<()> {
     })
 }
 
-/// A closed ring around an area.
+/// A closed ring that can bound an area.
 fn ring(points: Vec<DVec2>) -> Result<LineString<f64>, String> {
     if let Some(p) = points.iter().find(|p| !is_place(**p)) {
-        return Err(format!("a vertex of its boundary is at {:?} {:?}, which is no place", p.x, p.y));
+        return Err(format!("a vertex of its boundary is at {:?} {:?}, which is not a valid position", p.x, p.y));
     }
     let mut ring: LineString<f64> = points.iter().map(|p| Coord { x: p.x, y: p.y }).collect();
     ring.close();
     if ring.0.len() < 4 {
         let start = points.first().map_or(String::new(), |p| format!(" at {:.3} {:.3}", p.x, p.y));
-        return Err(format!("a ring of its boundary{start} has {} points, it needs four at least", ring.0.len()));
+        return Err(format!("a ring of its boundary{start} has {} points, it needs at least four", ring.0.len()));
     }
     Ok(ring)
 }
 
-/// Refuses rings without area, and holes outside of their polygon: whatever is meant by those, it is no hole.
+/// Refuses rings without area, and holes outside their polygon: such a ring cannot be a hole.
 fn check_areas(polygon: &Polygon<f64>) -> Result<(), String> {
     for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
         if Polygon::new(ring.clone(), Vec::new()).unsigned_area() == 0.0 {
@@ -121,13 +121,13 @@ fn check_areas(polygon: &Polygon<f64>) -> Result<(), String> {
     Ok(())
 }
 
-/// A piece of a ring with the numbers of its polygon and of itself.
+/// A segment of a ring, with the number of its polygon and its own number.
 type Edge = GeomWithData<Line<[f64; 2]>, (usize, usize)>;
 
-/// Pairs of polygons that have more in common than single points.
+/// Pairs of polygons that overlap or share an edge, not only single points.
 ///
 /// # Errors
-/// If rings of one polygon cross.
+/// The rings of one polygon cross.
 fn common_pairs(path: &Path, members: &[Member]) -> Result<BTreeSet<[usize; 2]>> {
     let mut segments: Vec<Edge> = Vec::new();
     for (m, member) in members.iter().enumerate() {
@@ -176,7 +176,7 @@ fn common_pairs(path: &Path, members: &[Member]) -> Result<BTreeSet<[usize; 2]>>
     Ok(common)
 }
 
-/// Pairs of which one contains a vertex of the other.
+/// Pairs of polygons of which one contains a vertex of the other.
 fn nested_pairs(members: &[Member]) -> impl Iterator<Item = [usize; 2]> {
     let boxes = members.iter().enumerate().filter_map(|(m, member)| {
         let bounds = member.polygon.bounding_rect()?;
@@ -195,7 +195,7 @@ fn nested_pairs(members: &[Member]) -> impl Iterator<Item = [usize; 2]> {
     pairs.into_iter()
 }
 
-/// All polygons, each group of those that have something in common as one.
+/// All polygons, with each connected group of `pairs` united into one.
 fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> Vec<Member> {
     let mut group: Vec<usize> = (0..members.len()).collect();
     let root = |group: &[usize], mut m: usize| {
@@ -215,7 +215,7 @@ fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> Vec<Member> {
     let mut area = Vec::new();
     for (feature, mut polygons) in groups.into_values() {
         if polygons.len() > 1 {
-            // The union takes holes by their direction.
+            // The union recognises holes by the direction of their ring.
             let oriented: Vec<Polygon<f64>> = polygons.iter().map(|p| p.orient(Direction::Default)).collect();
             polygons = unary_union(&oriented).0;
         }

@@ -78,7 +78,10 @@ fn rings_that_are_none_are_errors_with_feature_and_place() {
     let cases: [(Rings, &str); 8] = [
         (vec![points(&[(1.0, 2.0), (3.0, 4.0), (1.0, 2.0)])], "at 1.000 2.000 has 3 points"),
         (vec![points(&[(1.0, 2.0), (f64::NAN, 4.0), (3.0, 3.0), (1.0, 2.0)])], "at NaN 4"),
-        (vec![points(&[(0.0, 0.0), (-1e304, 1e-310), (3.0, 3.0), (0.0, 0.0)])], "at -1e304 1e-310, which is no place"),
+        (
+            vec![points(&[(0.0, 0.0), (-1e304, 1e-310), (3.0, 3.0), (0.0, 0.0)])],
+            "at -1e304 1e-310, which is not a valid position",
+        ),
         (vec![points(&[(0.0, 0.0), (8.0, 4.0), (8.0, 0.0), (0.0, 4.0), (0.0, 0.0)])], "crosses itself at 4.000 2.000"),
         (vec![square(0.0, 0.0, 4.0), square(2.0, 1.0, 4.0)], "crosses itself at 2.000 4.000"),
         (vec![square(0.0, 0.0, 4.0), square(6.0, 6.0, 1.0)], "a hole lies outside of its polygon at 6.000 6.000"),

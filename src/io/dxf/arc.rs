@@ -1,15 +1,16 @@
-//! Arcs between the vertices of a polyline.
+//! Replaces the arcs of a polyline by chords.
 //!
-//! A vertex may have a bulge: the tangent of a quarter of the angle that the arc to the next vertex spans, positive if the
-//! arc turns left. Arcs become chords that stay near them; the polyline's own vertices are not moved.
+//! A vertex may have a bulge: the tangent of a quarter of the angle that the arc to the next vertex spans. It is
+//! positive if the arc turns left. Chords stay close to the arc, and the polyline's own vertices do not move.
 
 use glam::DVec2;
 
-/// Chords stay so near to their arc, in units of the drawing.
+/// Largest distance between chord and arc, in units of the drawing.
 const TOLERANCE: f64 = 0.01;
 
-/// Adds the points between two vertices, if the arc needs not more than so many; says whether it did.
-pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, most: usize, points: &mut Vec<DVec2>) -> bool {
+/// Adds the points between two vertices. Returns false, and adds nothing, if the arc needs more than `max_points`
+/// chords.
+pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, max_points: usize, points: &mut Vec<DVec2>) -> bool {
     let chord = to - from;
     let to_centre = (1.0 - bulge * bulge) / (4.0 * bulge);
     let start = from - ((from + to) / 2.0 + chord.perp() * to_centre);
@@ -18,10 +19,10 @@ pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, most: usize, poin
         return true;
     }
     let angle = 4.0 * bulge.atan();
-    // The middle of a chord is by 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
+    // The middle of a chord is 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
     let widest = 4.0 * (TOLERANCE / (2.0 * radius)).min(1.0).sqrt().asin();
     let count = (angle.abs() / widest).ceil();
-    if count > most as f64 {
+    if count > max_points as f64 {
         return false;
     }
     let centre = from - start;

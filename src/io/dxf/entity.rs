@@ -1,19 +1,19 @@
-//! Entities, and the shapes of those that can be contours or spot heights.
+//! Entities, and the geometry of those that can be contours or spot heights.
 
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
 use super::arc;
-use super::groups::{Group, Groups};
+use super::groups::{Group, GroupReader};
 use crate::base::error::{Error, Result};
 
-/// Groups from this code on belong to other programs.
+/// Groups with this code or a larger one belong to other programs.
 const FIRST_FOREIGN: i32 = 1000;
-/// Begins an object inside the entity that repeats the entity's codes.
+/// Begins an embedded object, which repeats the codes of the entity.
 const EMBEDDED: i32 = 101;
 
-/// What lies between two groups of code 0.
+/// The groups between two groups of code 0.
 pub(super) struct Entity<'a> {
     path: &'a Path,
     groups: Vec<Group<'a>>,
@@ -21,7 +21,7 @@ pub(super) struct Entity<'a> {
 
 impl<'a> Entity<'a> {
     /// Reads up to the next entity.
-    pub fn read(groups: &mut Groups<'a>) -> Result<Self> {
+    pub fn read(groups: &mut GroupReader<'a>) -> Result<Self> {
         let mut own = Vec::new();
         let mut embedded = false;
         loop {
@@ -42,22 +42,22 @@ impl<'a> Entity<'a> {
         self.groups.iter().find(|group| group.code == code)
     }
 
-    /// A number, or 0 where there is none.
+    /// A number, or 0 if it is missing.
     pub fn number(&self, code: i32) -> Result<f64> {
         self.find(code).map_or(Ok(0.0), |group| group.number(self.path))
     }
 
-    /// Bits, or none of them where there are none.
+    /// Flags, or 0 if they are missing.
     pub fn flags(&self, code: i32) -> Result<i64> {
         self.find(code).map_or(Ok(0), |group| group.flags(self.path))
     }
 
-    /// A point, by the code of its x.
+    /// A point, by the group code of its x.
     pub fn point(&self, x: i32) -> Result<DVec3> {
         Ok(DVec3::new(self.number(x)?, self.number(x + 10)?, self.number(x + 20)?))
     }
 
-    /// How the plane of a flat entity lies in the drawing.
+    /// The orientation of a planar entity's plane.
     pub fn plane(&self) -> Result<Plane> {
         if self.find(210).or(self.find(220)).or(self.find(230)).is_none() {
             return Ok(Plane::Level);
@@ -93,7 +93,7 @@ impl<'a> Entity<'a> {
         Ok(line)
     }
 
-    /// Adds a `VERTEX` to the line of a `POLYLINE`, unless it only guides a curve.
+    /// Adds a `VERTEX` to the line of a `POLYLINE`, unless it is only a control point of a curve.
     pub fn add_vertex(&self, line: &mut Polyline) -> Result<()> {
         if self.flags(70)? & GUIDES_CURVE == 0 {
             line.push(self.point(10)?, self.number(42)?);
@@ -106,18 +106,18 @@ impl<'a> Entity<'a> {
 const CLOSED: i64 = 1;
 /// Flag of a `POLYLINE`: every vertex has a height of its own.
 pub(super) const HAS_HEIGHTS: i64 = 8;
-/// Flags of a `POLYLINE` that is a mesh and no line.
+/// Flags of a `POLYLINE` that is a mesh, not a line.
 pub(super) const IS_MESH: i64 = 16 | 64;
-/// Flag of a `VERTEX` that the line does not pass through.
+/// Flag of a `VERTEX` that is a control point: the line does not pass through it.
 const GUIDES_CURVE: i64 = 16;
 
-/// How the plane of a flat entity lies in the drawing.
+/// The orientation of a planar entity's plane.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Plane {
     Level,
     /// Seen from below: x and z change their sign.
     Mirrored,
-    /// No level plane, so that the entity is no contour.
+    /// Not a horizontal plane; the entity cannot be a contour.
     Tilted,
 }
 
@@ -125,7 +125,7 @@ pub(super) enum Plane {
 #[derive(Default)]
 pub(super) struct Polyline {
     pub points: Vec<DVec2>,
-    /// One a vertex.
+    /// One bulge per vertex.
     pub z: Vec<f64>,
     bulges: Vec<f64>,
     pub is_closed: bool,
@@ -143,15 +143,16 @@ impl Polyline {
         self.bulges.push(bulge);
     }
 
-    /// Gives all vertices of a flat line its elevation. Some programs leave that at 0 and write it into every vertex.
+    /// Gives all vertices of a flat line its elevation. Some programs leave that at 0 and write the elevation into
+    /// every vertex.
     pub fn flatten(&mut self, elevation: f64) {
         if elevation != 0.0 {
             self.z.fill(elevation);
         }
     }
 
-    /// Repeats the first vertex of a closed line at its end, and replaces arcs by chords. `room` is how many vertices may
-    /// still be added to all lines.
+    /// Repeats the first vertex of a closed line at its end, and replaces arcs by chords. `room` is the number of
+    /// vertices that may still be added to all lines.
     pub fn finish(mut self, path: &Path, room: &mut usize) -> Result<Self> {
         let (Some(&first), Some(&last)) = (self.points.first(), self.points.last()) else { return Ok(self) };
         if self.is_closed && (first != last || self.points.len() < 3) {
@@ -166,7 +167,7 @@ impl Polyline {
             let Some(&next) = self.points.get(i + 1).filter(|_| self.bulges[i] != 0.0) else { continue };
             let before = line.points.len();
             if !arc::push_between(self.points[i], next, self.bulges[i], *room, &mut line.points) {
-                let message = "its polylines have arcs that are too large to be drawn as chords; are they meant to be?";
+                let message = "its polylines have arcs that are too large to be replaced by chords; check their bulges";
                 return Err(Error::file(path, message));
             }
             *room -= line.points.len() - before;
@@ -176,7 +177,7 @@ impl Polyline {
         Ok(line)
     }
 
-    /// The line as one sees it from above.
+    /// The line as seen from above.
     pub fn mirror(&mut self) {
         self.points.iter_mut().for_each(|p| p.x = -p.x);
         self.z.iter_mut().for_each(|z| *z = -*z);

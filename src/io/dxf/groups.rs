@@ -1,4 +1,4 @@
-//! The groups of a DXF: two lines each, a code and a value.
+//! Reads the groups of a DXF: two lines per group, a code and a value.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ const COMMENT: i32 = 999;
 #[derive(Clone, Copy)]
 pub(super) struct Group<'a> {
     pub code: i32,
-    /// Without the end of the line, in the encoding of the file.
+    /// The value without its line end, in the encoding of the file.
     pub value: &'a [u8],
-    /// The line of the value, counted from 1.
+    /// The line number of the value, counted from 1.
     line: usize,
 }
 
 impl<'a> Group<'a> {
-    /// Whether this is a group of code 0 with this word.
+    /// Whether this group has code 0 and this word.
     pub fn begins(&self, word: &str) -> bool {
         self.code == 0 && self.word() == word.as_bytes()
     }
@@ -28,13 +28,13 @@ impl<'a> Group<'a> {
         self.value.trim_ascii()
     }
 
-    /// The value as a number; NaN and infinities are numbers too.
+    /// The value as a number; NaN and infinities are accepted.
     pub fn number(&self, path: &Path) -> Result<f64> {
         let number = std::str::from_utf8(self.word()).ok().and_then(|text| text.parse().ok());
         number.ok_or_else(|| self.no_number(path))
     }
 
-    /// The value as bits; some programs write them with a decimal point.
+    /// The value as flags; some programs write them with a decimal point.
     pub fn flags(&self, path: &Path) -> Result<i64> {
         let number = self.number(path)?;
         if number.fract() != 0.0 || number.abs() > f64::from(i32::MAX) {
@@ -46,20 +46,20 @@ impl<'a> Group<'a> {
     fn no_number(&self, path: &Path) -> Error {
         let shown: String = String::from_utf8_lossy(self.word()).chars().take(40).collect();
         let message =
-            format!("line {}: {shown:?} is no number for the group {}; the file is broken", self.line, self.code);
+            format!("line {}: {shown:?} is not a number for the group {}; the file is broken", self.line, self.code);
         Error::file(path, message)
     }
 }
 
-/// What is left of a file.
-pub(super) struct Groups<'a> {
+/// The rest of a file.
+pub(super) struct GroupReader<'a> {
     pub path: &'a Path,
     rest: &'a [u8],
     line: usize,
     next: Option<Group<'a>>,
 }
 
-impl<'a> Groups<'a> {
+impl<'a> GroupReader<'a> {
     /// The groups of a file's text.
     pub fn new(path: &'a Path, text: &'a [u8]) -> Self {
         Self { path, rest: text, line: 0, next: None }
@@ -78,8 +78,10 @@ impl<'a> Groups<'a> {
             }
             let Some(code) = std::str::from_utf8(code).ok().and_then(|code| code.parse::<i32>().ok()) else {
                 let shown: String = String::from_utf8_lossy(code).chars().take(40).collect();
-                let message =
-                    format!("line {}: {shown:?} is no group code; the file is no DXF, or it is broken", self.line);
+                let message = format!(
+                    "line {}: {shown:?} is not a group code; the file is not a DXF, or it is broken",
+                    self.line
+                );
                 return Err(Error::file(self.path, message));
             };
             let Some(value) = self.take_line() else {
@@ -91,12 +93,12 @@ impl<'a> Groups<'a> {
         }
     }
 
-    /// Gives a group back, to be the next one again.
+    /// Puts a group back; it is the next one again.
     pub fn put_back(&mut self, group: Group<'a>) {
         self.next = Some(group);
     }
 
-    /// The next group, where the file must not end.
+    /// The next group, at a place where the file must not end.
     pub fn must(&mut self, within: &str) -> Result<Group<'a>> {
         let path = self.path;
         self.next()?.ok_or_else(|| Error::file(path, format!("the file ends within its {within}; it is not complete")))

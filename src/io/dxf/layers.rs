@@ -1,49 +1,49 @@
-//! The layers that lines were met on, and what to say when it is not clear which of them are contours.
+//! The layers of a drawing, and the errors if it is not clear which of them hold contours.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::names::Wanted;
+use super::names::LayerFilter;
 use crate::base::error::{Error, Result};
 
-/// What a layer's name contains if its lines are contours, in lower case.
+/// Words in the names of layers that hold contours, in lower case.
 const CONTOUR_WORDS: &[&str] = &["contour", "isoline", "hoehenlinie", "höhenlinie", "curva", "courbe", "等高線"];
 
-/// Layers shown in a message.
+/// The number of layers that a message lists.
 const SHOWN: usize = 20;
 
-/// What lies on a layer.
+/// Counts of one layer.
 #[derive(Default)]
-struct Content {
+struct LayerCounts {
     lines: u64,
-    /// Lines that lie at 0 all along.
+    /// Lines whose heights are all 0.
     at_zero: u64,
 }
 
 /// The layers of a drawing that have entities.
 #[derive(Default)]
-pub(super) struct Layers(BTreeMap<String, Content>);
+pub(super) struct Layers(BTreeMap<String, LayerCounts>);
 
 impl Layers {
-    /// Notes an entity, with how many lines it is.
+    /// Records an entity and how many lines it is.
     pub fn note(&mut self, layer: &str, lines: u64) {
         match self.0.get_mut(layer) {
             Some(content) => content.lines += lines,
             None => {
-                self.0.insert(layer.to_owned(), Content { lines, at_zero: 0 });
+                self.0.insert(layer.to_owned(), LayerCounts { lines, at_zero: 0 });
             }
         }
     }
 
-    /// Notes the heights of a line.
+    /// Records the heights of a line.
     pub fn note_heights(&mut self, layer: &str, z: &[f64]) {
         if let Some(content) = self.0.get_mut(layer) {
             content.at_zero += u64::from(z.iter().all(|&z| z == 0.0));
         }
     }
 
-    /// Refuses a name that no layer has.
-    pub fn check_named(&self, path: &Path, wanted: &Wanted) -> Result<()> {
+    /// Refuses a layer name that is not in the drawing.
+    pub fn check_named(&self, path: &Path, wanted: &LayerFilter) -> Result<()> {
         match wanted.missing(self.0.keys()) {
             Some(missing) => {
                 Err(Error::file(path, format!("there is no layer {missing:?}; its layers are {}", self.list())))
@@ -52,9 +52,10 @@ impl Layers {
         }
     }
 
-    /// Refuses drawings whose lines have no elevations, and those where some layers have them and others lie at 0, as
-    /// the sheet's edge and its roads do: their lines would be taken for contours of the sea.
-    pub fn check_elevations(&self, path: &Path, wanted: &Wanted, texts: u64) -> Result<()> {
+    /// Refuses drawings whose lines have no elevations. Also refuses drawings where only some layers have elevations,
+    /// while the lines of others lie at 0, such as the map border or roads. Those lines would become contours at sea
+    /// level.
+    pub fn check_elevations(&self, path: &Path, wanted: &LayerFilter, texts: u64) -> Result<()> {
         let with_lines = || self.0.iter().filter(|(layer, content)| wanted.has(layer) && content.lines > 0);
         let flat: Vec<&str> = with_lines()
             .filter(|(layer, content)| content.at_zero == content.lines && !says_contour(layer))
@@ -64,7 +65,7 @@ impl Layers {
             let place = if wanted.is_named() { "on the layers that were named" } else { "in this drawing" };
             let texts = match texts {
                 0 => String::new(),
-                n => format!(", and the {n} texts that may tell them are not read"),
+                n => format!(", and the {n} texts that may hold them are not read"),
             };
             return Err(Error::NoElevations { place, texts }.in_file(path));
         }

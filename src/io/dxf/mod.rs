@@ -1,12 +1,12 @@
-//! DXF, as text: polylines and lines with their elevations in and out.
+//! Reads and writes DXF as text: polylines and lines with their elevations.
 //!
-//! A DXF is a list of groups, a code and a value each, of which contours need a dozen codes. They are read and written here,
-//! because the crate for drawings rounds coordinates to twelve decimals when it writes, so that vertices do not come back
-//! bit for bit, and builds every entity of the drawing in memory, where one odd value in a part that nobody asks for
-//! refuses the file.
+//! A DXF is a list of groups, each a code and a value. Contours need about twelve of the codes. They are read and
+//! written here, not with the `dxf` crate, for two reasons. The crate rounds coordinates to twelve decimals when it
+//! writes, which does not preserve vertices bit for bit. It also builds every entity of the drawing in memory, and one
+//! invalid value in an unused part makes it refuse the file.
 //!
-//! Elevations are z coordinates and the `layer` is the only attribute: the format has no others that programs agree on, and no
-//! coordinate reference system. What else a layer of features has is left out when it is written.
+//! Elevations are z coordinates, and the `layer` is the only attribute. The format has no other attributes that
+//! programs agree on, and no coordinate reference system. Other attributes of a layer of features are not written.
 
 mod arc;
 mod entity;

@@ -1,4 +1,4 @@
-//! The names of layers: how the file encodes them, and which of them the user named.
+//! The names of layers: their encoding in the file, and the user's selection.
 
 use std::borrow::Cow;
 
@@ -9,36 +9,36 @@ use crate::io::shapefile::encoding;
 /// The first version of the format whose text is always UTF-8 (AutoCAD 2007).
 const FIRST_IN_UTF_8: u32 = 1021;
 
-/// What the header says of the text in the file.
+/// The header's statements about the encoding of text.
 #[derive(Default)]
-pub(super) struct Script {
-    /// Number of the version.
+pub(super) struct TextEncoding {
+    /// The version number.
     version: Option<u32>,
     code_page: Option<&'static Encoding>,
 }
 
-impl Script {
-    /// Notes `$ACADVER`, such as `AC1015`.
+impl TextEncoding {
+    /// Records `$ACADVER`, such as `AC1015`.
     pub fn note_version(&mut self, word: &[u8]) {
         self.version = std::str::from_utf8(word).ok().and_then(|w| w.strip_prefix("AC")).and_then(|w| w.parse().ok());
     }
 
-    /// Notes `$DWGCODEPAGE`, such as `ANSI_932`.
+    /// Records `$DWGCODEPAGE`, such as `ANSI_932`.
     pub fn note_code_page(&mut self, word: &[u8]) {
         self.code_page = std::str::from_utf8(word).ok().and_then(encoding::of_label);
     }
 
-    /// The text that bytes of the file stand for.
+    /// Decodes bytes of the file.
     pub fn text(&self, bytes: &[u8]) -> String {
         let page = self.code_page.unwrap_or(WINDOWS_1252);
-        // Old files name their code page; those without a version and those of a wrong one are often UTF-8 too.
+        // Old files name their code page. Files without a version or with a wrong one are often UTF-8 too.
         let is_utf_8 = self.version.is_none_or(|v| v >= FIRST_IN_UTF_8) && std::str::from_utf8(bytes).is_ok();
         let encoding = if is_utf_8 { UTF_8 } else { page };
         unescaped(&encoding.decode_without_bom_handling(bytes).0).into_owned()
     }
 }
 
-/// The text with the characters that `\U+XXXX` stands for.
+/// The text with each `\U+XXXX` replaced by its character.
 fn unescaped(text: &str) -> Cow<'_, str> {
     if !text.contains("\\U+") {
         return Cow::Borrowed(text);
@@ -61,11 +61,11 @@ fn unescaped(text: &str) -> Cow<'_, str> {
     Cow::Owned(whole)
 }
 
-/// The layers that the user named: one, or several with commas, which no layer's name has. Letter case means nothing.
-pub(super) struct Wanted(Option<Vec<String>>);
+/// The layers that the user named, separated by commas, which layer names cannot contain. Letter case is ignored.
+pub(super) struct LayerFilter(Option<Vec<String>>);
 
-impl Wanted {
-    /// All layers if none is named.
+impl LayerFilter {
+    /// Selects all layers if none is named.
     pub fn new(named: Option<&str>) -> Self {
         Self(named.map(|named| named.split(',').map(|name| name.trim().to_lowercase()).collect()))
     }
@@ -75,12 +75,12 @@ impl Wanted {
         self.0.is_some()
     }
 
-    /// Whether a layer of this name is wanted.
+    /// Whether a layer of this name is selected.
     pub fn has(&self, layer: &str) -> bool {
         self.0.as_ref().is_none_or(|names| names.contains(&layer.to_lowercase()))
     }
 
-    /// The first name that none of the layers has.
+    /// The first selected name that the drawing does not have.
     pub fn missing<'a>(&self, layers: impl Iterator<Item = &'a String>) -> Option<&str> {
         let layers: Vec<String> = layers.map(|layer| layer.to_lowercase()).collect();
         self.0.iter().flatten().find(|name| !layers.contains(name)).map(String::as_str)
@@ -93,23 +93,23 @@ mod tests {
 
     #[test]
     fn text_in_every_encoding() {
-        let mut script = Script::default();
-        assert_eq!(script.text("等高線".as_bytes()), "等高線");
-        assert_eq!(script.text(b"H\xF6he"), "Höhe");
-        script.note_version(b"AC1015");
-        script.note_code_page(b"ANSI_932");
-        assert_eq!(script.text(b"\x93\x99\x8D\x82\x90\xFC"), "等高線");
-        script.note_version(b"AC1032");
-        assert_eq!(script.text("等高線".as_bytes()), "等高線");
-        assert_eq!(script.text(b"A\\U+7B49\\U+9AD8 \\U+zz \\U+D800 \\U+00e"), "A等高 \\U+zz \\U+D800 \\U+00e");
+        let mut encoding = TextEncoding::default();
+        assert_eq!(encoding.text("等高線".as_bytes()), "等高線");
+        assert_eq!(encoding.text(b"H\xF6he"), "Höhe");
+        encoding.note_version(b"AC1015");
+        encoding.note_code_page(b"ANSI_932");
+        assert_eq!(encoding.text(b"\x93\x99\x8D\x82\x90\xFC"), "等高線");
+        encoding.note_version(b"AC1032");
+        assert_eq!(encoding.text("等高線".as_bytes()), "等高線");
+        assert_eq!(encoding.text(b"A\\U+7B49\\U+9AD8 \\U+zz \\U+D800 \\U+00e"), "A等高 \\U+zz \\U+D800 \\U+00e");
     }
 
     #[test]
     fn layers_are_named_with_commas() {
-        let wanted = Wanted::new(Some("Kontur , INDEX"));
+        let wanted = LayerFilter::new(Some("Kontur , INDEX"));
         assert!(wanted.has("KONTUR") && wanted.has("index") && !wanted.has("0"));
         let layers = ["0".to_owned(), "Kontur".to_owned()];
         assert_eq!(wanted.missing(layers.iter()), Some("index"));
-        assert!(Wanted::new(None).has("anything") && !Wanted::new(None).is_named());
+        assert!(LayerFilter::new(None).has("anything") && !LayerFilter::new(None).is_named());
     }
 }

@@ -1,25 +1,25 @@
-//! Groups of a DXF out: a code and a value each.
+//! Writes the groups of a DXF: a code and a value each.
 
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufWriter, Result as Written, Write};
 use std::path::Path;
 
-/// The groups written so far.
-pub(super) struct Groups {
+/// The DXF file that is being written.
+pub(super) struct GroupWriter {
     file: BufWriter<File>,
-    /// The next handle.
+    /// The next free handle.
     handle: u64,
 }
 
-impl Groups {
+impl GroupWriter {
     /// Creates the file. `handle` is the first handle.
     pub fn create(path: &Path, handle: u64) -> Written<Self> {
         let file = File::create(path)?;
         Ok(Self { file: BufWriter::with_capacity(1 << 16, file), handle })
     }
 
-    /// Makes sure that the last byte has left the buffer.
+    /// Flushes the buffer.
     pub fn flush(&mut self) -> Written<()> {
         self.file.flush()
     }
@@ -34,12 +34,12 @@ impl Groups {
         pairs.iter().try_for_each(|(code, value)| self.put(*code, value))
     }
 
-    /// Writes numbers under this and the following codes, each ten on, as coordinates have them.
+    /// Writes numbers under this code and the following ones, ten apart, as coordinates require.
     pub fn numbers(&mut self, code: i32, numbers: &[f64]) -> Written<()> {
         (code..).step_by(10).zip(numbers).try_for_each(|(code, number)| self.put(code, format_args!("{number:?}")))
     }
 
-    /// Begins an object with a handle that no other has, and gives that back.
+    /// Begins an object with a new handle, and returns the handle.
     pub fn begin(&mut self, kind: &str, owner: u64) -> Written<u64> {
         let handle = self.handle;
         self.handle += 1;
@@ -49,7 +49,7 @@ impl Groups {
         Ok(handle)
     }
 
-    /// Begins an entity of a layer with a handle that no other has, and gives that back.
+    /// Begins an entity of a layer with a new handle, and returns the handle.
     pub fn begin_entity(&mut self, kind: &str, owner: u64, layer: &str) -> Written<u64> {
         let handle = self.begin(kind, owner)?;
         self.pairs(&[(100, "AcDbEntity"), (8, layer)])?;

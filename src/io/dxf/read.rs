@@ -3,46 +3,46 @@
 use std::path::Path;
 
 use super::entity::{Entity, HAS_HEIGHTS, IS_MESH, Plane, Polyline};
-use super::groups::Groups;
+use super::groups::GroupReader;
 use super::layers::Layers;
-use super::names::{Script, Wanted};
+use super::names::{LayerFilter, TextEncoding};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
 
-/// Vertices that arcs may add to a drawing of any size; larger ones may add one a byte.
+/// Arcs may add this many vertices to any drawing. For larger drawings the limit is one vertex per byte.
 const ROOM: usize = 1 << 20;
 
 const TILTED: &str = "polyline in a tilted plane";
 
-/// Entities besides closed lines that may bound an area.
+/// Entities, other than closed lines, that may bound an area.
 const SURFACES: &[&str] =
     &["CIRCLE", "ELLIPSE", "SPLINE", "HATCH", "MPOLYGON", "REGION", "SOLID", "TRACE", "3DFACE", TILTED];
 
-/// Drawings that are no text, by how they begin.
-fn known(bytes: &[u8]) -> Option<&'static str> {
+/// Recognises drawings that are not text by their first bytes.
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"AutoCAD Binary DXF") {
         Some("the file is a binary DXF; save it as text (ASCII DXF)")
     } else if bytes.starts_with(b"AC10") {
-        Some("the file is a DWG and no DXF; save it as DXF")
+        Some("the file is a DWG, not a DXF; save it as DXF")
     } else {
         None
     }
 }
 
-/// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model, numbered from 0 in the order of all of its
-/// entities. Closed lines are areas where areas are asked for.
+/// Reads lines (`LWPOLYLINE`, `POLYLINE`, `LINE`) and points (`POINT`) of the model space. They are numbered from 0 in
+/// the order of all entities. Closed lines are areas if areas are requested.
 ///
 /// Arcs of polylines become chords that stay within a hundredth of a unit. Blocks are not expanded.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let bytes = text::read(path, request.memory, known)?;
-    let mut groups = Groups::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
+    let bytes = text::read(path, request.memory, other_format)?;
+    let mut groups = GroupReader::new(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes));
     let mut drawing = Drawing {
         path,
         table: Table::new(request),
-        script: Script::default(),
+        encoding: TextEncoding::default(),
         unit: None,
-        wanted: Wanted::new(request.layer),
+        wanted: LayerFilter::new(request.layer),
         layers: Layers::default(),
         inserts: 0,
         texts: 0,
@@ -64,19 +64,19 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         }
     }
     if !has_entities {
-        return Err(Error::file(path, "the file has no section of entities; it is no DXF, or it is not complete"));
+        return Err(Error::file(path, "the file has no section of entities; it is not a DXF, or it is not complete"));
     }
     drawing.finish(request)
 }
 
-/// What was read of a drawing.
+/// The content of a drawing that was read so far.
 struct Drawing<'a> {
     path: &'a Path,
     table: Table,
-    script: Script,
-    /// The code of the unit that the header names.
+    encoding: TextEncoding,
+    /// The code of the unit in the header.
     unit: Option<i64>,
-    wanted: Wanted,
+    wanted: LayerFilter,
     layers: Layers,
     inserts: u64,
     texts: u64,
@@ -86,7 +86,7 @@ struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    fn read_header(&mut self, groups: &mut Groups<'a>) -> Result<()> {
+    fn read_header(&mut self, groups: &mut GroupReader<'a>) -> Result<()> {
         loop {
             let group = groups.must("header")?;
             if group.code == 0 {
@@ -99,15 +99,15 @@ impl<'a> Drawing<'a> {
             let variable = group.word();
             let value = groups.must("header")?;
             match variable {
-                b"$ACADVER" => self.script.note_version(value.word()),
-                b"$DWGCODEPAGE" => self.script.note_code_page(value.word()),
+                b"$ACADVER" => self.encoding.note_version(value.word()),
+                b"$DWGCODEPAGE" => self.encoding.note_code_page(value.word()),
                 b"$INSUNITS" => self.unit = value.flags(self.path).ok(),
                 _ => groups.put_back(value),
             }
         }
     }
 
-    fn read_entities(&mut self, groups: &mut Groups<'a>) -> Result<()> {
+    fn read_entities(&mut self, groups: &mut GroupReader<'a>) -> Result<()> {
         loop {
             let group = groups.must("entities")?;
             if group.begins("EOF") {
@@ -124,8 +124,8 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    fn add(&mut self, kind: &[u8], entity: &Entity<'a>, groups: &mut Groups<'a>) -> Result<()> {
-        // What follows these belongs to them, and is read with them.
+    fn add(&mut self, kind: &[u8], entity: &Entity<'a>, groups: &mut GroupReader<'a>) -> Result<()> {
+        // These entities are read together with the entity before them.
         let polyline = match kind {
             b"POLYLINE" => Some(self.read_polyline(entity, groups)?),
             b"VERTEX" | b"SEQEND" | b"ATTRIB" => return Ok(()),
@@ -133,7 +133,7 @@ impl<'a> Drawing<'a> {
         };
         let number = self.number;
         self.number += 1;
-        let layer = entity.find(8).map_or_else(|| "0".to_owned(), |group| self.script.text(group.word()));
+        let layer = entity.find(8).map_or_else(|| "0".to_owned(), |group| self.encoding.text(group.word()));
         let is_line = matches!(kind, b"LWPOLYLINE" | b"LINE") || matches!(polyline, Some(Some(_)));
         self.layers.note(&layer, u64::from(is_line));
         if !self.wanted.has(&layer) {
@@ -178,7 +178,7 @@ impl<'a> Drawing<'a> {
         Ok(())
     }
 
-    /// Counts what is left out. Where areas are asked for, only what may bound one is missed.
+    /// Counts an entity that is left out. If areas are requested, only entities that may bound an area are counted.
     fn leave_out(&mut self, kind: &str) {
         if !self.table.wants_polygons || SURFACES.contains(&kind) {
             self.table.leave_out(kind);
@@ -186,7 +186,7 @@ impl<'a> Drawing<'a> {
     }
 
     /// The line of a `POLYLINE` with the vertices that follow it; `None` if it is a mesh.
-    fn read_polyline(&mut self, entity: &Entity<'a>, groups: &mut Groups<'a>) -> Result<Option<Polyline>> {
+    fn read_polyline(&mut self, entity: &Entity<'a>, groups: &mut GroupReader<'a>) -> Result<Option<Polyline>> {
         let flags = entity.flags(70)?;
         let mut line = Polyline::new(flags);
         loop {
@@ -255,7 +255,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// The name of a unit, by its code in the header, if it is known and not the metre.
+/// The name of a unit, by its code in the header. `None` if the code is unknown or the unit is the metre.
 fn foreign_unit(code: i64) -> Option<&'static str> {
     Some(match code {
         1 => "inches",

@@ -1,18 +1,20 @@
-//! What CAD programs demand to find around the entities: tables, blocks and objects that all but name the layers.
+//! The parts around the entities that CAD programs require: tables, blocks and objects. All of them are fixed except
+//! the layers.
 
 use std::collections::BTreeMap;
 use std::io::Result as Written;
 
-use super::output::Groups;
+use super::output::GroupWriter;
 use crate::io::layer::Bounds;
 
 /// Handle of the block that the entities belong to.
 pub(super) const MODEL_SPACE: u64 = 0x20;
 const PAPER_SPACE: u64 = 0x24;
-/// Handles of the tables; their entries' are inside, or with the layers'.
+/// Handles of the tables. The handles of their entries are in the constants below; those of the layers are assigned
+/// later.
 const LAYERS: u64 = 0x2;
 
-/// Colour of contours by its number in the program's palette: a brown.
+/// Colour of contours, as an index into the AutoCAD palette: a brown.
 const COLOR: &str = "34";
 /// Colour of index contours: a darker brown.
 const INDEX_COLOR: &str = "36";
@@ -20,8 +22,8 @@ const INDEX_COLOR: &str = "36";
 const WIDTH: &str = "13";
 const INDEX_WIDTH: &str = "30";
 
-/// Tables before and after that of the layers: groups of a table and its entries, to be written as they stand.
-#[rustfmt::skip] // One line an entry.
+/// Tables before and after that of the layers: groups of a table and its entries, written unchanged.
+#[rustfmt::skip] // One line per entry.
 const BEFORE: &[(i32, &str)] = &[
     (0, "TABLE"), (2, "LTYPE"), (5, "5"), (330, "0"), (100, "AcDbSymbolTable"), (70, "3"),
     (0, "LTYPE"), (5, "14"), (330, "5"), (100, "AcDbSymbolTableRecord"), (100, "AcDbLinetypeTableRecord"),
@@ -33,7 +35,7 @@ const BEFORE: &[(i32, &str)] = &[
     (0, "ENDTAB"),
 ];
 
-#[rustfmt::skip] // One line an entry.
+#[rustfmt::skip] // One line per entry.
 const AFTER: &[(i32, &str)] = &[
     (0, "TABLE"), (2, "STYLE"), (5, "3"), (330, "0"), (100, "AcDbSymbolTable"), (70, "1"),
     (0, "STYLE"), (5, "11"), (330, "3"), (100, "AcDbSymbolTableRecord"), (100, "AcDbTextStyleTableRecord"),
@@ -59,8 +61,8 @@ const AFTER: &[(i32, &str)] = &[
     (0, "ENDSEC"),
 ];
 
-/// The root of all objects and the list of groups, which must be there.
-#[rustfmt::skip] // One line an entry.
+/// The root dictionary and the list of groups, which are required.
+#[rustfmt::skip] // One line per entry.
 const OBJECTS: &[(i32, &str)] = &[
     (0, "SECTION"), (2, "OBJECTS"),
     (0, "DICTIONARY"), (5, "C"), (330, "0"), (100, "AcDbDictionary"), (281, "1"), (3, "ACAD_GROUP"), (350, "D"),
@@ -68,8 +70,8 @@ const OBJECTS: &[(i32, &str)] = &[
     (0, "ENDSEC"),
 ];
 
-/// Writes the sections before the entities. Layers are told with whether they are of index contours.
-pub(super) fn write(out: &mut Groups, layers: &BTreeMap<&str, bool>, bounds: Bounds) -> Written<()> {
+/// Writes the sections before the entities. The value of each layer says whether it holds index contours.
+pub(super) fn write(out: &mut GroupWriter, layers: &BTreeMap<&str, bool>, bounds: Bounds) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "CLASSES"), (0, "ENDSEC"), (0, "SECTION"), (2, "TABLES")])?;
     write_view(out, bounds)?;
     out.pairs(BEFORE)?;
@@ -104,13 +106,13 @@ pub(super) fn write(out: &mut Groups, layers: &BTreeMap<&str, bool>, bounds: Bou
 }
 
 /// Writes the section after the entities.
-pub(super) fn write_objects(out: &mut Groups) -> Written<()> {
+pub(super) fn write_objects(out: &mut GroupWriter) -> Written<()> {
     out.pairs(OBJECTS)
 }
 
-/// The view that the drawing opens with: all of it.
-fn write_view(out: &mut Groups, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
-    // Halves first, since the sum of two finite numbers need not be finite.
+/// The view with which the drawing opens: its full extent.
+fn write_view(out: &mut GroupWriter, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+    // Halves are added, because the sum of two finite numbers may be infinite.
     let half = |a: f64, b: f64| b / 2.0 - a / 2.0;
     let height = (2.0 * half(min_y, max_y).max(half(min_x, max_x) / 1.5)).clamp(1.0, f64::MAX);
     out.pairs(&[(0, "TABLE"), (2, "VPORT"), (5, "8"), (330, "0"), (100, "AcDbSymbolTable"), (70, "1")])?;

@@ -1,8 +1,8 @@
-//! Writes a layer of features as a DXF of AutoCAD 2000, the oldest version that has light polylines.
+//! Writes a layer of features as a DXF of AutoCAD 2000, the oldest version with `LWPOLYLINE`.
 //!
-//! Contours and areas become `LWPOLYLINE`s, the rings of an area one each; lines that climb become three-dimensional
-//! `POLYLINE`s. Layers tell what else is worth telling, such as `CONTOUR-INPUT-INDEX`. Numbers have as many digits as it takes
-//! for every f64 to come back bit for bit.
+//! Contours and rings of areas become one `LWPOLYLINE` each. Lines with varying height become three-dimensional
+//! `POLYLINE`s. The layer name holds the most important attributes, such as `CONTOUR-INPUT-INDEX`. Numbers have enough
+//! digits to preserve every f64 bit for bit.
 
 use std::collections::BTreeMap;
 use std::io::Result as Written;
@@ -10,12 +10,12 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::output::Groups;
+use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 
-/// Handles up to here belong to the tables, those above to layers and entities.
+/// Handles up to this one belong to the tables, larger ones to layers and entities.
 const FIRST_HANDLE: u64 = 0x100;
 
 /// Writes one file.
@@ -29,7 +29,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     let bounds = layer.rows.iter().fold(NO_BOUNDS, |bounds, row| joined(bounds, row.shape.bounds()));
     let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
     let run = || -> Written<()> {
-        let mut out = Groups::create(path, FIRST_HANDLE)?;
+        let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
         write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
         tables::write(&mut out, &layers, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
@@ -44,11 +44,11 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     run().map_err(|e| Error::io("write", path, e))
 }
 
-fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+fn write_header(out: &mut GroupWriter, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")])?;
     out.pairs(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED")])?;
     out.put(5, format_args!("{next_handle:X}"))?;
-    // Metres, in the metric system.
+    // The unit is the metre, in the metric system.
     out.pairs(&[(9, "$INSUNITS"), (70, "6"), (9, "$MEASUREMENT"), (70, "1"), (9, "$EXTMIN")])?;
     out.numbers(10, &[min_x, min_y, 0.0])?;
     out.pairs(&[(9, "$EXTMAX")])?;
@@ -56,7 +56,7 @@ fn write_header(out: &mut Groups, next_handle: u64, [min_x, max_x, min_y, max_y]
     out.pairs(&[(0, "ENDSEC")])
 }
 
-/// How many handles the entities of a feature take.
+/// How many handles the entities of a feature need.
 fn handles_of(row: &Row<'_>) -> u64 {
     match &row.shape {
         Shape::Contour(..) | Shape::Point(_) => 1,
@@ -66,7 +66,7 @@ fn handles_of(row: &Row<'_>) -> u64 {
     }
 }
 
-fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> {
+fn write_shape(out: &mut GroupWriter, layer: &str, shape: &Shape<'_>) -> Written<()> {
     match shape {
         Shape::Contour(points, elevation) => write_level(out, layer, points, *elevation),
         Shape::Line(points) => write_climbing(out, layer, points),
@@ -80,8 +80,8 @@ fn write_shape(out: &mut Groups, layer: &str, shape: &Shape<'_>) -> Written<()> 
     }
 }
 
-fn write_level(out: &mut Groups, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
-    // A closed line does not repeat its first vertex. One that goes there and back again is none.
+fn write_level(out: &mut GroupWriter, layer: &str, points: &[DVec2], elevation: f64) -> Written<()> {
+    // A closed line does not repeat its first vertex. A line that only goes there and back is not closed.
     let bits = |p: &DVec2| p.to_array().map(f64::to_bits);
     let is_closed = points.len() > 3 && points.first().map(bits) == points.last().map(bits);
     let points = if is_closed { &points[..points.len() - 1] } else { points };
@@ -94,7 +94,7 @@ fn write_level(out: &mut Groups, layer: &str, points: &[DVec2], elevation: f64) 
     points.iter().try_for_each(|p| out.numbers(10, &p.to_array()))
 }
 
-fn write_climbing(out: &mut Groups, layer: &str, points: &[DVec3]) -> Written<()> {
+fn write_climbing(out: &mut GroupWriter, layer: &str, points: &[DVec3]) -> Written<()> {
     let line = out.begin_entity("POLYLINE", MODEL_SPACE, layer)?;
     out.pairs(&[(100, "AcDb3dPolyline"), (66, "1")])?;
     out.numbers(10, &[0.0; 3])?;
@@ -109,8 +109,7 @@ fn write_climbing(out: &mut Groups, layer: &str, points: &[DVec3]) -> Written<()
     Ok(())
 }
 
-/// The name of the layer that a feature goes to: what the layer holds, of which kind the feature is, and whether it is an
-/// index contour.
+/// The layer name of a feature: the content of the layer, the kind of the feature, and whether it is an index contour.
 fn layer_name(layer: &Layer<'_>, row: &Row<'_>) -> String {
     let mut name = match layer.name.starts_with("contours") {
         true => "CONTOUR".to_owned(),
@@ -124,7 +123,7 @@ fn layer_name(layer: &Layer<'_>, row: &Row<'_>) -> String {
         name.push('-');
         name.push_str(part);
     }
-    // Names of that version have few signs, and all its text is in a code page.
+    // Layer names of that version allow few characters, and its text is in a code page.
     name.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).take(255).collect()
 }
 

@@ -1,8 +1,8 @@
-//! Decides where the elevation of each line and point comes from. This is the one place that does, for every format.
+//! Decides which value is the elevation of each line and point, for every format.
 //!
-//! In this order: the attribute that the user named; an attribute with a name that is known to hold elevations; the z
-//! coordinate. Whatever is not clear is an error that shows the attributes, because a wrong guess would give a wrong
-//! map without a word.
+//! The order is: the attribute that the user named; an attribute with a known elevation name; the z coordinate. If the
+//! choice is not clear, the result is an error that lists the attributes. A wrong guess would give a wrong map without
+//! any message.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,17 +15,17 @@ use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
 use crate::contour::{Contour, ContourMap, SpotHeights};
 
-/// Attributes are often rounded to centimetres: elevations that differ by no more are the same, in metres.
+/// Attributes are often rounded to centimetres. Elevations that differ by no more than this are equal, metres.
 const SAME_ELEVATION: f64 = 0.01;
 
-/// Where elevations come from.
+/// The source of the elevations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
+enum ElevationSource {
     Field(usize),
     Z,
 }
 
-/// A line or point that wants an elevation.
+/// A line or point that needs an elevation.
 struct Item<'a> {
     feature: u64,
     values: &'a [(usize, Value)],
@@ -35,10 +35,10 @@ struct Item<'a> {
 /// The elevation of one item.
 enum Outcome {
     Known(f64),
-    /// There is none; why.
+    /// There is no elevation, for this reason.
     Missing(String),
-    /// There is something that is no number; what.
-    Wrong(String),
+    /// The value is not a number, as described.
+    Invalid(String),
 }
 
 /// The contours and spot heights of a table.
@@ -61,12 +61,12 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     let depressions = depression::marks(&table);
     let mut contours = Vec::new();
     let mut first_reason = None;
-    let mut wrong = Wrong::default();
+    let mut invalid = InvalidValues::default();
     for feature in table.features {
         for Line { points, z } in feature.lines {
             match elevation(source, &table.fields, &item(feature.number, &feature.values, z)) {
                 Outcome::Known(elevation) => {
-                    wrong.known += 1;
+                    invalid.known += 1;
                     let points = finite_points(points, feature.number, elevation, &mut findings);
                     if !points.is_empty() {
                         contours.push(Contour { elevation, points, feature: feature.number });
@@ -76,14 +76,14 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
                     findings.push(left_out("line", feature.number, points.first(), &reason));
                     first_reason.get_or_insert(reason);
                 }
-                Outcome::Wrong(what) => {
+                Outcome::Invalid(what) => {
                     findings.push(left_out("line", feature.number, points.first(), &what));
-                    wrong.add(feature.number, what);
+                    invalid.add(feature.number, what);
                 }
             }
         }
     }
-    wrong.check(path)?;
+    invalid.check(path)?;
     if contours.is_empty() {
         let reason = first_reason.unwrap_or_else(|| "no vertex has finite coordinates".to_owned());
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
@@ -109,25 +109,25 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         ));
     }
     let mut points = Vec::new();
-    let mut wrong = Wrong::default();
+    let mut invalid = InvalidValues::default();
     for feature in &table.features {
         for spot in &feature.spots {
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
                 Outcome::Known(height) => {
-                    wrong.known += 1;
+                    invalid.known += 1;
                     keep_spot(spot, height, &mut points, &mut findings);
                 }
                 Outcome::Missing(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
-                Outcome::Wrong(what) => {
+                Outcome::Invalid(what) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &what));
-                    wrong.add(feature.number, what);
+                    invalid.add(feature.number, what);
                 }
             }
         }
     }
-    wrong.check(path)?;
+    invalid.check(path)?;
     if points.is_empty() {
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
@@ -135,13 +135,13 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     Ok(Report { value: SpotHeights { points, crs: table.crs }, findings })
 }
 
-/// The height of each feature's polygons, by the feature's number; nothing for those that tell none.
+/// The height of each feature's polygons, by the feature's number. Features without a height are missing.
 pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
     let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
     let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
     let numbers =
         (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
-    // Where z varies, the outline was laid over some terrain, and z says nothing about the water.
+    // If z varies, the outline was draped over a terrain. Then z is not the water level.
     let levels = items.iter().any(|item| item.z.is_some_and(|[lo, hi]| lo == hi && lo != 0.0));
     if named.is_none() && !numbers && !levels {
         let text = items.iter().flat_map(|item| item.values.iter().map(move |value| (item.feature, value)));
@@ -163,19 +163,19 @@ pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -
                 heights.insert(item.feature, height);
             }
             Outcome::Missing(_) => {}
-            Outcome::Wrong(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
+            Outcome::Invalid(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
         }
     }
     Ok(heights)
 }
 
-/// The points that come with contours. They are a bonus: whatever is wrong with them is a finding and no error.
+/// The points of a contour file. They are optional: any problem with them is a finding, not an error.
 fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Finding>) -> Vec<DVec3> {
     let items = spot_items(table);
     if items.is_empty() {
         return Vec::new();
     }
-    // The name is meant for the lines; points may have another.
+    // The user's name is meant for the lines; points may use another attribute.
     let named =
         named.filter(|named| find_field(&table.fields, named).is_some_and(|field| count_numbers(&items, field) > 0));
     let source = match choose(&items, &table.fields, named) {
@@ -191,7 +191,7 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
         for spot in &feature.spots {
             match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
                 Outcome::Known(height) => keep_spot(spot, height, &mut spots, findings),
-                Outcome::Missing(reason) | Outcome::Wrong(reason) => {
+                Outcome::Missing(reason) | Outcome::Invalid(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
             }
@@ -200,14 +200,14 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
     spots
 }
 
-/// Decides where the elevations of all items come from, or says what is in doubt.
-fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<Source> {
+/// Decides which attribute or coordinate holds the elevations of all items. An unclear choice is an error.
+fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<ElevationSource> {
     let constant_z = |item: &Item<'_>| item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
     let has_z = items.iter().any(|item| item.z.is_some());
     if let Some(named) = named {
         return match find_field(fields, named) {
-            Some(field) => Ok(Source::Field(field)),
-            None if has_z && named.eq_ignore_ascii_case("z") => Ok(Source::Z),
+            Some(field) => Ok(ElevationSource::Field(field)),
+            None if has_z && named.eq_ignore_ascii_case("z") => Ok(ElevationSource::Z),
             None => Err(Error::Data(format!("there is no field {named:?}; {}", field_list(fields)))),
         };
     }
@@ -223,7 +223,7 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
     candidates.sort_by_key(|&(count, field)| (std::cmp::Reverse(count), field));
     let Some(&(_, best)) = candidates.first() else {
         if z_is_usable {
-            return Ok(Source::Z);
+            return Ok(ElevationSource::Z);
         }
         let z = match (has_z, z_is_set) {
             (false, _) => ZCoordinate::Missing,
@@ -244,28 +244,28 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<S
                 return doubt(format!("the fields {a:?} ({elevation}) and {b:?} ({rival})"), false, item.feature);
             }
         }
-        // Where z varies, the lines were laid over some terrain, and z says nothing about the contour's level.
+        // If z varies, the lines were draped over a terrain. Then z is not the contour's elevation.
         if let Some(z) = constant_z(item).filter(|&z| z_is_per_line && differ(elevation, z)) {
             let a = &fields[best].name;
             return doubt(format!("the field {a:?} ({elevation}) and the z coordinate ({z})"), true, item.feature);
         }
     }
-    Ok(Source::Field(best))
+    Ok(ElevationSource::Field(best))
 }
 
 /// The elevation of one item from the chosen source.
-fn elevation(source: Source, fields: &[Field], item: &Item<'_>) -> Outcome {
+fn elevation(source: ElevationSource, fields: &[Field], item: &Item<'_>) -> Outcome {
     let checked = |z: f64, what: &str| match z.is_finite() {
         true => Outcome::Known(z),
         false => Outcome::Missing(format!("{what} is {z}")),
     };
     match source {
-        Source::Z => match item.z {
+        ElevationSource::Z => match item.z {
             None => Outcome::Missing("it has no z".to_owned()),
             Some([lo, hi]) if lo == hi || lo.is_nan() => checked(lo, "its z"),
-            Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is no contour")),
+            Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is not a contour")),
         },
-        Source::Field(index) => {
+        ElevationSource::Field(index) => {
             let name = &fields[index].name;
             match value(item, index) {
                 Value::Null => Outcome::Missing(format!("its field {name:?} is empty")),
@@ -273,7 +273,7 @@ fn elevation(source: Source, fields: &[Field], item: &Item<'_>) -> Outcome {
                 Value::Text(text) if text.trim().is_empty() => Outcome::Missing(format!("its field {name:?} is empty")),
                 Value::Text(text) => match text.trim().parse() {
                     Ok(z) => checked(z, &format!("its field {name:?}")),
-                    Err(_) => Outcome::Wrong(format!("the field {name:?} holds {text:?}, which is not a number")),
+                    Err(_) => Outcome::Invalid(format!("the field {name:?} holds {text:?}, which is not a number")),
                 },
             }
         }
@@ -297,7 +297,7 @@ fn value<'a>(item: &Item<'a>, field: usize) -> &'a Value {
     item.values.iter().find(|(index, _)| *index == field).map_or(&Value::Null, |(_, value)| value)
 }
 
-/// The value of a field if it is a finite number or the text of one.
+/// The value of a field if it is a finite number, or text that is a finite number.
 fn number(item: &Item<'_>, field: usize) -> Option<f64> {
     let number = match value(item, field) {
         Value::Null => None,
@@ -311,14 +311,14 @@ fn count_numbers(items: &[Item<'_>], field: usize) -> usize {
     items.iter().filter(|item| number(item, field).is_some()).count()
 }
 
-/// The field of exactly this name, else of this name in other letter case.
+/// The field of exactly this name, otherwise of this name in another letter case.
 fn find_field(fields: &[Field], name: &str) -> Option<usize> {
     let lower = name.to_lowercase();
     let exact = fields.iter().position(|field| field.name == name);
     exact.or_else(|| fields.iter().position(|field| field.name.to_lowercase() == lower))
 }
 
-/// All fields with a value of each, for messages.
+/// All fields, each with an example value, for messages.
 fn field_list(fields: &[Field]) -> String {
     if fields.is_empty() {
         return "the file has no fields".to_owned();
@@ -333,24 +333,24 @@ fn field_list(fields: &[Field]) -> String {
     format!("its fields are {}", list.join(", "))
 }
 
-/// Lines or points whose elevation is no number: among others that have one they are left out; where they are as many, the
-/// attribute is none of elevations.
+/// Lines or points whose value is not a number. If more items have a number, these are left out. Otherwise the
+/// attribute does not hold elevations, and that is an error.
 #[derive(Default)]
-struct Wrong {
+struct InvalidValues {
     known: usize,
-    wrong: usize,
+    invalid: usize,
     first: Option<(u64, String)>,
 }
 
-impl Wrong {
+impl InvalidValues {
     fn add(&mut self, feature: u64, what: String) {
-        self.wrong += 1;
+        self.invalid += 1;
         self.first.get_or_insert((feature, what));
     }
 
     fn check(self, path: &Path) -> Result<()> {
         match self.first {
-            Some((feature, what)) if self.wrong >= self.known => {
+            Some((feature, what)) if self.invalid >= self.known => {
                 Err(Error::file(path, format!("feature {feature}: {what}")))
             }
             _ => Ok(()),
@@ -373,7 +373,7 @@ fn keep_spot(spot: &Spot, height: f64, points: &mut Vec<DVec3>, findings: &mut V
     }
 }
 
-/// The points without those that are NaN or infinite, which no later step could place.
+/// Removes points that are NaN or infinite, which no later step can handle.
 fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
     let before = points.len();
     points.retain(|p| p.is_finite());
@@ -386,7 +386,7 @@ fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings:
     points
 }
 
-/// The findings of the reader, and those that are the same for every format.
+/// The findings of the reader, and those that all formats share.
 fn take_findings(table: &mut Table) -> Vec<Finding> {
     let mut findings = std::mem::take(&mut table.findings);
     if table.crs.is_none() {

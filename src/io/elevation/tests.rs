@@ -1,9 +1,9 @@
-//! The rules by which the elevation is found, on tables made by hand.
+//! Tests the rules that find the elevation, with tables made by hand.
 
 use crate::io::elevation::*;
 use crate::io::table::{Feature, Purpose, Request};
 
-/// A table of one straight line a row: the values of the fields, and its z.
+/// A table with one straight line per row: the values of the fields, and its z.
 fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]>)]) -> Table {
     let mut table =
         Table::new(&Request { elevation_field: named, layer: None, purpose: Purpose::Contours, memory: None });
@@ -73,7 +73,7 @@ fn fields_that_disagree_are_in_doubt_and_fields_that_agree_are_not() {
         message(read(None, &["elev", "height"], &[(&[num(10.0), num(10.0)], None), (&[num(20.0), num(3.0)], None)]));
     assert!(doubt.contains("in feature 1; its fields are") && doubt.contains("height (such as 10)"), "{doubt}");
     assert_eq!(elevations(read(None, &["elev", "height"], &[(&[num(10.0), text("10.00")], None)])), [10.0]);
-    // A field of a known name without a number in it is no candidate.
+    // A field with a known name but without a number is not a candidate.
     assert_eq!(elevations(read(None, &["level", "height"], &[(&[text("minor"), num(7.0)], None)])), [7.0]);
     assert_eq!(elevations(read(None, &["level", "height"], &[(&[Value::Null, num(7.0)], None)])), [7.0]);
 }
@@ -90,7 +90,7 @@ fn z_is_used_without_a_field_and_checked_with_one() {
     assert_eq!(elevations(read(None, &["elev"], &[(&[num(5.0)], Some([0.0, 0.0]))])), [5.0]);
     let doubt = message(read(None, &["elev"], &[(&[num(5.0)], Some([6.0, 6.0]))]));
     assert!(doubt.contains("z coordinate (6)") && doubt.contains("elev (such as 5)"), "{doubt}");
-    // Laid over terrain: z says nothing.
+    // Lines draped over a terrain: z is not the elevation.
     let draped: &[(&[Value], _)] = &[(&[num(5.0)], Some([4.0, 6.0])), (&[num(5.0)], Some([4.0, 4.0]))];
     assert_eq!(elevations(read(None, &["elev"], draped)), [5.0, 5.0]);
 }

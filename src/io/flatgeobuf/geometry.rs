@@ -7,10 +7,10 @@ use glam::DVec2;
 
 use crate::io::table::{Feature, NO_GEOMETRY, Spot, Table};
 
-/// Adds a geometry to the feature, or tells what is wrong with it. `declared` is the type that the file declares for all
-/// of its features.
+/// Adds a geometry to the feature, or returns what is wrong with it. `declared` is the type that the file declares for
+/// all its features.
 ///
-/// Geometries of geometries do not nest deeper than the verifier of the tables let pass.
+/// Nested geometries cannot be deeper than the limit of the crate's verifier.
 pub(super) fn read(
     geometry: &Geometry<'_>,
     declared: GeometryType,
@@ -70,7 +70,7 @@ pub(super) fn read(
 
 struct Coordinates {
     points: Vec<DVec2>,
-    /// One a point, or none.
+    /// One value per point, or empty.
     z: Vec<f64>,
 }
 
@@ -92,7 +92,7 @@ fn whole(count: usize) -> Vec<Range<usize>> {
     std::iter::once(0..count).collect()
 }
 
-/// Where the parts lie among so many vertices. A single part need not be told.
+/// The vertex range of each part. The file may omit the ends of a single part.
 fn parts(geometry: &Geometry<'_>, count: usize) -> Result<Vec<Range<usize>>, String> {
     let Some(ends) = geometry.ends().filter(|ends| !ends.is_empty()) else { return Ok(whole(count)) };
     let mut start = 0;

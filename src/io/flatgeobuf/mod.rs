@@ -1,9 +1,9 @@
-//! FlatGeobuf: one layer a file, with a spatial index.
+//! FlatGeobuf: one layer per file, with a spatial index.
 //!
-//! The tables of the format and the writing are the `flatgeobuf` crate's. The walk through a file is not, because the
-//! crate's reader trusts the lengths that a file states: it asks for as much memory as a damaged length says, panics where
-//! an attribute reaches beyond its bytes, and takes the end of a cut file for the end of its features. Here every length is
-//! held against what is left of the file, and the crate's verifier looks at each table before it is read.
+//! The `flatgeobuf` crate provides the tables of the format and the writer. Its reader is not used, because it trusts
+//! the lengths in a file. It allocates as much memory as a damaged length states. It panics if an attribute extends
+//! beyond its bytes. It takes the end of a truncated file for the end of the features. Here every length is compared
+//! with the rest of the file, and the crate's verifier checks each table before it is read.
 
 mod geometry;
 mod properties;

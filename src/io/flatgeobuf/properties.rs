@@ -1,21 +1,21 @@
-//! The attributes of a feature: numbers of columns, each with a value as long as the column's type says.
+//! The attributes of a feature: column numbers, each followed by a value whose length depends on the column's type.
 
 use ::flatgeobuf::{Column, ColumnType};
 
 use crate::io::table::{Feature, Table, Value};
 
-/// The columns of a file or feature: the type of each and its place among the table's fields.
+/// The columns of a file or feature: each column's type and its index in the table's fields.
 pub(super) type Columns = Vec<(ColumnType, usize)>;
 
-/// Notes the columns among the table's fields.
+/// Records the columns as fields of the table.
 pub(super) fn columns<'a>(columns: impl Iterator<Item = Column<'a>>, table: &mut Table) -> Columns {
     columns.map(|column| (column.type_(), table.field(column.name()))).collect()
 }
 
-/// Reads the values of a feature, or tells what is wrong with them.
+/// Reads the values of a feature, or returns what is wrong with them.
 pub(super) fn read(bytes: &[u8], columns: &Columns, feature: &mut Feature, table: &mut Table) -> Result<(), String> {
     let mut rest = Rest(bytes);
-    // Some writers leave a byte behind a last column of binary content.
+    // Some writers add a byte after a last column of binary content.
     while rest.0.len() > 1 {
         let column = usize::from(u16::from_le_bytes(rest.take()?));
         let &(kind, field) = columns.get(column).ok_or_else(|| format!("there is no column {column}"))?;
@@ -29,8 +29,7 @@ pub(super) fn read(bytes: &[u8], columns: &Columns, feature: &mut Feature, table
             ColumnType::UInt => Value::Number(u32::from_le_bytes(rest.take()?).into()),
             ColumnType::Long => Value::Number(i64::from_le_bytes(rest.take()?) as f64),
             ColumnType::ULong => Value::Number(u64::from_le_bytes(rest.take()?) as f64),
-            // The decimals that the single-precision number stands for, and not the digits behind them: 12.3 and not
-            // 12.300000190734863.
+            // The shortest decimal number that the single-precision number stands for: 12.3, not 12.300000190734863.
             ColumnType::Float => Value::Number(shortest(f32::from_le_bytes(rest.take()?))),
             ColumnType::Double => Value::Number(f64::from_le_bytes(rest.take()?)),
             ColumnType::String | ColumnType::Json | ColumnType::DateTime => {

@@ -1,4 +1,4 @@
-//! Walks through a FlatGeobuf and fills a table.
+//! Reads a FlatGeobuf into a table.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,20 +11,20 @@ use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Table};
 
-/// The first bytes of a file: the format's name and its version, twice; the last byte may be any.
+/// The first bytes of a file: the format's name and version, twice. The last byte may have any value.
 const MAGIC: [u8; 7] = *b"fgb\x03fgb";
 /// Bytes of an entry of the spatial index.
 const INDEX_ENTRY: u64 = 40;
 
-/// Reads a file; features are numbered from 0 in the order of the file, as GIS programs show them.
+/// Reads a file. Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let mut source = Source::open(path)?;
+    let mut reader = FileReader::open(path)?;
     let mut magic = [0; 8];
-    if source.left < 12 || source.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {
+    if reader.remaining < 12 || reader.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {
         return Err(Error::file(path, "the file is not a FlatGeobuf of version 3, or it is broken"));
     }
     let mut header = Vec::new();
-    source.chunk(&mut header, "the header")?;
+    reader.chunk(&mut header, "the header")?;
     let header = size_prefixed_root_as_header(&header)
         .map_err(|e| Error::file_cause(path, "the header of the file is broken", e))?;
     let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -34,27 +34,27 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     }
     let mut table = Table::new(request);
     (table.crs, table.crs_problem) = crs_of(&header);
-    source.skip_index(&header)?;
+    reader.skip_index(&header)?;
 
     let fields = properties::columns(header.columns().into_iter().flat_map(|c| c.iter()), &mut table);
     let count = header.features_count();
     let mut buffer = Vec::new();
     let mut number = 0;
-    // A file that was written in one go does not know its count, and ends with its last feature.
-    while if count == 0 { source.left > 0 } else { number < count } {
+    // A file that was streamed does not state its feature count; it ends after its last feature.
+    while if count == 0 { reader.remaining > 0 } else { number < count } {
         let broken = |what: String| Error::file(path, format!("feature {number}: {what}; the file is broken"));
-        if source.left == 0 {
+        if reader.remaining == 0 {
             return Err(Error::file(
                 path,
                 format!("the file ends after {number} of {count} features; it is not complete"),
             ));
         }
-        source.chunk(&mut buffer, &format!("feature {number}"))?;
+        reader.chunk(&mut buffer, &format!("feature {number}"))?;
         let read = size_prefixed_root_as_feature(&buffer)
             .map_err(|e| Error::file_cause(path, format!("feature {number} is broken"), e))?;
         let mut feature = Feature { number, ..Feature::default() };
         if let Some(bytes) = read.properties() {
-            // A feature may have columns of its own.
+            // A feature may have its own columns.
             let own = read.columns().map(|columns| properties::columns(columns.iter(), &mut table));
             properties::read(bytes.bytes(), own.as_ref().unwrap_or(&fields), &mut feature, &mut table)
                 .map_err(broken)?;
@@ -66,49 +66,50 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         table.push(feature);
         number += 1;
     }
-    if source.left > 0 {
-        let message = format!("there are {} bytes after the last of {count} features; the file is broken", source.left);
+    if reader.remaining > 0 {
+        let message =
+            format!("there are {} bytes after the last of {count} features; the file is broken", reader.remaining);
         return Err(Error::file(path, message));
     }
     Ok(table)
 }
 
-/// A file and how much of it is left.
-struct Source<'a> {
+/// A file and the number of bytes that are not read yet.
+struct FileReader<'a> {
     path: &'a Path,
     file: BufReader<File>,
-    left: u64,
+    remaining: u64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> FileReader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
-        let left = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-        Ok(Self { path, file: BufReader::with_capacity(1 << 16, file), left })
+        let remaining = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
+        Ok(Self { path, file: BufReader::with_capacity(1 << 16, file), remaining })
     }
 
     fn fill(&mut self, bytes: &mut [u8]) -> Result<()> {
         self.file.read_exact(bytes).map_err(|e| Error::io("read", self.path, e))?;
-        self.left = self.left.saturating_sub(bytes.len() as u64);
+        self.remaining = self.remaining.saturating_sub(bytes.len() as u64);
         Ok(())
     }
 
-    /// Reads a table with the length before it.
+    /// Reads a table and the length before it.
     fn chunk(&mut self, buffer: &mut Vec<u8>, what: &str) -> Result<()> {
         let cut =
             || Error::file(self.path, format!("the file ends within {what}; it is not complete, or it is broken"));
         let mut length = [0; 4];
-        if self.left < 4 {
+        if self.remaining < 4 {
             return Err(cut());
         }
-        // What follows the length has to fit into the rest of the file, so that a damaged length asks for no memory.
-        let rest = self.left - 4;
+        // The length must not exceed the rest of the file. Then a damaged length cannot allocate memory.
+        let rest = self.remaining - 4;
         self.file.read_exact(&mut length).map_err(|e| Error::io("read", self.path, e))?;
         let size = u32::from_le_bytes(length) as usize;
         if size as u64 > rest {
             return Err(cut());
         }
-        self.left = rest;
+        self.remaining = rest;
         buffer.clear();
         buffer.resize(size + 4, 0);
         buffer[..4].copy_from_slice(&length);
@@ -116,18 +117,18 @@ impl<'a> Source<'a> {
     }
 
     fn skip_index(&mut self, header: &Header<'_>) -> Result<()> {
-        let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.left)
+        let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.remaining)
         else {
             let message = "the file ends within its spatial index; it is not complete, or it is broken";
             return Err(Error::file(self.path, message));
         };
-        self.left -= size;
+        self.remaining -= size;
         let size = i64::try_from(size).expect("no file is longer");
         self.file.seek_relative(size).map_err(|e| Error::io("read", self.path, e))
     }
 }
 
-/// Bytes of the spatial index of so many features, `None` if no file holds as many.
+/// Size of the spatial index of `count` features, bytes. `None` if no file can be as large.
 fn index_size(count: u64, node_size: u16) -> Option<u64> {
     if count == 0 || node_size == 0 {
         return Some(0);
@@ -137,18 +138,18 @@ fn index_size(count: u64, node_size: u16) -> Option<u64> {
         level = level.div_ceil(u64::from(node_size.max(2)));
         all = all.checked_add(level)?;
     }
-    // The root of a single feature is an entry of its own.
+    // The root of a single feature is an additional entry.
     if count == 1 {
         all += 1;
     }
     all.checked_mul(INDEX_ENTRY).filter(|&size| i64::try_from(size).is_ok())
 }
 
-/// The system that the header names, and why there is none.
+/// The system in the header, or the reason why there is none.
 fn crs_of(header: &Header<'_>) -> (Option<Crs>, Option<String>) {
     let Some(crs) = header.crs() else { return (None, None) };
     let wkt = crs.wkt().map(str::trim).filter(|wkt| !wkt.is_empty());
-    // The organisation is EPSG unless another one is named.
+    // The organisation is EPSG unless the header names another one.
     let of_epsg = crs.org().is_none_or(|org| org.trim().is_empty() || org.trim().eq_ignore_ascii_case("EPSG"));
     let code = u32::try_from(crs.code()).ok().filter(|&code| code > 0);
     match (code, wkt) {

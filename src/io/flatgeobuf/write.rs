@@ -12,15 +12,14 @@ use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
 
-/// Features of more vertices do not fit: their tables end at 2 GB, and a vertex takes 24 bytes.
-const MOST_VERTICES: usize = 80_000_000;
+/// The largest number of vertices per feature: a feature's table ends at 2 GB, and a vertex takes 24 bytes.
+const MAX_VERTICES: usize = 80_000_000;
 
-/// Writes one file: the header, the spatial index, the features in the index's order.
+/// Writes one file: the header, the spatial index, then the features in the order of the index.
 ///
-/// Features of an attribute without value just lack it. The system is named by its EPSG code and its WKT, as far as
-/// they are known.
+/// Missing attribute values are omitted. The system is written as EPSG code and WKT if they are known.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
-    if layer.rows.iter().any(|row| row.shape.vertex_count() > MOST_VERTICES) {
+    if layer.rows.iter().any(|row| row.shape.vertex_count() > MAX_VERTICES) {
         let message = "a feature does not fit into a FlatGeobuf; write a GeoPackage (.gpkg) instead";
         return Err(Error::file(path, message));
     }
@@ -31,7 +30,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
     let name = crs.and_then(Crs::name);
     let code = crs.and_then(|crs| crs.epsg).and_then(|code| i32::try_from(code).ok());
     let options = FgbWriterOptions {
-        // An index of nothing is no valid one.
+        // An index without entries is not valid.
         write_index: !layer.rows.is_empty(),
         detect_type: false,
         promote_to_multi: false,
@@ -46,7 +45,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
         ..FgbWriterOptions::default()
     };
     let kind = match layer.geometry {
-        // Layers of points do not come here.
+        // Layers of points are refused before this function.
         Geometry::Lines | Geometry::Points => GeometryType::LineString,
         Geometry::Areas => GeometryType::Polygon,
     };

@@ -1,8 +1,8 @@
-//! The `coordinates` member, whatever its nesting.
+//! Reads the `coordinates` member, whatever its nesting.
 //!
-//! The type of a geometry may come after its coordinates, so they are read without knowing it: an array of numbers is
-//! a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon types
-//! differ in how deep the parts lie; of that no more is kept than which parts lie in one array.
+//! The type of a geometry may come after its coordinates. Therefore they are read without knowing it: an array of
+//! numbers is a position, an array of positions is a part, and deeper arrays only group parts. Point, line and polygon
+//! types differ only in the depth of the parts. What is kept of the depth is which parts lie in one array.
 
 use std::fmt;
 
@@ -13,9 +13,9 @@ use serde::de::{DeserializeSeed, Deserializer, Error as _, SeqAccess, Visitor};
 #[derive(Default)]
 pub(super) struct Part {
     pub points: Vec<DVec2>,
-    /// One value a point, NaN where the position has none; empty if none has.
+    /// One value per point, NaN for positions without z. Empty if no position has z.
     pub z: Vec<f64>,
-    /// Whether it is the last one of an array of parts, as the rings of a polygon are.
+    /// Whether it is the last part of an array of parts, such as the rings of a polygon.
     pub ends_group: bool,
 }
 
@@ -40,14 +40,14 @@ impl<'de> DeserializeSeed<'de> for Coordinates<'_> {
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
         let mut nest = Nest { parts: self.0, open: false };
         match (&mut nest).deserialize(deserializer)? {
-            Level::Number(_) => Err(D::Error::custom("the coordinates are a bare number")),
+            Element::Number(_) => Err(D::Error::custom("the coordinates are a bare number")),
             _ => Ok(()),
         }
     }
 }
 
-/// What an element turned out to be.
-enum Level {
+/// The kind of an element, known after it is read.
+enum Element {
     Number(f64),
     Position,
     Part,
@@ -63,55 +63,55 @@ struct Nest<'a> {
 }
 
 impl<'de> DeserializeSeed<'de> for &mut Nest<'_> {
-    type Value = Level;
+    type Value = Element;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Level, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Element, D::Error> {
         deserializer.deserialize_any(self)
     }
 }
 
 impl<'de> Visitor<'de> for &mut Nest<'_> {
-    type Value = Level;
+    type Value = Element;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a number or an array in the coordinates")
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Level, E> {
-        Ok(Level::Number(value))
+    fn visit_f64<E>(self, value: f64) -> Result<Element, E> {
+        Ok(Element::Number(value))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Level, E> {
-        Ok(Level::Number(value as f64))
+    fn visit_i64<E>(self, value: i64) -> Result<Element, E> {
+        Ok(Element::Number(value as f64))
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Level, E> {
-        Ok(Level::Number(value as f64))
+    fn visit_u64<E>(self, value: u64) -> Result<Element, E> {
+        Ok(Element::Number(value as f64))
     }
 
-    fn visit_unit<E>(self) -> Result<Level, E> {
-        Ok(Level::Nothing)
+    fn visit_unit<E>(self) -> Result<Element, E> {
+        Ok(Element::Nothing)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Level, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Element, A::Error> {
         let mut position = [f64::NAN; 3];
         let (mut numbers, mut positions, mut parts, mut deeper) = (0_usize, 0_usize, 0_usize, 0_usize);
         while let Some(level) = seq.next_element_seed(&mut *self)? {
             match level {
-                Level::Number(value) => {
+                Element::Number(value) => {
                     if let Some(slot) = position.get_mut(numbers) {
                         *slot = value;
                     }
                     numbers += 1;
                 }
-                Level::Position => positions += 1,
-                Level::Part => parts += 1,
-                Level::Deeper => deeper += 1,
-                Level::Nothing => {}
+                Element::Position => positions += 1,
+                Element::Part => parts += 1,
+                Element::Deeper => deeper += 1,
+                Element::Nothing => {}
             }
         }
         match (numbers, positions, parts + deeper) {
-            (0, 0, 0) => Ok(Level::Nothing),
+            (0, 0, 0) => Ok(Element::Nothing),
             (1, 0, 0) => Err(A::Error::custom("a position has one number; it needs two or three")),
             (_, 0, 0) => {
                 if !self.open {
@@ -120,17 +120,17 @@ impl<'de> Visitor<'de> for &mut Nest<'_> {
                 }
                 let part = self.parts.last_mut().expect("a part is open");
                 part.push(position, numbers > 2);
-                Ok(Level::Position)
+                Ok(Element::Position)
             }
             (0, _, 0) => {
                 self.open = false;
-                Ok(Level::Part)
+                Ok(Element::Part)
             }
             (0, 0, _) => {
                 if let Some(last) = self.parts.last_mut().filter(|_| parts > 0) {
                     last.ends_group = true;
                 }
-                Ok(Level::Deeper)
+                Ok(Element::Deeper)
             }
             _ => Err(A::Error::custom("the coordinates mix numbers and arrays")),
         }

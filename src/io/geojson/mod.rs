@@ -1,7 +1,7 @@
 //! GeoJSON (RFC 7946, and the older form with a `crs` member).
 //!
-//! The text is read straight into features, without a tree of values in between, because contour files are large and
-//! nearly all numbers. Numbers are read and written so that every f64 comes back bit for bit.
+//! The text is read directly into features, without a tree of values, because contour files are large and consist
+//! almost only of numbers. Reading and writing preserve every f64 bit for bit.
 
 mod coordinates;
 mod read;

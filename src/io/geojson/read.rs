@@ -11,7 +11,7 @@ use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
 use crate::io::text;
 
-/// Reads a file that holds a feature collection, a feature or a bare geometry.
+/// Reads a feature collection, a feature or a bare geometry.
 ///
 /// Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
@@ -49,7 +49,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     Ok(table)
 }
 
-/// Any object of GeoJSON, since the type may come last.
+/// Any GeoJSON object. One type serves all, because the `type` member may come last.
 #[derive(Default)]
 struct Object {
     kind: Option<String>,
@@ -63,7 +63,7 @@ struct Object {
 
 struct ObjectSeed<'t> {
     table: &'t mut Table,
-    /// Only the outermost object may have features, which go straight into the table.
+    /// Only the root object may have features. They go directly into the table.
     is_root: bool,
 }
 
@@ -144,7 +144,7 @@ array_seed!(Features, (), "an array of features", |table, seq| {
     let mut number = 0;
     while let Some(object) = seq.next_element_seed(ObjectSeed { table, is_root: false })? {
         if object.kind.as_deref().is_some_and(|kind| kind != "Feature") {
-            return Err(A::Error::custom(format!("the member {number} of features is no feature")));
+            return Err(A::Error::custom(format!("the member {number} of features is not a feature")));
         }
         add_feature(object, number, table);
         number += 1;
@@ -251,7 +251,7 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
     }
 }
 
-/// The system that the `crs` member names; without that member WGS 84, if the coordinates can be degrees.
+/// The system of the `crs` member. Without that member it is WGS 84 if the coordinates can be degrees.
 fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
     let Some(member) = member else {
         let lines = table.features.iter().flat_map(|f| f.lines.iter().flat_map(|line| &line.points));
@@ -260,8 +260,8 @@ fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
         if lines.chain(spots).chain(corners).all(|p| p.x.abs() <= 180.0 && p.y.abs() <= 90.0) {
             table.crs = Some(Crs::wgs84());
         } else {
-            let problem = "the file does not name its coordinate reference system, and its coordinates are no degrees, \
-                           as GeoJSON asks for";
+            let problem = "the file does not name its coordinate reference system, and its coordinates are not degrees, \
+                           as GeoJSON requires";
             table.crs_problem = Some(problem.to_owned());
         }
         return;

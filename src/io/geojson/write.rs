@@ -12,9 +12,9 @@ use crate::io::layer::{Cell, Layer, Outer, Shape};
 
 /// Writes one file.
 ///
-/// The system is named in the `crs` member of the older form of GeoJSON, which GIS programs read, unless it is WGS 84,
-/// for which the standard wants no such member. An unknown system is written as `null`, so that the coordinates are
-/// not taken for degrees.
+/// The system is named in the `crs` member of the older GeoJSON version, which GIS programs read. For WGS 84 the
+/// standard requires no such member, so it is omitted. An unknown system is written as `null`; otherwise readers would
+/// take the coordinates for degrees.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     let run = || -> std::io::Result<()> {
         let mut out = BufWriter::with_capacity(1 << 16, File::create(path)?);
@@ -38,7 +38,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
                     Cell::Null => out.write_all(b"null")?,
                 }
             }
-            // The member must be there, also if it is empty.
+            // The member is required, even if it is empty.
             out.write_all(if layer.columns.is_empty() { b",\"properties\":{}" } else { b"}" })?;
             write_shape(&mut out, &row.shape)?;
             out.write_all(b"}")?;
@@ -69,7 +69,7 @@ fn write_shape(out: &mut impl Write, shape: &Shape<'_>) -> std::io::Result<()> {
         return out.write_all(b"]}");
     }
     out.write_all(b",\"geometry\":{\"type\":\"LineString\",\"coordinates\":[")?;
-    // Most lines are level, and their height is many digits long.
+    // Most lines are level, and their height may have many digits. It is formatted only once.
     let (mut height, mut digits) = (None, Vec::new());
     for (j, point) in shape.vertices().enumerate() {
         write_position(out, j, point.truncate())?;
@@ -84,7 +84,7 @@ fn write_shape(out: &mut impl Write, shape: &Shape<'_>) -> std::io::Result<()> {
     out.write_all(b"]}")
 }
 
-/// Begins the `place`-th position of a list.
+/// Writes the position with the index `place` of a list, with its separator.
 fn write_position(out: &mut impl Write, place: usize, point: DVec2) -> std::io::Result<()> {
     out.write_all(if place == 0 { b"[" } else { b",[" })?;
     serde_json::to_writer(&mut *out, &point.x)?;
@@ -92,12 +92,12 @@ fn write_position(out: &mut impl Write, place: usize, point: DVec2) -> std::io::
     Ok(serde_json::to_writer(out, &point.y)?)
 }
 
-/// The value of the `crs` member; `None` if there shall be none.
+/// The value of the `crs` member. `None` if the member is omitted.
 fn crs_member(crs: Option<&Crs>) -> Option<serde_json::Value> {
     let name = match (crs.and_then(|crs| crs.epsg), crs.and_then(Crs::wkt)) {
         (Some(4326), _) => return None,
         (Some(code), _) => format!("urn:ogc:def:crs:EPSG::{code}"),
-        // A system without a code can only be named by its whole text, which GDAL reads too.
+        // A system without a code can only be named by its well-known text, which GDAL reads too.
         (None, Some(wkt)) => wkt.to_owned(),
         (None, None) => return Some(serde_json::Value::Null),
     };

@@ -1,6 +1,6 @@
-//! Names in SQL.
+//! Quotes names for SQL.
 
-/// A name as SQL takes it, whatever characters it has.
+/// A name in SQL quotes; it may contain any character.
 pub(super) fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "\"\""))
 }

@@ -16,23 +16,23 @@ use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 struct Layer {
     table: String,
     geometry: String,
-    content: Content,
+    content: LayerGeometry,
     srs_id: i64,
 }
 
-/// What a layer's geometries are.
+/// The kind of geometry in a layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Content {
+enum LayerGeometry {
     Lines,
     Points,
     Polygons,
     Other,
 }
 
-/// Reads the one layer that the request is about: the named one, else the only one of lines (or of points or polygons,
-/// if the request is about those). A single layer of points beside a single layer of lines is read with it.
+/// Reads one layer: the named one, otherwise the only layer of lines (of points or polygons if the request asks for
+/// those). A single layer of points beside a single layer of lines is read too.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    // SQLite does not say why it cannot open a file; the system does.
+    // SQLite does not report why it cannot open a file; the operating system does.
     File::open(path).map_err(|e| Error::io("read", path, e))?;
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let db = Connection::open_with_flags(path, flags)
@@ -69,7 +69,8 @@ fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
     )?;
     let rows = statement.query_map([], |row| {
         let kind: String = row.get(2)?;
-        let layer = Layer { table: row.get(0)?, geometry: row.get(1)?, content: Content::Other, srs_id: row.get(3)? };
+        let layer =
+            Layer { table: row.get(0)?, geometry: row.get(1)?, content: LayerGeometry::Other, srs_id: row.get(3)? };
         Ok((layer, kind))
     })?;
     let mut layers = Vec::new();
@@ -84,26 +85,26 @@ fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
     Ok(layers)
 }
 
-fn content_of(kind: &str) -> Content {
+fn content_of(kind: &str) -> LayerGeometry {
     match kind.to_ascii_uppercase().as_str() {
-        "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => Content::Lines,
-        "POINT" | "MULTIPOINT" => Content::Points,
-        "POLYGON" | "MULTIPOLYGON" | "SURFACE" | "CURVEPOLYGON" | "MULTISURFACE" => Content::Polygons,
-        _ => Content::Other,
+        "LINESTRING" | "MULTILINESTRING" | "CURVE" | "MULTICURVE" => LayerGeometry::Lines,
+        "POINT" | "MULTIPOINT" => LayerGeometry::Points,
+        "POLYGON" | "MULTIPOLYGON" | "SURFACE" | "CURVEPOLYGON" | "MULTISURFACE" => LayerGeometry::Polygons,
+        _ => LayerGeometry::Other,
     }
 }
 
-/// Layers may declare any geometry: then the first one tells.
-fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<Content> {
+/// A layer may declare "any geometry". Then its first geometry decides.
+fn peek(db: &Connection, layer: &Layer) -> rusqlite::Result<LayerGeometry> {
     let (table, geometry) = (quoted(&layer.table), quoted(&layer.geometry));
     let sql = format!("SELECT {geometry} FROM {table} WHERE {geometry} IS NOT NULL LIMIT 1");
     let blob: Option<Vec<u8>> = db.query_row(&sql, [], |row| row.get(0)).optional().unwrap_or(None);
     let kind = blob.and_then(|blob| wkb::without_header(&blob).ok().flatten().and_then(|wkb| wkb::type_name(wkb).ok()));
     Ok(match kind {
-        // Contours are what one would keep in a collection.
-        Some("GeometryCollection") => Content::Lines,
+        // A collection most likely holds contours.
+        Some("GeometryCollection") => LayerGeometry::Lines,
         Some(kind) => content_of(kind),
-        None => Content::Other,
+        None => LayerGeometry::Other,
     })
 }
 
@@ -122,8 +123,8 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
             None => Err(Error::file(path, format!("there is no layer {wanted:?}; its layers are {}", names(&all)))),
         };
     }
-    let of = |content: Content| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
-    let (lines, points, polygons) = (of(Content::Lines), of(Content::Points), of(Content::Polygons));
+    let of = |content: LayerGeometry| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
+    let (lines, points, polygons) = (of(LayerGeometry::Lines), of(LayerGeometry::Points), of(LayerGeometry::Polygons));
     let (wanted, what) = match request.purpose {
         Purpose::Contours => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
@@ -152,12 +153,12 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     }
 }
 
-/// The system of an id, and why there is none.
+/// The coordinate reference system of an id, or the reason why there is none.
 fn crs_of(db: &Connection, srs_id: i64) -> rusqlite::Result<(Option<Crs>, Option<String>)> {
     if srs_id == 0 || srs_id == -1 {
         return Ok((None, Some("the layer says that its coordinate reference system is not defined".to_owned())));
     }
-    // The second version of the text has a column of its own, which only some files have.
+    // The second version of the well-known text has its own column, which only some files have.
     let read = |row: &Row<'_>| {
         let text = |name: &str| row.get::<_, Option<String>>(name).ok().flatten();
         let organization = text("organization").unwrap_or_default();
@@ -186,7 +187,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     let (columns, key) = columns_of(db, layer).map_err(broken)?;
     let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
     if statement.column_count() != columns.len() {
-        return Err(Error::file(path, format!("the columns of the layer {:?} cannot be told apart", layer.table)));
+        return Err(Error::file(path, format!("the columns of the layer {:?} cannot be distinguished", layer.table)));
     }
     let is = |name: &str, other: &str| name.eq_ignore_ascii_case(other);
     let geometry = columns.iter().position(|name| is(name, &layer.geometry)).ok_or_else(|| {
@@ -233,9 +234,10 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
     Ok(())
 }
 
-/// The names of a layer's columns, in the order of `SELECT *`, and which of them is the key.
+/// The names of a layer's columns, in the order of `SELECT *`, and the index of the primary key.
 ///
-/// A statement's own names must be UTF-8; those of a broken file may not be.
+/// The names come from a query, not from the statement: the statement's own names must be UTF-8, and those of a broken
+/// file may not be.
 fn columns_of(db: &Connection, layer: &Layer) -> rusqlite::Result<(Vec<String>, Option<usize>)> {
     let mut statement = db.prepare("SELECT name, pk FROM pragma_table_xinfo(?1) WHERE hidden <> 1 ORDER BY cid")?;
     let mut rows = statement.query([&layer.table])?;

@@ -1,14 +1,14 @@
-//! The geometry of a GeoPackage: a header of its own, then well-known binary (WKB).
+//! The geometry of a GeoPackage: its own header, then well-known binary (WKB).
 //!
-//! Read by hand: curves must be told from the types that share their low bits, every part has a byte order of its own,
-//! and no content of a file may make the reader panic.
+//! This reader is written by hand for three reasons: curves must be distinguished from the types that share their low
+//! bits; every part has its own byte order; no content of a file may make the reader panic.
 
 use glam::DVec2;
 
 use crate::io::layer::{Bounds, Outer, Shape};
 use crate::io::table::{Feature, NO_GEOMETRY, Spot, Table};
 
-/// How deep collections may nest.
+/// How deep collections may be nested.
 const MAX_DEPTH: usize = 16;
 
 /// Names of the geometry types by their WKB code.
@@ -33,7 +33,7 @@ const TYPES: [&str; 18] = [
     "Triangle",
 ];
 
-/// Bytes that are taken off the front.
+/// The bytes that are not read yet.
 struct Bytes<'a> {
     rest: &'a [u8],
 }
@@ -50,14 +50,14 @@ impl<'a> Bytes<'a> {
         Ok(if little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
     }
 
-    /// So many positions of `width` numbers, as they stand.
+    /// Takes this many positions of `width` numbers, as raw bytes.
     fn positions(&mut self, count: u32, width: usize) -> Result<&'a [u8], String> {
         let bytes = (count as usize).checked_mul(8 * width).ok_or("its geometry has too many vertices")?;
         self.take(bytes)
     }
 }
 
-/// The WKB behind the header of a GeoPackage geometry; `None` if the header calls it empty.
+/// The WKB after the header of a GeoPackage geometry. `None` if the header marks it as empty.
 pub(super) fn without_header(blob: &[u8]) -> Result<Option<&[u8]>, String> {
     let [b'G', b'P', _version, flags, ..] = blob else {
         return Err("its geometry is not that of a GeoPackage".to_owned());
@@ -82,13 +82,13 @@ pub(super) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
     Ok(TYPES[code])
 }
 
-/// Adds the lines and points of a geometry to a feature, and its polygons if they are wanted; anything else is counted
+/// Adds the lines and points of a geometry to a feature, and its polygons if they are wanted. Anything else is counted
 /// in the table.
 pub(super) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
     geometry(&mut Bytes { rest: wkb }, feature, table, 0)
 }
 
-/// Byte order, type and which of z and m there are. Both spellings of the type are read: thousands and flags.
+/// Byte order, type, and whether z and m are present. Both codings of the type are read: thousands and flags.
 fn head(bytes: &mut Bytes<'_>) -> Result<(bool, usize, [bool; 2]), String> {
     let little = match bytes.take(1)? {
         [0] => false,
@@ -120,7 +120,7 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
         "Point" => {
             let (points, z) = split(bytes.positions(1, width)?, width, has_z, little);
             let spots = points.into_iter().enumerate().map(|(i, place)| Spot { place, z: z.get(i).copied() });
-            // A point of NaN is how an empty point is written.
+            // An empty point is written as NaN.
             let before = feature.spots.len();
             feature.spots.extend(spots.filter(|spot| !spot.place.is_nan()));
             if feature.spots.len() == before {
@@ -167,7 +167,7 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
     Ok(())
 }
 
-/// The x and y, and the z if there is one, of positions of `width` numbers.
+/// The x and y of positions of `width` numbers, and the z if there is one.
 fn split(bytes: &[u8], width: usize, has_z: bool, little: bool) -> (Vec<DVec2>, Vec<f64>) {
     let number = |bytes: &[u8]| {
         let bytes = bytes.try_into().expect("eight bytes");

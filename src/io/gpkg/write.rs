@@ -1,6 +1,6 @@
 //! Writes layers into a new GeoPackage.
 //!
-//! The same layers give the same bytes: the time of the last change, which the format asks for, is a fixed date.
+//! The same layers give the same bytes. The format requires the time of the last change; a fixed date is written.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const APPLICATION_ID: i32 = 0x4750_4B47;
 const USER_VERSION: i32 = 10300;
 /// Written as the time of the last change.
 const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
-/// The id that systems without an EPSG code get; ids of EPSG are their codes, which are smaller.
+/// The id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
 const OWN_SRS_ID: i32 = 100_000;
 /// The id that the format reserves for plane coordinates of an unknown system.
 const UNKNOWN_SRS_ID: i32 = -1;
@@ -79,8 +79,8 @@ pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>)
 
 fn fill(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> rusqlite::Result<()> {
     let mut db = Connection::open(path)?;
-    // A file that is not finished is thrown away, and a finished one is flushed before it gets its name: the database
-    // engine need neither keep a journal nor wait for the disk.
+    // An unfinished file is discarded, and a finished one is flushed before it gets its name. The database engine
+    // therefore needs no journal and need not wait for the disk.
     db.execute_batch("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; PRAGMA encoding = 'UTF-8';")?;
     db.pragma_update(None, "application_id", APPLICATION_ID)?;
     db.pragma_update(None, "user_version", USER_VERSION)?;
@@ -187,7 +187,7 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
     db.execute_batch(&index_triggers(layer.name))
 }
 
-/// A value on its way into the database.
+/// A value to be written to the database.
 enum SqlCell<'a> {
     Integer(i64),
     Real(f64),
@@ -209,8 +209,8 @@ impl rusqlite::ToSql for SqlCell<'_> {
     }
 }
 
-/// The triggers by which the spatial index follows later edits (annex F.3 of the format's specification). They call
-/// functions that editing programs bring along, so they are made after the features were added.
+/// The triggers that update the spatial index after later edits (annex F.3 of the format's specification). They call
+/// functions that only editing programs provide. Therefore they are created after the features are added.
 fn index_triggers(layer: &str) -> String {
     let table = quoted(layer);
     let index = quoted(&format!("rtree_{layer}_geom"));

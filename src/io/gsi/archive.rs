@@ -1,7 +1,7 @@
-//! The documents of a path: an XML file, a zip archive as it is served, or a folder of both.
+//! The documents of a path: an XML file, a zip archive as GSI delivers it, or a folder of both.
 //!
-//! Documents are told by their names, `FG-GML-MESH-ITEM-DATE-NUMBER.xml`, so that those of other items are not unpacked.
-//! They are visited one at a time, in the order of their names; archives may lie in archives.
+//! The file name `FG-GML-MESH-ITEM-DATE-NUMBER.xml` gives a document's item. Documents of other items are not unpacked.
+//! Documents are visited one at a time, in the order of their names. Archives may contain archives.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
@@ -11,42 +11,42 @@ use std::path::{Path, PathBuf};
 
 use zip::ZipArchive;
 
-use super::meter::{LARGEST_DOCUMENT, Metered, Source};
+use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::xml::unreadable;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 
-/// Archives lie in archives at most so deep, and folders in folders.
-const DEEPEST: usize = 3;
+/// The largest nesting depth of archives in archives, and of folders in folders.
+const MAX_DEPTH: usize = 3;
 
-/// All that is unpacked may be so many times as large as the archive. Height maps that are mostly sea are packed 200
-/// times, all else less.
+/// Everything that is unpacked may be this many times as large as the archive. Height maps that are mostly sea compress
+/// 200 times, all others less.
 const UNPACKED_RATIO: u64 = 500;
 
-/// So much may be unpacked whatever the archive's size, in bytes.
+/// This many bytes may be unpacked whatever the archive's size.
 const UNPACKED_FREELY: u64 = 64 << 20;
 
-/// An archive in an archive is unpacked in memory up to this size, in bytes, else into a temporary file.
+/// An archive inside an archive is unpacked in memory up to this size, bytes; a larger one goes into a temporary file.
 const INNER_IN_MEMORY: usize = 32 << 20;
 
 const BUFFER: usize = 1 << 17;
 
-/// What was met on the way.
+/// What the walk through a path found.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct WalkReport {
     /// Number of documents that were visited.
     pub visited: u64,
-    /// Items that were passed by, and how many documents of each.
+    /// Items that were skipped, and how many documents of each.
     pub others: BTreeMap<String, u64>,
-    /// The extension of files of another vector format.
+    /// The extension of a file in another vector format.
     pub foreign: Option<String>,
-    /// Where the documents with a proper name are, by that name.
+    /// The path of each visited document that has a GSI file name, by that name.
     documents: HashMap<String, PathBuf>,
-    /// Documents that were passed by because one of the same name had been visited.
+    /// Skipped documents: one of the same name had already been visited.
     repeated: Vec<[PathBuf; 2]>,
 }
 
-impl Seen {
-    /// Tells of documents that are there twice, as in a folder with an archive and what was unpacked from it.
+impl WalkReport {
+    /// Reports documents that exist twice, such as in a folder that holds an archive and its unpacked content.
     pub fn note_repeated(&self, findings: &mut Vec<Finding>) {
         for [read, passed] in &self.repeated {
             let message = format!("{} left out: {} has the same name", passed.display(), read.display());
@@ -55,26 +55,26 @@ impl Seen {
     }
 }
 
-/// What is done with a document, whose name for messages is a path.
-pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut Source<'_>) -> Result<()>;
+/// The function that reads a document. The path is the document's name for messages.
+pub(super) type Visit<'v> = &'v mut dyn FnMut(&Path, &mut DocumentReader<'_>) -> Result<()>;
 
 struct Walk<'v> {
     wanted: &'v dyn Fn(&str) -> bool,
     visit: Visit<'v>,
-    seen: Seen,
+    report: WalkReport,
 }
 
-/// Visits the documents of a path whose item is `wanted`, or whose name does not tell the item. A document that the path
+/// Visits the documents of a path whose item is `wanted`, or whose name does not give the item. A document that `path`
 /// itself names is always visited.
-pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<Seen> {
-    let mut walk = Walk { wanted, visit, seen: Seen::default() };
+pub(super) fn each_document(path: &Path, wanted: &dyn Fn(&str) -> bool, visit: Visit<'_>) -> Result<WalkReport> {
+    let mut walk = Walk { wanted, visit, report: WalkReport::default() };
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_dir() {
         walk.folder(path, 0)?;
     } else {
         walk.file(path)?;
     }
-    Ok(walk.seen)
+    Ok(walk.report)
 }
 
 impl Walk<'_> {
@@ -91,7 +91,7 @@ impl Walk<'_> {
             let inner = path.join(&name);
             let name = name.to_string_lossy();
             if is_folder {
-                if depth < DEEPEST {
+                if depth < MAX_DEPTH {
                     self.folder(&inner, depth + 1)?;
                 }
             } else if !is_served(&name) {
@@ -114,19 +114,18 @@ impl Walk<'_> {
             return Ok(());
         }
         let mut file = BufReader::with_capacity(BUFFER, file);
-        self.seen.visited += 1;
-        (self.visit)(path, &mut Metered::new(&mut file, LARGEST_DOCUMENT))
+        self.report.visited += 1;
+        (self.visit)(path, &mut LimitedReader::new(&mut file, MAX_DOCUMENT_LENGTH))
     }
 
-    /// Whether a document of this name was visited before; if so, it is noted. Names that are not as they are served say
-    /// nothing.
+    /// Whether a document of this name was visited before; if so, it is noted. Only names in GSI's form are compared.
     fn is_repeated(&mut self, path: &Path, name: &str) -> bool {
         if !is_served(name) {
             return false;
         }
-        match self.seen.documents.entry(name.to_ascii_lowercase()) {
+        match self.report.documents.entry(name.to_ascii_lowercase()) {
             Entry::Occupied(entry) => {
-                self.seen.repeated.push([entry.get().clone(), path.to_owned()]);
+                self.report.repeated.push([entry.get().clone(), path.to_owned()]);
                 true
             }
             Entry::Vacant(entry) => {
@@ -136,10 +135,10 @@ impl Walk<'_> {
         }
     }
 
-    /// Visits the documents of an archive; `budget` is the number of bytes that may still be unpacked.
+    /// Visits the documents of an archive. `budget` is the number of bytes that may still be unpacked.
     fn archive<R: Read + Seek>(&mut self, path: &Path, file: R, depth: usize, budget: &mut u64) -> Result<()> {
         let mut archive = ZipArchive::new(file)
-            .map_err(|e| Error::file_cause(path, "the file is no zip archive, or it is not complete", e))?;
+            .map_err(|e| Error::file_cause(path, "the file is not a zip archive, or it is not complete", e))?;
         let mut names: Vec<(String, usize)> = Vec::new();
         for index in 0..archive.len() {
             match archive.name_for_index(index) {
@@ -150,7 +149,7 @@ impl Walk<'_> {
         names.sort();
         let file_name = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
         let is_document = |name: &str| has_extension(Path::new(name), "xml") || has_extension(Path::new(name), "zip");
-        // Renamed documents are looked into where nothing has a proper name.
+        // If no file has a GSI name, all documents are read: they may have been renamed.
         let any_served = names.iter().any(|(name, _)| is_served(&file_name(name)));
         for (name, index) in names {
             let short = file_name(&name);
@@ -168,47 +167,47 @@ impl Walk<'_> {
             let entry = archive
                 .by_index(index)
                 .map_err(|e| Error::file_cause(&inner, "it cannot be unpacked; unpack the archive first", e))?;
-            let limit = LARGEST_DOCUMENT.min(*budget);
+            let limit = MAX_DOCUMENT_LENGTH.min(*budget);
             let mut entry = BufReader::with_capacity(BUFFER, entry);
-            let mut source: Source<'_> = Metered::new(&mut entry, limit);
+            let mut source: DocumentReader<'_> = LimitedReader::new(&mut entry, limit);
             if has_extension(Path::new(&short), "zip") {
-                if depth >= DEEPEST {
-                    return Err(Error::file(&inner, "archives lie in each other too deep; unpack them first"));
+                if depth >= MAX_DEPTH {
+                    return Err(Error::file(&inner, "the archives are nested too deep; unpack them first"));
                 }
                 let mut unpacked = tempfile::SpooledTempFile::new(INNER_IN_MEMORY);
                 unlimited_copy(&mut source, &mut unpacked).map_err(|e| unreadable(&inner, e))?;
-                *budget = budget.saturating_sub(limit - source.left());
+                *budget = budget.saturating_sub(limit - source.remaining());
                 unpacked.rewind().map_err(|e| unreadable(&inner, e))?;
                 self.archive(&inner, BufReader::with_capacity(BUFFER, unpacked), depth + 1, budget)?;
             } else {
-                self.seen.visited += 1;
+                self.report.visited += 1;
                 (self.visit)(&inner, &mut source)?;
-                *budget = budget.saturating_sub(limit - source.left());
+                *budget = budget.saturating_sub(limit - source.remaining());
             }
         }
         Ok(())
     }
 
-    /// Whether a document may be of use by its name; counts it if not.
+    /// Whether a document may be useful, judged by its name. If not, it is counted.
     fn is_wanted(&mut self, name: &str) -> bool {
         let Some(item) = item_of(name).filter(|item| item != "ALL") else { return true };
         if (self.wanted)(&item) {
             return true;
         }
-        *self.seen.others.entry(item).or_default() += 1;
+        *self.report.others.entry(item).or_default() += 1;
         false
     }
 
     fn note_foreign(&mut self, name: &str) {
         let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         if ["shp", "geojson", "json", "gpkg", "fgb", "dxf", "kml", "gml"].contains(&extension.as_str()) {
-            self.seen.foreign.get_or_insert(extension);
+            self.report.foreign.get_or_insert(extension);
         }
     }
 }
 
-/// Copies with a new allowance for every piece: an archive is no single item.
-fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
+/// Copies with a fresh limit for every block, because an archive is not one item of a document.
+fn unlimited_copy(source: &mut DocumentReader<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
     let mut buffer = vec![0; BUFFER];
     loop {
         source.next_item();
@@ -220,7 +219,7 @@ fn unlimited_copy(source: &mut Source<'_>, target: &mut impl std::io::Write) -> 
     }
 }
 
-/// Whether a file has a name as they are served: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
+/// Whether a file name has the form of GSI's downloads: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
 fn is_served(name: &str) -> bool {
     let path = Path::new(name);
     let upper = name.to_ascii_uppercase();
@@ -234,7 +233,7 @@ pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().and_then(|e| e.to_str()).is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The item that a document's name tells: `Cntr`, `DEM10B`, `ALL`.
+/// The item in a document's name: `Cntr`, `DEM10B`, `ALL`.
 pub(super) fn item_of(name: &str) -> Option<String> {
     let stem = Path::new(name).file_stem()?.to_str()?;
     let rest = stem.get(..7).filter(|start| start.eq_ignore_ascii_case("FG-GML-")).map(|_| &stem[7..])?;
@@ -243,9 +242,9 @@ pub(super) fn item_of(name: &str) -> Option<String> {
     Some(if is_dem { item.to_ascii_uppercase() } else { item.to_owned() })
 }
 
-/// An error that tells what was looked for and what was met.
-pub(super) fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
-    if let Some(foreign) = seen.foreign.as_ref().filter(|_| seen.visited == 0 && seen.others.is_empty()) {
+/// An error that states what was expected and what was found.
+pub(super) fn nothing(path: &Path, report: &WalkReport, wanted: &str) -> Error {
+    if let Some(foreign) = report.foreign.as_ref().filter(|_| report.visited == 0 && report.others.is_empty()) {
         let message = match path.is_dir() {
             true => {
                 format!("is a folder without files of 基盤地図情報 (FG-GML-….xml or .zip); name its .{foreign} file")
@@ -254,10 +253,10 @@ pub(super) fn nothing(path: &Path, seen: &Seen, wanted: &str) -> Error {
         };
         return Error::file(path, message);
     }
-    let mut found: Vec<String> = seen.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
-    if seen.visited > 0 {
-        let noun = if seen.visited == 1 { "document" } else { "documents" };
-        found.push(format!("{} {noun} without one", seen.visited));
+    let mut found: Vec<String> = report.others.iter().map(|(item, count)| format!("{count} {item}")).collect();
+    if report.visited > 0 {
+        let noun = if report.visited == 1 { "document" } else { "documents" };
+        found.push(format!("{} {noun} without one", report.visited));
     }
     let found = if found.is_empty() {
         "no file FG-GML-….xml or FG-GML-….zip is in it".to_owned()

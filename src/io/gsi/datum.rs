@@ -7,10 +7,10 @@ use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::crs::Crs;
 
 const JGD2000: u32 = 4612;
-/// Also the code of JGD2024, which changed heights and no longitude or latitude.
+/// Also the code of JGD2024, which changed heights but not longitude and latitude.
 const JGD2011: u32 = 6668;
 
-/// The EPSG code of the system that a `srsName` stands for; all are latitude and longitude in degrees.
+/// The EPSG code of a `srsName`. All systems are latitude and longitude in degrees.
 fn code(name: &str) -> Option<u32> {
     match name.to_ascii_lowercase().strip_prefix("fguuid:")? {
         "jgd2000.bl" => Some(JGD2000),
@@ -19,12 +19,12 @@ fn code(name: &str) -> Option<u32> {
     }
 }
 
-/// The systems that documents name, with the first document of each.
+/// The systems that documents name, each with the first such document.
 #[derive(Default)]
 pub(super) struct Datums(BTreeMap<u32, PathBuf>);
 
 impl Datums {
-    /// Notes the system that a `srsName` of a document stands for.
+    /// Records the system of a document's `srsName`.
     pub fn note(&mut self, path: &Path, name: &str) -> Result<()> {
         let Some(code) = code(name) else {
             let message = format!(
@@ -37,7 +37,8 @@ impl Datums {
         Ok(())
     }
 
-    /// The system of all documents together. Files of one delivery name the older or the newer one by their date.
+    /// The system of all documents together. One download may contain both systems, because each file names the one of
+    /// its date.
     pub fn crs(self, findings: &mut Vec<Finding>) -> Option<Crs> {
         if let (Some(old), Some(new)) = (self.0.get(&JGD2000), self.0.get(&JGD2011)) {
             let message = format!(

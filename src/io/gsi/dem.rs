@@ -1,14 +1,14 @@
-//! One document of a height map: its mesh, its grid and the heights of its cells.
+//! One document of a height map: its grid square, its grid and the heights of its cells.
 //!
-//! A document's list of cells begins at its start point, which comes after the list, and may end early: the cells before
-//! and behind it are void, as in squares that are mostly sea.
+//! A document lists its cells from its start point, which is given after the list. The list may end early. The cells
+//! before and after it have no data, as in squares that are mostly sea.
 
 use std::path::{Path, PathBuf};
 
 use super::archive::item_of;
 use super::datum::Datums;
 use super::mesh::{Mesh, cells_per_degree};
-use super::meter::Source;
+use super::meter::DocumentReader;
 use super::product::Product;
 use super::tuples::TupleList;
 use super::xml::{Step, Xml};
@@ -24,18 +24,18 @@ pub(super) struct Tile {
     pub code: String,
     pub mesh: Mesh,
     pub product: Product,
-    /// When the heights were published, as year-month-day.
+    /// The publication date, as year-month-day.
     pub date: String,
     pub cols: usize,
-    /// Number of the cell that the first height is of, counted row by row from the north-west.
+    /// Index of the cell of the first height, counted row by row from the north-west.
     pub start: usize,
-    /// Heights of the cells from the first one on, metres; NaN where there is none.
+    /// Heights from that cell on, metres; NaN where there is none.
     pub heights: Vec<f32>,
 }
 
-/// What a document has told so far about a height map.
+/// The content of a height map that was read so far.
 #[derive(Default)]
-struct Draft {
+struct PartialTile {
     kind: String,
     code: String,
     date: String,
@@ -43,13 +43,13 @@ struct Draft {
     low: String,
     high: String,
     start: String,
-    frame: Option<Frame>,
+    grid: Option<TileGrid>,
     heights: Vec<f32>,
 }
 
-/// What has to be known before the heights are read.
+/// What must be known before the heights are read.
 #[derive(Clone, Copy)]
-struct Frame {
+struct TileGrid {
     mesh: Mesh,
     product: Product,
     cols: usize,
@@ -57,9 +57,14 @@ struct Frame {
 }
 
 /// Appends the height maps of a document.
-pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, tiles: &mut Vec<Tile>) -> Result<()> {
+pub(super) fn read(
+    path: &Path,
+    source: &mut DocumentReader<'_>,
+    datums: &mut Datums,
+    tiles: &mut Vec<Tile>,
+) -> Result<()> {
     let mut xml = Xml::new(path, source)?;
-    let mut draft: Option<Draft> = None;
+    let mut partial: Option<PartialTile> = None;
     let mut text = String::new();
     loop {
         match xml.next()? {
@@ -67,9 +72,9 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                 check_root(&xml)?;
                 text.clear();
                 if xml.depth() == 2 && xml.name() == "DEM" {
-                    draft = Some(Draft::default());
+                    partial = Some(PartialTile::default());
                 }
-                let Some(draft) = &mut draft else { continue };
+                let Some(partial) = &mut partial else { continue };
                 if let Some(name) = xml.attribute("srsName") {
                     datums.note(path, name)?;
                 }
@@ -79,19 +84,19 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
                     return Err(xml.error(message));
                 }
                 if xml.name() == "tupleList" {
-                    let frame = draft.frame(path)?;
-                    draft.frame = Some(frame);
-                    draft.heights = tuple_list(&mut xml, frame.cols * frame.rows)?;
+                    let grid = partial.grid(path)?;
+                    partial.grid = Some(grid);
+                    partial.heights = tuple_list(&mut xml, grid.cols * grid.rows)?;
                 }
             }
-            // Only short texts are of use here.
-            Step::Text if draft.is_some() && text.len() < 1000 => text.push_str(xml.text()),
+            // Long texts are never needed here.
+            Step::Text if partial.is_some() && text.len() < 1000 => text.push_str(xml.text()),
             Step::Text => {}
             Step::End if xml.depth() == 1 && xml.name() == "DEM" => {
-                tiles.extend(draft.take().map(|draft| draft.tile(path)).transpose()?);
+                tiles.extend(partial.take().map(|partial| partial.tile(path)).transpose()?);
             }
             Step::End => {
-                if let Some(field) = draft.as_mut().and_then(|draft| draft.field(xml.name())) {
+                if let Some(field) = partial.as_mut().and_then(|partial| partial.field(xml.name())) {
                     text.trim().clone_into(field);
                 }
                 text.clear();
@@ -105,7 +110,7 @@ pub(super) fn read(path: &Path, source: &mut Source<'_>, datums: &mut Datums, ti
 pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
     if xml.depth() == 1 && xml.name() != ROOT {
         if !xml.name().chars().all(|c| c.is_alphanumeric() || "-_.:".contains(c)) {
-            return Err(Error::file(xml.path(), "is no XML document, whatever its extension says"));
+            return Err(Error::file(xml.path(), "is not an XML document, despite its extension"));
         }
         let message = format!("its root element is {:?}, that of 基盤地図情報 is {ROOT:?}", xml.name());
         return Err(xml.error(message));
@@ -113,7 +118,7 @@ pub(super) fn check_root(xml: &Xml<'_, '_>) -> Result<()> {
     Ok(())
 }
 
-/// Reads the list that has just begun.
+/// Reads the list whose start tag was just read.
 fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     let path = xml.path();
     let wrong = |message: String| Error::file(path, message);
@@ -121,7 +126,7 @@ fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     xml.raw_text(|bytes| list.read(bytes).map_err(wrong))?;
     loop {
         match xml.next()? {
-            // Behind a comment the text goes on.
+            // The text continues after a comment.
             Step::Text => list.read(xml.text().as_bytes()).map_err(wrong)?,
             Step::End => break,
             Step::Start | Step::Over => return Err(xml.error("there is an element among the cells of the tuple list")),
@@ -131,7 +136,7 @@ fn tuple_list(xml: &mut Xml<'_, '_>, cells: usize) -> Result<Vec<f32>> {
     Ok(list.heights)
 }
 
-impl Draft {
+impl PartialTile {
     fn field(&mut self, name: &str) -> Option<&mut String> {
         Some(match name {
             "type" => &mut self.kind,
@@ -146,7 +151,7 @@ impl Draft {
         })
     }
 
-    fn frame(&self, path: &Path) -> Result<Frame> {
+    fn grid(&self, path: &Path) -> Result<TileGrid> {
         let wrong = |message: String| Error::file(path, message);
         let mesh = Mesh::of_code(&self.code)
             .ok_or_else(|| wrong(format!("the mesh code {:?} is not known; one has 4, 6 or 8 digits", self.code)))?;
@@ -154,7 +159,8 @@ impl Draft {
             return Err(wrong(format!("its grid begins at {:?} instead of 0 0", self.low)));
         }
         let size = pair::<u64>(&self.high).filter(|high| high.iter().all(|&high| high < 1 << 20));
-        let [cols, rows] = size.ok_or_else(|| wrong(format!("its grid ends at {:?}, which is no cell", self.high)))?;
+        let [cols, rows] =
+            size.ok_or_else(|| wrong(format!("its grid ends at {:?}, which is not a cell", self.high)))?;
         let [cols, rows] = [cols + 1, rows + 1];
         let item = path.to_str().and_then(|name| item_of(name.rsplit(['/', '\\', '!']).next().unwrap_or(name)));
         let product = cells_per_degree(&mesh, cols, rows).and_then(|n| Product::of(item.as_deref(), &self.kind, n));
@@ -174,13 +180,13 @@ impl Draft {
                 return Err(wrong(message));
             }
         }
-        // Both are below the limit above.
-        Ok(Frame { mesh, product, cols: cols as usize, rows: rows as usize })
+        // Both are below the limit that was checked above.
+        Ok(TileGrid { mesh, product, cols: cols as usize, rows: rows as usize })
     }
 
     fn tile(self, path: &Path) -> Result<Tile> {
         let wrong = |message: String| Error::file(path, message);
-        let Some(Frame { mesh, product, cols, rows }) = self.frame else {
+        let Some(TileGrid { mesh, product, cols, rows }) = self.grid else {
             return Err(wrong("there is no tuple list in it".to_owned()));
         };
         let (cells, count) = (cols * rows, self.heights.len());
@@ -188,7 +194,7 @@ impl Draft {
             Some([x, y]) if x < cols && y < rows => y * cols + x,
             None if self.start.is_empty() && count == cells => 0,
             _ => {
-                let message = format!("its start point {:?} is no cell of its {cols} x {rows} cells", self.start);
+                let message = format!("its start point {:?} is not one of its {cols} x {rows} cells", self.start);
                 return Err(wrong(message));
             }
         };

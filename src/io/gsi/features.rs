@@ -1,4 +1,4 @@
-//! Contours, spot heights and water, from the documents of a path to one table.
+//! Reads contours, spot heights and water from the documents of a path into one table.
 //!
 //! | element | what becomes of it |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `WA` | polygons of water; rivers are left out because they are not level, the sea lies at 0 m |
 //! | `WL` | closed shores of lakes as polygons, if there is no `WA` |
 //!
-//! Positions are latitude and longitude in the documents, and longitude and latitude in the table. Lines and areas are
-//! cut at the edges of the squares of the map; their ends agree there.
+//! Documents give positions as latitude, longitude. The table has longitude, latitude. Lines and areas are cut at the
+//! edges of the map's grid squares; their ends agree there.
 
 use std::path::Path;
 
@@ -17,14 +17,14 @@ use glam::DVec2;
 use super::archive::{each_document, nothing};
 use super::datum::Datums;
 use super::dem::check_root;
-use super::meter::Source;
+use super::meter::DocumentReader;
 use super::tuples::number;
 use super::xml::{Step, Xml};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::shapefile::grouped;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
 
-/// The attributes of features that are of any use.
+/// The attributes that are used.
 const FIELDS: [&str; 6] = ["fid", "orgGILvl", "vis", "type", "name", "alti"];
 
 /// The kinds of feature that are read.
@@ -57,7 +57,7 @@ impl Item {
     }
 }
 
-/// Reads the features of a path that are of use for the request; they are numbered from 0 in the order of the documents.
+/// Reads the features of a path that the request needs. They are numbered from 0 in the order of the documents.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let (items, words): (&[Item], &str) = match request.purpose {
         Purpose::Contours => (&[Item::Contour, Item::SpotHeight], "contour (Cntr) or spot height (ElevPt)"),
@@ -81,11 +81,11 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         open_edges: 0,
     };
     let wanted = |name: &str| items.iter().any(|item| item.name().eq_ignore_ascii_case(name));
-    let seen = each_document(path, &wanted, &mut |path, source| reading.document(path, source))?;
+    let report = each_document(path, &wanted, &mut |path, source| reading.document(path, source))?;
     if reading.number == 0 {
-        return Err(nothing(path, &seen, words));
+        return Err(nothing(path, &report, words));
     }
-    seen.note_repeated(&mut reading.table.findings);
+    report.note_repeated(&mut reading.table.findings);
     Ok(reading.finish())
 }
 
@@ -101,25 +101,25 @@ struct Reading<'a> {
     open_edges: u64,
 }
 
-/// A feature that is being read.
-struct Draft {
+/// A feature that is not read completely.
+struct PartialFeature {
     item: Item,
-    /// What the document calls it, for messages.
+    /// The feature's id in the document, for messages.
     fid: String,
     kind: String,
     feature: Feature,
     lines: Vec<Vec<DVec2>>,
     rings: Rings,
-    /// The line or ring that positions are appended to.
+    /// The current line or ring; positions are appended to it.
     current: Vec<DVec2>,
-    /// How many rings lie around the place; one or none.
+    /// Whether a ring element is open.
     in_ring: bool,
 }
 
 impl Reading<'_> {
-    fn document(&mut self, path: &Path, source: &mut Source<'_>) -> Result<()> {
+    fn document(&mut self, path: &Path, source: &mut DocumentReader<'_>) -> Result<()> {
         let mut xml = Xml::new(path, source)?;
-        let mut draft: Option<Draft> = None;
+        let mut partial: Option<PartialFeature> = None;
         let mut text = String::new();
         loop {
             match xml.next()? {
@@ -128,33 +128,33 @@ impl Reading<'_> {
                     text.clear();
                     if xml.depth() == 2 {
                         let item = Item::of(xml.name()).filter(|item| self.items.contains(item));
-                        draft = item.map(|item| Draft::new(item, self.number));
+                        partial = item.map(|item| PartialFeature::new(item, self.number));
                         self.number += u64::from(item.is_some());
                     }
-                    let Some(draft) = &mut draft else { continue };
+                    let Some(partial) = &mut partial else { continue };
                     if let Some(name) = xml.attribute("srsName") {
                         self.datums.note(path, name)?;
                     }
                     if let Some(dimension) = xml.attribute("srsDimension").filter(|dimension| *dimension != "2") {
                         return Err(
-                            draft.error(path, &format!("its positions have {dimension} numbers instead of two"))
+                            partial.error(path, &format!("its positions have {dimension} numbers instead of two"))
                         );
                     }
-                    draft.start(xml.name());
+                    partial.start(xml.name());
                 }
-                Step::Text if draft.is_some() => text.push_str(xml.text()),
+                Step::Text if partial.is_some() => text.push_str(xml.text()),
                 Step::Text => {}
                 Step::End if xml.depth() == 1 => {
-                    if let Some(draft) = draft.take() {
-                        self.push(draft);
+                    if let Some(partial) = partial.take() {
+                        self.push(partial);
                     }
                 }
                 Step::End => {
-                    if let Some(draft) = &mut draft {
+                    if let Some(partial) = &mut partial {
                         if xml.depth() == 2 && FIELDS.contains(&xml.name()) {
-                            self.note(draft, path, xml.name(), text.trim())?;
+                            self.note(partial, path, xml.name(), text.trim())?;
                         }
-                        draft.end(xml.name(), &text).map_err(|what| draft.error(path, &what))?;
+                        partial.end(xml.name(), &text).map_err(|what| partial.error(path, &what))?;
                     }
                     text.clear();
                 }
@@ -163,49 +163,50 @@ impl Reading<'_> {
         }
     }
 
-    /// Notes an attribute.
-    fn note(&mut self, draft: &mut Draft, path: &Path, name: &str, text: &str) -> Result<()> {
+    /// Records an attribute.
+    fn note(&mut self, partial: &mut PartialFeature, path: &Path, name: &str, text: &str) -> Result<()> {
         match name {
-            "fid" => text.clone_into(&mut draft.fid),
-            "type" => text.clone_into(&mut draft.kind),
+            "fid" => text.clone_into(&mut partial.fid),
+            "type" => text.clone_into(&mut partial.kind),
             _ => {}
         }
         let value = match number(text.as_bytes()) {
             _ if text.is_empty() => Value::Null,
             Some(number) => Value::Number(number),
             None if name == "alti" => {
-                return Err(draft.error(path, &format!("its elevation (alti) is {text:?}, which is no number")));
+                return Err(partial.error(path, &format!("its elevation (alti) is {text:?}, which is not a number")));
             }
             None => Value::Text(text.to_owned()),
         };
         let field = self.table.field(name);
         if self.table.wants(field) {
-            self.table.note(&mut draft.feature.values, field, value);
+            self.table.note(&mut partial.feature.values, field, value);
         }
         Ok(())
     }
 
-    /// Takes a feature that is complete.
-    fn push(&mut self, mut draft: Draft) {
-        let is_empty = draft.lines.is_empty() && draft.feature.spots.is_empty() && draft.feature.polygons.is_empty();
-        match draft.item {
+    /// Stores a complete feature.
+    fn push(&mut self, mut partial: PartialFeature) {
+        let is_empty =
+            partial.lines.is_empty() && partial.feature.spots.is_empty() && partial.feature.polygons.is_empty();
+        match partial.item {
             _ if is_empty => self.table.leave_out(NO_GEOMETRY),
-            Item::WaterArea if draft.kind == "河川" => self.rivers += 1,
+            Item::WaterArea if partial.kind == "河川" => self.rivers += 1,
             Item::WaterEdge => {
-                for line in draft.lines {
-                    let is_shore = draft.kind.contains("湖池") && line.len() >= 4 && line.first() == line.last();
+                for line in partial.lines {
+                    let is_shore = partial.kind.contains("湖池") && line.len() >= 4 && line.first() == line.last();
                     if is_shore { self.shores.push(line) } else { self.open_edges += 1 }
                 }
             }
             Item::WaterArea | Item::Contour | Item::SpotHeight => {
-                for line in draft.lines {
-                    draft.feature.push_line(line, &[]);
+                for line in partial.lines {
+                    partial.feature.push_line(line, &[]);
                 }
-                if draft.item == Item::WaterArea && draft.kind == "海" {
+                if partial.item == Item::WaterArea && partial.kind == "海" {
                     let field = self.table.field("alti");
-                    self.table.note(&mut draft.feature.values, field, Value::Number(0.0));
+                    self.table.note(&mut partial.feature.values, field, Value::Number(0.0));
                 }
-                self.table.push(draft.feature);
+                self.table.push(partial.feature);
             }
         }
     }
@@ -220,7 +221,7 @@ impl Reading<'_> {
             }
         };
         left_out(self.rivers, "rivers among the water areas (WA) left out: they are not level");
-        left_out(self.open_edges, "water edges (WL) left out: they are no closed shores of lakes");
+        left_out(self.open_edges, "water edges (WL) left out: they are not closed lake shores");
         if self.table.features.iter().any(|feature| !feature.polygons.is_empty()) {
             left_out(self.shores.len() as u64, "shores of lakes (WL) left out: the water areas (WA) are taken");
         } else {
@@ -232,7 +233,7 @@ impl Reading<'_> {
     }
 }
 
-impl Draft {
+impl PartialFeature {
     fn new(item: Item, number: u64) -> Self {
         Self {
             item,
@@ -285,7 +286,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Appends positions. The segments of a line and the lines of a ring repeat the point where they meet.
+    /// Appends positions. Consecutive segments of a line, and lines of a ring, repeat their common point.
     fn append(&mut self, text: &str) -> Result<(), String> {
         let mut numbers = text.split_ascii_whitespace();
         let parsed = |word: &str| number(word.as_bytes()).ok_or_else(|| format!("its positions hold {word:?}"));
@@ -296,7 +297,7 @@ impl Draft {
             };
             let (lat, lon) = (parsed(lat)?, parsed(lon)?);
             if lat.abs() > 90.0 || lon.abs() > 180.0 {
-                return Err(format!("its position {lat} {lon} is no latitude and longitude"));
+                return Err(format!("its position {lat} {lon} is not a latitude and longitude"));
             }
             let place = DVec2::new(lon, lat);
             if !(is_first && self.current.last() == Some(&place)) {

@@ -1,6 +1,6 @@
-//! Mesh codes of Japan's standard grid squares (JIS X 0410), and where their edges are, without rounding.
+//! Mesh codes of Japan's standard grid squares (JIS X 0410), and the exact edges of the squares.
 
-/// A grid square with its edges in seconds of arc, which are whole numbers.
+/// A grid square. Its edges are whole seconds of arc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Mesh {
     /// Southern edge.
@@ -14,13 +14,14 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// The square of a code of 4, 6 or 8 digits; `None` if there is none.
+    /// The square of a code of 4, 6 or 8 digits. `None` if the code is not valid.
     pub fn of_code(code: &str) -> Option<Self> {
         let digits: Vec<i64> = code.chars().map(|c| c.to_digit(10).map(i64::from)).collect::<Option<_>>()?;
         let &[p0, p1, u0, u1, ref rest @ ..] = digits.as_slice() else { return None };
         let (mut south, mut west) = ((p0 * 10 + p1) * 2400, (100 + u0 * 10 + u1) * 3600);
         let (mut height, mut width) = (2400, 3600);
-        // Each part has the step to the north, then the one to the east, of so many parts a side.
+        // Each level of the code has two digits: the step to the north, then the step to the east. `parts` is the
+        // number of squares per side.
         let (pairs, []) = rest.as_chunks::<2>() else { return None };
         if pairs.len() > 2 {
             return None;
@@ -33,7 +34,7 @@ impl Mesh {
             south += north * height;
             west += east * width;
         }
-        // Beyond these is no ground of Japan; a square there comes from a code that is none.
+        // Japan lies inside this range. A square outside it comes from an invalid code.
         let in_range = (15 * 3600..50 * 3600).contains(&south) && (118 * 3600..160 * 3600).contains(&west);
         in_range.then_some(Self { south, west, height, width })
     }
@@ -48,8 +49,8 @@ impl Mesh {
     }
 }
 
-/// Cells of a height map for one degree, the same in both directions, if a square is divided into so many evenly and the
-/// edges of all squares of its size fall on edges of cells.
+/// Cells per degree of a height map, equal in both directions. `None` if the cells do not divide the square evenly, or
+/// if the edges of squares of this size do not all fall on edges of cells.
 pub(super) fn cells_per_degree(mesh: &Mesh, cols: u64, rows: u64) -> Option<i64> {
     let along = |cells: u64, extent: i64| {
         let cells = i64::try_from(cells).ok()?.checked_mul(3600)?;
@@ -59,7 +60,7 @@ pub(super) fn cells_per_degree(mesh: &Mesh, cols: u64, rows: u64) -> Option<i64>
     (along(rows, mesh.height)? == density && (density * mesh.width) % 3600 == 0).then_some(density)
 }
 
-/// A place in cells from the zero meridian or the equator.
+/// A position in cells from the equator or the zero meridian. `None` if it is not a whole number.
 pub(super) fn in_cells(seconds: i64, cells_per_degree: i64) -> Option<i64> {
     let cells = seconds * cells_per_degree;
     (cells % 3600 == 0).then_some(cells / 3600)

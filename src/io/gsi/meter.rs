@@ -2,40 +2,40 @@
 
 use std::io::{self, BufRead, Read};
 
-/// A document that is longer than this is refused, in bytes. The largest that are published have some 20 MB.
-pub(super) const LARGEST_DOCUMENT: u64 = 4 << 30;
+/// The largest document that is accepted, bytes. The largest published ones have about 20 MB.
+pub(super) const MAX_DOCUMENT_LENGTH: u64 = 4 << 30;
 
-/// A tag or a text that is longer than this is refused, in bytes.
-const LARGEST_ITEM: u64 = 256 << 20;
+/// The longest tag or text that is accepted, bytes.
+const MAX_ITEM_LENGTH: u64 = 256 << 20;
 
-/// A document of whatever origin.
-pub(super) type Source<'s> = Metered<&'s mut dyn BufRead>;
+/// A limited reader of a document, from any origin.
+pub(super) type DocumentReader<'s> = LimitedReader<&'s mut dyn BufRead>;
 
-/// A reader that stops with an error where a document or an item in it grows beyond its limit.
-pub(super) struct Metered<R> {
+/// A reader that stops with an error if a document, or an item in it, exceeds its limit.
+pub(super) struct LimitedReader<R> {
     inner: R,
     document: u64,
     item: u64,
 }
 
-impl<R: BufRead> Metered<R> {
-    /// A reader that gives so many bytes at most.
+impl<R: BufRead> LimitedReader<R> {
+    /// A reader that gives at most `limit` bytes.
     pub fn new(inner: R, limit: u64) -> Self {
-        Self { inner, document: limit, item: LARGEST_ITEM }
+        Self { inner, document: limit, item: MAX_ITEM_LENGTH }
     }
 
     /// Starts a new item of the document.
     pub fn next_item(&mut self) {
-        self.item = LARGEST_ITEM;
+        self.item = MAX_ITEM_LENGTH;
     }
 
-    /// Bytes that may still come.
-    pub fn left(&self) -> u64 {
+    /// Bytes that may still be read.
+    pub fn remaining(&self) -> u64 {
         self.document
     }
 }
 
-impl<R: BufRead> BufRead for Metered<R> {
+impl<R: BufRead> BufRead for LimitedReader<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         let bytes = self.inner.fill_buf()?;
         let limit = self.document.min(self.item);
@@ -55,7 +55,7 @@ impl<R: BufRead> BufRead for Metered<R> {
     }
 }
 
-impl<R: BufRead> Read for Metered<R> {
+impl<R: BufRead> Read for LimitedReader<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let mut bytes = self.fill_buf()?;
         let length = bytes.read(out)?;
@@ -71,25 +71,25 @@ mod tests {
     #[test]
     fn a_document_within_its_limit_is_read_whole_and_a_longer_one_refused() {
         let mut text = String::new();
-        let mut reader = Metered::new(&b"0123456789"[..], 10);
+        let mut reader = LimitedReader::new(&b"0123456789"[..], 10);
         reader.read_to_string(&mut text).unwrap();
-        assert_eq!((text.as_str(), reader.left()), ("0123456789", 0));
-        let error = Metered::new(&b"0123456789"[..], 9).read_to_string(&mut text).unwrap_err();
+        assert_eq!((text.as_str(), reader.remaining()), ("0123456789", 0));
+        let error = LimitedReader::new(&b"0123456789"[..], 9).read_to_string(&mut text).unwrap_err();
         assert!(error.to_string().contains("more than is allowed"), "{error}");
     }
 
     #[test]
     fn an_item_has_its_own_limit() {
-        let mut reader = Metered { inner: io::repeat(b'x').take(20), document: 100, item: 4 }.into_buffered();
+        let mut reader = LimitedReader { inner: io::repeat(b'x').take(20), document: 100, item: 4 }.into_buffered();
         let mut out = [0; 20];
         assert!(reader.read_exact(&mut out).is_err());
         reader.next_item();
         reader.read_exact(&mut out[..16]).unwrap();
     }
 
-    impl<R: Read> Metered<R> {
-        fn into_buffered(self) -> Metered<io::BufReader<R>> {
-            Metered { inner: io::BufReader::new(self.inner), document: self.document, item: self.item }
+    impl<R: Read> LimitedReader<R> {
+        fn into_buffered(self) -> LimitedReader<io::BufReader<R>> {
+            LimitedReader { inner: io::BufReader::new(self.inner), document: self.document, item: self.item }
         }
     }
 }

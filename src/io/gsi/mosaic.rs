@@ -1,7 +1,7 @@
-//! Squares side by side as one height map.
+//! Joins squares into one height map.
 //!
-//! Places are counted in whole cells from the equator and the zero meridian, so that edges meet exactly however many
-//! squares there are.
+//! Positions are whole numbers of cells from the equator and the zero meridian. Therefore edges meet exactly, for any
+//! number of squares.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::base::Grid;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::dem::Dem;
 
-/// A height map may have so many cells; they take 4 GB.
-const MOST_CELLS: i64 = 1 << 30;
+/// The largest number of cells of a height map; they take 4 GB.
+const MAX_CELLS: i64 = 1 << 30;
 
-/// Lays squares of one product onto their common grid. Where squares are missing there are no heights.
+/// Places squares of one product on their common grid. Cells of missing squares have no height.
 pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Finding>) -> Result<(Dem, Product)> {
     let Some(first) = tiles.first() else {
         return Err(Error::file(path, "there is no height map (DEM) in it"));
@@ -34,7 +34,7 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
         );
         return Err(Error::file(path, message));
     }
-    // Of two editions of a square the newer one is laid on top.
+    // If a square occurs twice, the newer edition comes later and overwrites the older one.
     tiles.sort_by(|a, b| a.date.cmp(&b.date));
     note_repeated(&tiles, findings);
 
@@ -47,15 +47,15 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
     let (west, east) = (fold(|m| m.west, i64::min), fold(|m| m.west + m.width, i64::max));
     let (south, north) = (fold(|m| m.south, i64::min), fold(|m| m.south + m.height, i64::max));
     let count = (east - west) * (north - south);
-    if count > MOST_CELLS {
+    if count > MAX_CELLS {
         let message = format!(
-            "the box around all its squares has {} x {} cells, more than {MOST_CELLS}; read fewer squares at a time",
+            "the box around all its squares has {} x {} cells, more than {MAX_CELLS}; read fewer squares at a time",
             east - west,
             north - south
         );
         return Err(Error::file(path, message));
     }
-    // The limit lies below the range of all of these.
+    // The limit above is smaller than the range of each type.
     let (cols, rows) = ((east - west) as usize, (north - south) as usize);
     let mut values: Vec<f32> = Vec::new();
     values
@@ -80,12 +80,12 @@ pub(super) fn mosaic(path: &Path, mut tiles: Vec<Tile>, findings: &mut Vec<Findi
 fn note_repeated(tiles: &[Tile], findings: &mut Vec<Finding>) {
     let mut seen: HashMap<Mesh, &Tile> = HashMap::new();
     for tile in tiles {
-        if let Some(below) = seen.insert(tile.mesh, tile) {
+        if let Some(older) = seen.insert(tile.mesh, tile) {
             let [[lat, lon], _] = tile.mesh.corners();
             let message = format!(
                 "the square {} is in {} and in {}; where both have heights those of the second are taken",
                 tile.code,
-                below.path.display(),
+                older.path.display(),
                 tile.path.display()
             );
             findings.push(Finding::at(FindingKind::RepeatedMesh, DVec2::new(lon, lat), message));

@@ -1,6 +1,6 @@
-//! The height maps of 基盤地図情報 and how far off they may be.
+//! The height maps of 基盤地図情報 and their accuracy.
 
-/// A kind of height map, by what it was made from and the size of its cells.
+/// A kind of height map, by its source and the size of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Product {
     /// 1 m cells (0.04 seconds of arc) from airborne lidar.
@@ -32,9 +32,9 @@ impl Product {
 
     /// The stated accuracy of a height, as a standard deviation in metres.
     ///
-    /// From the table of products on GSI's page about its height maps (fgd.gsi.go.jp/download/ref_dem.html), which gives
-    /// each as a bound. That of DEM1A is taken from DEM5A, which is measured the same way. Lidar cells without a measured
-    /// point in them may be off by up to 2 m.
+    /// The values come from the table of products on GSI's page about its height maps
+    /// (fgd.gsi.go.jp/download/ref_dem.html), which states each as a bound. DEM1A uses the value of DEM5A, which is
+    /// measured the same way. Lidar cells without a measured point in them may be off by up to 2 m.
     pub fn sigma(self) -> f64 {
         match self {
             Self::Dem1A | Self::Dem5A => 0.3,
@@ -45,7 +45,7 @@ impl Product {
         }
     }
 
-    /// Cells for one degree, in both directions.
+    /// Cells per degree, in both directions.
     pub(super) fn cells_per_degree(self) -> i64 {
         match self {
             Self::Dem1A => 90_000,
@@ -54,9 +54,10 @@ impl Product {
         }
     }
 
-    /// The product of a document: by the item in its name, else by the type of its height map and its cells.
+    /// The product of a document. The item in its name decides if it fits the cells. Otherwise the type of the height
+    /// map and its cells decide.
     ///
-    /// Two products have the same type, so that the name goes first where it fits the cells.
+    /// The name comes first because two products have the same type.
     pub(super) fn of(item: Option<&str>, kind: &str, cells_per_degree: i64) -> Option<Self> {
         let all = [Self::Dem1A, Self::Dem5A, Self::Dem5B, Self::Dem5C, Self::Dem10A, Self::Dem10B];
         let fits = |product: &Self| product.cells_per_degree() == cells_per_degree;

@@ -1,33 +1,34 @@
-//! The list of a height map's cells: one `kind,height` a line.
+//! The list of a height map's cells: one `kind,height` per line.
 //!
-//! Lists have up to a million lines, so they are read from the document's bytes as these come, without a copy of the
-//! text. The kind is in Japanese and not looked at: whether a cell has a height is told by the height alone, because
-//! water has one in some products and none in others.
+//! Lists have up to a million lines. Therefore they are read directly from the document's bytes, without a copy of the
+//! text. The kind is in Japanese and is ignored. Only the height shows whether a cell has one, because water has a
+//! height in some products and none in others.
 
-/// Heights down to this mean that there is none, in metres.
+/// A height of this value or less means no data, metres.
 const NO_DATA: f64 = -9999.0;
 
-/// A line that is longer than this is no cell, in bytes.
-const LONGEST_LINE: usize = 200;
+/// A longer line cannot be a cell, bytes.
+const MAX_LINE_LENGTH: usize = 200;
 
-/// A list that is being read.
+/// A list that is not read completely.
 pub(super) struct TupleList {
     /// Heights in the order of the list, metres; NaN where there is none.
     pub heights: Vec<f32>,
-    /// There may be no more.
+    /// The largest number of heights.
     limit: usize,
-    /// The beginning of a line that the last piece of text ended in.
+    /// The beginning of a line that the last piece of text cut off.
     rest: Vec<u8>,
     line: u64,
 }
 
 impl TupleList {
-    /// An empty list that may grow to so many cells.
+    /// An empty list that may grow to `limit` cells.
     pub fn new(limit: usize) -> Self {
         Self { heights: Vec::new(), limit, rest: Vec::new(), line: 0 }
     }
 
-    /// Reads a piece of the text, which may begin and end anywhere in a line. The error says what is wrong and where.
+    /// Reads a piece of the text, which may begin and end inside a line. The error states what is wrong and in which
+    /// line.
     pub fn read(&mut self, mut text: &[u8]) -> Result<(), String> {
         if !self.rest.is_empty() {
             let end = text.iter().position(|&b| b <= b' ').unwrap_or(text.len());
@@ -43,7 +44,7 @@ impl TupleList {
         }
         let mut start = 0;
         for (i, &byte) in text.iter().enumerate() {
-            // All white space separates; the bytes of the Japanese kinds are all above it.
+            // Any white space separates cells. The bytes of the Japanese kinds are all larger.
             if byte <= b' ' {
                 if start < i {
                     self.push(&text[start..i])?;
@@ -56,21 +57,21 @@ impl TupleList {
         self.check_length(self.rest.len())
     }
 
-    /// Ends the list, whose last line may have no line end.
+    /// Ends the list. Its last line may have no line end.
     pub fn finish(&mut self) -> Result<(), String> {
         let rest = std::mem::take(&mut self.rest);
         if rest.is_empty() { Ok(()) } else { self.push(&rest) }
     }
 
     fn check_length(&self, length: usize) -> Result<(), String> {
-        if length > LONGEST_LINE {
+        if length > MAX_LINE_LENGTH {
             return Err(format!("line {} of the tuple list is too long for a cell", self.line));
         }
         Ok(())
     }
 
     fn push(&mut self, tuple: &[u8]) -> Result<(), String> {
-        // The list's first line is the one with the tag.
+        // Line 1 of the list is the line of the start tag.
         let comma = tuple.iter().rposition(|&b| b == b',');
         let height = comma.and_then(|comma| number(&tuple[comma + 1..]));
         let Some(height) = height else {
@@ -102,7 +103,7 @@ pub(super) fn number(text: &[u8]) -> Option<f64> {
                 mantissa = mantissa * 10 + u64::from(byte - b'0');
                 count += 1;
                 decimals += i32::from(has_point);
-                // With as many digits the quotient below is no longer the nearest number.
+                // With this many digits the quotient below is no longer the nearest number.
                 if count > 15 {
                     return slow_number(text);
                 }

@@ -1,5 +1,5 @@
-//! The events of one XML document, with what all readers of such documents share: errors that name the document, a check
-//! that it is complete, and texts in the encoding that it declares.
+//! The events of one XML document. The parts that all readers share are here: errors that name the document, a check
+//! that the document is complete, and texts in the declared encoding.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -8,31 +8,31 @@ use encoding_rs::{Encoding, UTF_8};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
-use super::meter::Source;
+use super::meter::DocumentReader;
 use crate::base::error::{Cause, Error, Result};
 
-/// Elements lie in each other at most so deep; the deepest that is published has some 12.
-const DEEPEST: usize = 100;
+/// The largest nesting depth of elements. Published documents reach about 12.
+const MAX_DEPTH: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
 const ATTRIBUTES: [&str; 3] = ["srsName", "srsDimension", "order"];
 
-/// What comes next in a document.
+/// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
     /// An element begins.
     Start,
     /// An element ends.
     End,
-    /// A piece of text; an element's text may come in several.
+    /// A piece of text. The text of one element may come in several pieces.
     Text,
-    /// The document is over, and it is complete.
+    /// The document has ended, and it is complete.
     Over,
 }
 
-/// A document that is read from its beginning to its end.
+/// A document that is read from start to end.
 pub(super) struct Xml<'a, 's> {
-    reader: Reader<&'a mut Source<'s>>,
+    reader: Reader<&'a mut DocumentReader<'s>>,
     buffer: Vec<u8>,
     encoding: &'static Encoding,
     path: &'a Path,
@@ -44,8 +44,8 @@ pub(super) struct Xml<'a, 's> {
 }
 
 impl<'a, 's> Xml<'a, 's> {
-    /// A document with its name for messages.
-    pub fn new(path: &'a Path, source: &'a mut Source<'s>) -> Result<Self> {
+    /// Starts a document; `path` is its name for messages.
+    pub fn new(path: &'a Path, source: &'a mut DocumentReader<'s>) -> Result<Self> {
         let start = source.fill_buf().map_err(|e| unreadable(path, e))?;
         if start.starts_with(b"\xfe\xff") || start.starts_with(b"\xff\xfe") {
             return Err(Error::file(path, "the document is encoded in UTF-16; convert it to UTF-8"));
@@ -73,7 +73,7 @@ impl<'a, 's> Xml<'a, 's> {
         self.path
     }
 
-    /// How many elements lie around the place, with the one that began last.
+    /// How many elements are open, including the one that began last.
     pub fn depth(&self) -> usize {
         self.depth
     }
@@ -94,26 +94,24 @@ impl<'a, 's> Xml<'a, 's> {
         self.attributes[index].as_deref()
     }
 
-    /// Goes on to the next event that matters.
+    /// Goes to the next event that matters.
     pub fn next(&mut self) -> Result<Step> {
         loop {
             self.reader.get_mut().next_item();
             self.buffer.clear();
             let event = self.reader.read_event_into(&mut self.buffer).map_err(|e| match e {
                 quick_xml::Error::Io(e) => unreadable(self.path, e),
-                quick_xml::Error::Syntax(e) => Error::file_cause(
-                    self.path,
-                    "the XML is broken or ends in the middle; load the file again from where it came",
-                    e,
-                ),
+                quick_xml::Error::Syntax(e) => {
+                    Error::file_cause(self.path, "the XML is broken or cut off; download the file again", e)
+                }
                 e => Error::file_cause(self.path, "the XML is broken", e),
             })?;
             match event {
                 Event::Start(start) => {
                     self.depth += 1;
                     self.seen_root = true;
-                    if self.depth > DEEPEST {
-                        return Err(Error::file(self.path, "its elements lie in each other too deep for this format"));
+                    if self.depth > MAX_DEPTH {
+                        return Err(Error::file(self.path, "its elements are nested too deep for this format"));
                     }
                     set(&mut self.name, start.local_name().as_ref());
                     self.attributes = attributes(&start);
@@ -154,11 +152,11 @@ impl<'a, 's> Xml<'a, 's> {
                     }
                 }
                 Event::Eof if !self.seen_root => {
-                    let message = "there is no element in it: it is no XML, or only the beginning of one";
+                    let message = "it has no XML element: the file is not XML, or it is cut off";
                     return Err(Error::file(self.path, message));
                 }
                 Event::Eof if self.depth > 0 => {
-                    let message = "the document ends in the middle; load the file again from where it came";
+                    let message = "the document is cut off; download the file again";
                     return Err(Error::file(self.path, message));
                 }
                 Event::Eof => return Ok(Step::Over),
@@ -167,11 +165,11 @@ impl<'a, 's> Xml<'a, 's> {
         }
     }
 
-    /// Gives the bytes up to the next tag to `take`, in pieces and not decoded. For texts that are too long to be kept.
+    /// Passes the raw bytes up to the next tag to `take`, in pieces. For texts that are too long to be kept in memory.
     pub fn raw_text(&mut self, mut take: impl FnMut(&[u8]) -> Result<()>) -> Result<()> {
         let mut stream = self.reader.stream();
         loop {
-            // What has no end of its own is limited by the document.
+            // The document's limit applies here, because a text of any length is allowed.
             stream.get_mut().next_item();
             let bytes = stream.fill_buf().map_err(|e| unreadable(self.path, e))?;
             let end = bytes.iter().position(|&b| b == b'<');
@@ -190,7 +188,7 @@ impl<'a, 's> Xml<'a, 's> {
     }
 }
 
-/// A document that cannot be read to its end.
+/// The error for a document that cannot be read to its end.
 pub(super) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
     Error::file_cause(path, "it cannot be read to its end", cause)
 }
@@ -219,11 +217,11 @@ fn attributes(start: &BytesStart<'_>) -> [Option<String>; ATTRIBUTES.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::gsi::meter::Metered;
+    use crate::io::gsi::meter::LimitedReader;
 
     fn steps(text: &[u8]) -> Result<Vec<String>> {
         let mut bytes = text;
-        let mut source: Source<'_> = Metered::new(&mut bytes, 1 << 20);
+        let mut source: DocumentReader<'_> = LimitedReader::new(&mut bytes, 1 << 20);
         let mut xml = Xml::new(Path::new("a.zip!b.xml"), &mut source)?;
         let mut steps = Vec::new();
         loop {
@@ -254,10 +252,10 @@ mod tests {
     fn broken_documents_are_errors_with_their_name() {
         for (text, word) in [
             (&b""[..], "empty"),
-            (b"<a><b></b>", "ends in the middle"),
+            (b"<a><b></b>", "document is cut off"),
             (b"<a></b>", "broken"),
-            (b"<a", "broken or ends"),
-            (b"no tag at all", "no element in it"),
+            (b"<a", "broken or cut off"),
+            (b"no tag at all", "no XML element"),
             (b"\xff\xfe<\0", "UTF-16"),
             (b"<?xml version=\"1.0\" encoding=\"klingon\"?><a/>", "klingon"),
         ] {

@@ -11,7 +11,7 @@ const COLUMNS: &[Column] = &[
     Column { name: "closed", kind: Kind::Bool },
 ];
 
-/// The same where lines say how far they are expected to be off.
+/// The same columns, with the expected errors of each line.
 const WITH_ERRORS: &[Column] = &[
     Column { name: "elev", kind: Kind::Real },
     Column { name: "source", kind: Kind::Text(12) },
@@ -23,7 +23,7 @@ const WITH_ERRORS: &[Column] = &[
     Column { name: "inferred", kind: Kind::Bool },
 ];
 
-/// Decimals of an expected error: more would tell nothing.
+/// The expected error is written to millimetres; more decimals would have no meaning.
 const DECIMALS: f64 = 1e3;
 
 /// The features of a layer of contours; see [`write_contours`](crate::io::write_contours) for their attributes.

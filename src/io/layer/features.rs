@@ -1,4 +1,4 @@
-//! Features with attributes, and what keeps them from being written.
+//! Features with attributes, and the checks before they are written.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -9,16 +9,16 @@ use glam::{DVec2, DVec3};
 
 use crate::base::error::{Error, Result};
 
-/// What an attribute holds. Every kind may also be missing ([`Cell::Null`]).
+/// The type of an attribute. Every value may also be missing ([`Cell::Null`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A finite number.
     Real,
-    /// A whole number between ±2⁵³, beyond which programs read JSON's numbers differently.
+    /// A whole number between ±2⁵³. Beyond that, programs read JSON numbers differently.
     Int,
-    /// Text of at most so many bytes in UTF-8, for formats that give every value the same room.
+    /// Text of at most this many bytes in UTF-8. Some formats reserve the same space for every value.
     Text(u8),
-    /// Text of any length. A shapefile takes 254 bytes of it.
+    /// Text of any length. A shapefile stores its first 254 bytes.
     LongText,
     /// Yes or no.
     Bool,
@@ -27,9 +27,10 @@ pub enum Kind {
 /// An attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Column {
-    /// One to ten ASCII letters, digits and underscores, and no word of SQL, so that it is the same in every format.
+    /// One to ten ASCII letters, digits and underscores, and not an SQL keyword. Then the name is the same in every
+    /// format.
     pub name: &'static str,
-    /// What its cells hold.
+    /// The type of its cells.
     pub kind: Kind,
 }
 
@@ -48,21 +49,21 @@ pub enum Cell<'a> {
     Null,
 }
 
-/// Where a feature is, in map units; heights in metres.
+/// The geometry of a feature, in map units; heights in metres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape<'a> {
-    /// A point, or a feature without a place.
+    /// A point, or a feature without geometry.
     Point(Option<DVec2>),
     /// A line at one height.
     Contour(&'a [DVec2], f64),
     /// A line with a height of its own at every vertex.
     Line(&'a [DVec3]),
-    /// An area without heights: its outer ring, then its holes, each closed (the first point is repeated) and turning
-    /// either way: the formats demand different ways and get them. A ring whose area is zero is written as it stands.
+    /// An area without heights: its outer ring, then its holes. Each ring is closed (the first point is repeated). Its
+    /// direction is free: each writer turns it as its format requires. A ring without area is written unchanged.
     Area(Vec<Vec<DVec2>>),
 }
 
-/// The family of shapes that a layer holds.
+/// The geometry type of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Geometry {
     /// [`Shape::Point`]. They are written as GeoPackage and GeoJSON.
@@ -76,18 +77,18 @@ pub enum Geometry {
 /// A shape with its attributes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row<'a> {
-    /// Where it is.
+    /// Its geometry.
     pub shape: Shape<'a>,
-    /// One a column.
+    /// One cell per column.
     pub cells: Vec<Cell<'a>>,
 }
 
-/// Features of one family of shapes that share their attributes' names.
+/// Features that share a geometry type and attributes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer<'a> {
-    /// The name of the table, or what tells the layer's file from the others.
+    /// The name of the table, or the part of the file name that differs between layers.
     pub name: &'a str,
-    /// What its shapes are, so that a layer without rows has a type too.
+    /// The type of its geometries; a layer without rows has a type too.
     pub geometry: Geometry,
     /// The attributes.
     pub columns: &'static [Column],
@@ -98,15 +99,15 @@ pub struct Layer<'a> {
 /// Least x, greatest x, least y, greatest y.
 pub(in crate::io) type Bounds = [f64; 4];
 
-/// Bounds of nothing.
+/// The bounds of an empty layer.
 pub(in crate::io) const NO_BOUNDS: Bounds = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
 
-/// The bounds of two things together.
+/// The bounds of two objects together.
 pub(in crate::io) fn joined(a: Bounds, b: Bounds) -> Bounds {
     [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
 }
 
-/// The way an outer ring turns; its holes turn the other way.
+/// The direction of an outer ring; its holes have the opposite direction.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) enum Outer {
     Clockwise,
@@ -114,7 +115,7 @@ pub(in crate::io) enum Outer {
 }
 
 impl Shape<'_> {
-    /// The family that this is of.
+    /// The geometry type of this shape.
     fn geometry(&self) -> Geometry {
         match self {
             Self::Point(_) => Geometry::Points,
@@ -123,7 +124,7 @@ impl Shape<'_> {
         }
     }
 
-    /// All vertices; points and those of an area at height 0, ring after ring.
+    /// All vertices. Points and vertices of an area have height 0; an area gives ring after ring.
     pub(in crate::io) fn vertices(&self) -> impl Iterator<Item = DVec3> {
         let (level, z, line, rings): (&[DVec2], f64, &[DVec3], &[Vec<DVec2>]) = match self {
             Self::Point(place) => (place.as_slice(), 0.0, &[], &[]),
@@ -145,7 +146,7 @@ impl Shape<'_> {
         }
     }
 
-    /// The rings of an area, turned as a format demands; a line has none.
+    /// The rings of an area, in the direction that a format requires. A line has none.
     pub(in crate::io) fn rings(
         &self,
         outer: Outer,
@@ -159,12 +160,12 @@ impl Shape<'_> {
         })
     }
 
-    /// The box around it.
+    /// The bounding box.
     pub(in crate::io) fn bounds(&self) -> Bounds {
         self.vertices().fold(NO_BOUNDS, |bounds, p| joined(bounds, [p.x, p.x, p.y, p.y]))
     }
 
-    /// What keeps it from being written, if anything.
+    /// The reason why the shape cannot be written, if there is one.
     fn flaw(&self) -> Option<&'static str> {
         if !self.vertices().all(|p| p.is_finite()) {
             return Some("has coordinates that are not finite");
@@ -180,19 +181,19 @@ impl Shape<'_> {
     }
 }
 
-/// Twice the area of a closed ring, positive if it turns left.
+/// Twice the area of a closed ring, positive if it is counterclockwise.
 ///
-/// The turn at an extreme vertex would be exact, but says the wrong thing where a ring touches itself there.
+/// The turn at an extreme vertex would be exact, but it is wrong where a ring touches itself at that vertex.
 fn doubled_area(ring: &[DVec2]) -> f64 {
     let Some(&origin) = ring.first() else { return 0.0 };
     ring.windows(2).map(|w| (w[0] - origin).perp_dot(w[1] - origin)).sum()
 }
 
-/// Greatest whole number up to which all are the same as 64-bit floating point.
+/// Up to this number, 64-bit floating point represents all whole numbers.
 const GREATEST_INT: u64 = 1 << 53;
 
 impl Cell<'_> {
-    /// What keeps it from standing in a column, if anything.
+    /// The reason why the cell does not fit a column, if there is one.
     fn flaw(&self, kind: Kind) -> Option<&'static str> {
         match (self, kind) {
             (Self::Null, _) | (Self::Bool(_), Kind::Bool) | (Self::Text(_), Kind::LongText) => None,
@@ -208,7 +209,7 @@ impl Cell<'_> {
     }
 }
 
-/// Refuses what some format cannot say, or would say differently from the others.
+/// Refuses content that a format cannot store, or that formats would store differently.
 pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
     let name = layer.name;
     let mut names = BTreeSet::new();
@@ -216,7 +217,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
         let is_plain = column.name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
         let is_own = ["fid", "geom"].contains(&column.name.to_ascii_lowercase().as_str());
         if !is_plain || is_own || !(1..=10).contains(&column.name.len()) {
-            return Err(Error::Parameter(format!("layer {name:?}: {:?} is no name for an attribute", column.name)));
+            return Err(Error::Parameter(format!("layer {name:?}: {:?} is not a valid attribute name", column.name)));
         }
         if !names.insert(column.name.to_ascii_lowercase()) {
             return Err(Error::Parameter(format!("layer {name:?}: two attributes are called {:?}", column.name)));
@@ -234,7 +235,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
             return wrong(flaw);
         }
         if row.cells.len() != layer.columns.len() {
-            return wrong("has not as many values as the layer has attributes");
+            return wrong("does not have one value per attribute of the layer");
         }
         for (column, cell) in layer.columns.iter().zip(&row.cells) {
             if let Some(flaw) = cell.flaw(column.kind) {
@@ -245,7 +246,7 @@ pub(in crate::io) fn check(layer: &Layer<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Names of layers become names of tables and files: there must be at least one, and no two alike.
+/// Checks layer names, which become names of tables and files: at least one, and all different.
 pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
     if names.is_empty() {
         return Err(Error::Parameter("there is no layer to write".to_owned()));
@@ -253,7 +254,7 @@ pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
     let mut seen = BTreeSet::new();
     for name in names {
         if name.trim().is_empty() || name.contains('\0') {
-            return Err(Error::Parameter(format!("{name:?} is no name for a layer")));
+            return Err(Error::Parameter(format!("{name:?} is not a valid layer name")));
         }
         if !seen.insert(suffix(name).to_lowercase()) {
             return Err(Error::Parameter(format!("two layers would be called {name:?}")));
@@ -262,7 +263,7 @@ pub(in crate::io) fn check_names(names: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// The file of a layer in a format that holds one layer a file: the target's name, or `STEM_SUFFIX.EXT` if there are
+/// The file of a layer, in a format that holds one layer per file: the target's name, or `STEM_SUFFIX.EXT` if there are
 /// several layers.
 pub(in crate::io) fn file_name(target: &Path, layer: &str, layer_count: usize) -> OsString {
     if layer_count == 1 {
@@ -278,7 +279,7 @@ pub(in crate::io) fn file_name(target: &Path, layer: &str, layer_count: usize) -
     name
 }
 
-/// What tells a layer's file from the others: its name without what all contours share, safe in a file name.
+/// The suffix of a layer's file: its name without the prefix `contours_`, with safe characters only.
 fn suffix(name: &str) -> String {
     let short = name.strip_prefix("contours_").filter(|short| !short.is_empty()).unwrap_or(name);
     short.chars().map(|c| if c.is_alphanumeric() || matches!(c, '.' | '-' | '_') { c } else { '_' }).collect()

@@ -14,12 +14,15 @@ const COLUMNS: &[Column] = &[
     Column { name: "message", kind: Kind::LongText },
 ];
 
-/// What was found, as points.
+/// The findings, as points.
 ///
-/// The attributes are `code`, `severity` (`error`, `warning`, `note`), `elev` (elevation of the line that it is about, the first of
-/// several, metres), `elevs` (all of them), `features` (their numbers in the file, with commas between them), `proposed`
-/// (the elevation that would fit, if one is proposed), `proposal` (what would mend it, in words) and `message`. A finding without a
-/// place is a feature without geometry.
+/// The attributes are:
+/// - `code`; `severity`: `error`, `warning` or `note`; `message`
+/// - `elev`: the first elevation in question, metres; `elevs`: all of them
+/// - `features`: numbers of the features in the file, separated by commas
+/// - `proposed`: a proposed elevation that would fit; `proposal`: the proposed repair, in words
+///
+/// A finding without a place is a feature without geometry.
 pub fn of_findings(findings: &[Finding]) -> Layer<'_> {
     let rows = findings.iter().map(|finding| {
         let proposed = match finding.proposal {

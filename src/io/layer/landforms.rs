@@ -14,14 +14,14 @@ const COLUMNS: &[Column] = &[
     Column { name: "band_lo", kind: Kind::Real },
     Column { name: "band_hi", kind: Kind::Real },
     Column { name: "n_ib", kind: Kind::Int },
-    // Four counts of up to ten digits with their words.
+    // Four counts of up to ten digits, with their words.
     Column { name: "mixture", kind: Kind::Text(96) },
     Column { name: "parent", kind: Kind::Int },
     Column { name: "depth", kind: Kind::Int },
     Column { name: "area", kind: Kind::Real },
 ];
 
-/// The landforms, one a sub-domain, as areas; see [`write_landforms`](crate::io::write_landforms) for their attributes.
+/// The landforms, one area per sub-domain. See [`write_landforms`](crate::io::write_landforms) for their attributes.
 pub fn of_landforms(forms: &[Landform], tin: &Tin, regions: &Regions) -> Layer<'static> {
     let real = |number: f64| if number.is_finite() { Cell::Real(number) } else { Cell::Null };
     let row = |(id, form): (usize, &Landform)| {

@@ -1,14 +1,14 @@
-//! Layers of features, as the writers of all formats take them: shapes with attributes.
+//! Layers of features: shapes with attributes. All writers take them.
 //!
-//! What a stage writes is told to the formats in these words only, so that a new kind of layer needs no new writer and
-//! a new format no knowledge of the stages. Each stage that writes features has a file here which says its columns.
+//! Every stage passes its output to the writers in this form. A new kind of layer needs no new writer, and a new format
+//! needs nothing from the stages. Each stage that writes features has a file here that defines its columns.
 
 mod contours;
 mod features;
 mod findings;
 mod landforms;
-mod moved;
 mod repaired;
+mod reprojected;
 mod skeleton;
 mod steep;
 
@@ -17,7 +17,7 @@ pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_nam
 pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 pub use findings::of_findings;
 pub use landforms::of_landforms;
-pub(super) use moved::MovedShapes;
 pub use repaired::{holds_spots, of_map, of_repaired, of_spots};
+pub(super) use reprojected::ReprojectedShapes;
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 pub use steep::steep_areas;

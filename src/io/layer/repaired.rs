@@ -1,4 +1,4 @@
-//! The layers of a map that was repaired: its contours and its spot heights.
+//! The layers of a repaired map: its contours and its spot heights.
 
 use std::path::Path;
 
@@ -16,8 +16,8 @@ const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Real }];
 
 /// The contours of a map.
 ///
-/// The attributes are `elev`, `feature` (the feature's number in the input; of a joined line the smallest) and `depression`
-/// (the input's own mark, if it has one).
+/// The attributes are `elev`, `feature` (the feature's number in the input; the smallest one of a joined line) and
+/// `depression` (the mark in the input, if there is one).
 pub fn of_map(map: &ContourMap) -> Layer<'_> {
     let rows = map.contours.iter().map(|line| Row {
         shape: Shape::Contour(&line.points, line.elevation),

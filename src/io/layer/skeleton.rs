@@ -35,7 +35,7 @@ fn kind_name(kind: BreakKind) -> &'static str {
     }
 }
 
-/// The ridge and canyon lines, as the layer `skeleton`: downhill, with a height at every vertex.
+/// The ridge and canyon lines, as the layer `skeleton`. They run downhill, with a height at every vertex.
 pub fn skeleton_lines(skeleton: &Skeleton) -> Layer<'_> {
     let rows = skeleton.lines.iter().map(|line| {
         let height = |at: Option<&glam::DVec3>| at.map_or(Cell::Null, |p| Cell::Real(p.z));
@@ -54,8 +54,8 @@ pub fn skeleton_lines(skeleton: &Skeleton) -> Layer<'_> {
     Layer { name: "skeleton", geometry: Geometry::Lines, columns: LINE_COLUMNS, rows: rows.collect() }
 }
 
-/// The triangles inside the frame, as the layer `triangles`: terminal, sleeve, junction, eliminated (a junction that was
-/// turned into a sleeve) or isolated (a whole sub-domain), with sub-domain and band.
+/// The triangles inside the frame, as the layer `triangles`, with sub-domain and band. The kinds are terminal, sleeve,
+/// junction, eliminated (a junction that was turned into a sleeve) and isolated (a whole sub-domain).
 pub fn skeleton_triangles<'a>(subdivision: &Subdivision, skeleton: &Skeleton) -> Layer<'a> {
     let tin = &subdivision.tin;
     let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
@@ -84,8 +84,8 @@ pub fn skeleton_triangles<'a>(subdivision: &Subdivision, skeleton: &Skeleton) ->
     Layer { name: "triangles", geometry: Geometry::Areas, columns: TRIANGLE_COLUMNS, rows: rows.collect() }
 }
 
-/// The curve mesh (paper, section 4, figure 7b), as the layer `curve_mesh`: contours, edges of the junction triangles that
-/// were kept, ridge and canyon lines. Contours belong to no single sub-domain.
+/// The curve mesh (paper, section 4, figure 7b), as the layer `curve_mesh`: contours, edges of the junction triangles
+/// that were kept, ridge and canyon lines. Contours have no sub-domain, because they separate two.
 pub fn curve_mesh<'a>(subdivision: &'a Subdivision, skeleton: &'a Skeleton, edges: &'a [JunctionEdge]) -> Layer<'a> {
     let row = |shape, kind: &'static str, region: Option<u32>| {
         let region = region.map_or(Cell::Null, |r| Cell::Int(r.into()));

@@ -3,7 +3,7 @@
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::dem::derive::Steeps;
 
-/// Longest note, bytes: what the attribute table of a shapefile holds.
+/// Longest note, bytes: the limit of a shapefile's attribute table.
 const NOTE_LENGTH: u8 = 254;
 
 const COLUMNS: &[Column] = &[
@@ -15,7 +15,7 @@ const COLUMNS: &[Column] = &[
     Column { name: "note", kind: Kind::Text(NOTE_LENGTH) },
 ];
 
-/// The steep places, each with what is to be kept in mind about them: 254 bytes at most.
+/// The steep areas, each with a note for the user of at most 254 bytes.
 pub fn steep_areas<'a>(steeps: &'a Steeps, note: &'a str) -> Layer<'a> {
     let rows = steeps.parts.iter().map(|part| Row {
         shape: Shape::Area(part.rings.clone()),

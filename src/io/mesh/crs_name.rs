@@ -1,4 +1,4 @@
-//! How meshes name their coordinate reference system.
+//! The name by which a mesh file gives its coordinate reference system.
 
 use crate::mesh::Mesh;
 

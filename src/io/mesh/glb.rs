@@ -11,13 +11,13 @@ use serde_json::json;
 use super::crs_name::crs_name;
 use crate::mesh::Mesh;
 
-/// Component types and targets as glTF numbers them.
+/// Component types and buffer targets, with the numbers that glTF defines.
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// The JSON chunk, padded, and the lengths of all.
+/// The JSON chunk, with padding, and the lengths of all parts.
 pub(super) struct Header {
     json: Vec<u8>,
     total: u32,
@@ -28,11 +28,11 @@ fn position(v: DVec3) -> Vec3 {
     y_up(v.as_vec3())
 }
 
-/// How many triangles have no area seen from above once their corners are rounded, or are turned over.
+/// How many triangles have no area seen from above, or are turned over, after their corners are rounded.
 pub(super) fn flattened(mesh: &Mesh) -> usize {
     let is_lost = |t: &&[u32; 3]| {
         let corners = t.map(|v| mesh.vertices[v as usize]);
-        // Differences and products of two rounded numbers are exact or nearly so in double precision.
+        // Differences and products of two rounded numbers are exact, or nearly exact, in double precision.
         let area = |[a, b, c]: [DVec3; 3]| (b - a).truncate().perp_dot((c - a).truncate());
         let (exact, rounded) = (area(corners), area(corners.map(|c| c.as_vec3().as_dvec3())));
         exact != 0.0 && rounded * exact.signum() <= 0.0
@@ -44,7 +44,7 @@ fn y_up(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 
-/// The JSON chunk; `None` if the file would be longer than 32 bits can tell.
+/// The JSON chunk. `None` if the file's length does not fit into 32 bits.
 pub(super) fn header(mesh: &Mesh) -> Option<Header> {
     let (count, corners) = (mesh.vertices.len() as u64, 3 * mesh.triangles.len() as u64);
     let (vectors, indices) = (12 * count, 4 * corners);

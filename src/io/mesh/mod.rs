@@ -1,4 +1,4 @@
-//! Meshes out: PLY, OBJ and binary glTF, chosen by the file's extension.
+//! Writes meshes: PLY, OBJ and binary glTF. The file's extension selects the format.
 //!
 //! | name | axes | positions |
 //! |---|---|---|
@@ -6,9 +6,9 @@
 //! | `.obj` | z up | decimal, exact; offset and reference system as comments |
 //! | `.glb` | y up, z south, as glTF has it | single precision, offset and reference system in `asset.extras` |
 //!
-//! Positions are relative to the mesh's origin, the offset, so that viewers that calculate in single precision show no
-//! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; the indices stay as they are,
-//! so no crack opens and a solid stays closed. [`flattened`] counts them.
+//! Positions are relative to the mesh's origin (the offset). Otherwise viewers that compute in single precision show
+//! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; [`flattened`] counts them. The
+//! vertex indices do not change: no crack opens, and a solid stays closed.
 
 mod crs_name;
 mod glb;
@@ -22,14 +22,14 @@ use std::path::Path;
 use crate::base::error::{Error, Result};
 use crate::mesh::Mesh;
 
-/// The extensions [`write_mesh`] knows, for messages and help texts.
+/// The extensions that [`write_mesh`] accepts, for messages and help texts.
 pub const MESH_EXTENSIONS: [&str; 3] = ["ply", "obj", "glb"];
 
-/// Writes a mesh in the format that the extension of `path` names.
+/// Writes a mesh in the format of the extension of `path`.
 ///
 /// # Errors
-/// An extension that is not in [`MESH_EXTENSIONS`], a mesh larger than the format can hold, and whatever the operating
-/// system refuses.
+/// The extension is not in [`MESH_EXTENSIONS`], the mesh is larger than the format can hold, or the operating system
+/// reports an error.
 pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match extension.as_str() {
@@ -50,7 +50,8 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
     }
 }
 
-/// How many triangles lose their area on the map, or are turned over, by the precision of the format that `path` names.
+/// How many triangles lose their area on the map, or are turned over, when positions are rounded to the precision of
+/// the format of `path`.
 pub fn flattened(path: &Path, mesh: &Mesh) -> usize {
     let is_single = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     if is_single { glb::flattened(mesh) } else { 0 }

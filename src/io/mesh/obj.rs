@@ -1,11 +1,11 @@
-//! Wavefront OBJ: text, positions with all their digits, a normal a vertex.
+//! Wavefront OBJ: text, positions with all digits, one normal per vertex.
 
 use std::io::{Result, Write};
 
 use super::crs_name::crs_name;
 use crate::mesh::Mesh;
 
-/// Writes the comments, the vertices, the normals and the faces, which count from one.
+/// Writes the comments, the vertices, the normals and the faces. Faces count vertices from one.
 pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {
     writeln!(out, "# tokosen\n# offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z)?;
     if let Some(crs) = crs_name(mesh) {

@@ -1,7 +1,7 @@
 //! ESRI ASCII grids (`.asc`): a header of words and numbers, then the heights as text, row by row from the north.
 //!
-//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: `dx` and `dy` stand for
-//! `cellsize` then, as GDAL writes and reads it.
+//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: then `dx` and `dy`
+//! replace `cellsize`, as in GDAL.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -19,10 +19,10 @@ use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::text;
 
-/// Longest word of a file. Doubles written out in full have about 330 digits.
-const LONGEST_WORD: usize = 512;
+/// The longest word that is accepted. Doubles written out in full have about 330 digits.
+const MAX_WORD_LENGTH: usize = 512;
 
-/// The mark of files that do not name theirs.
+/// The nodata value of files that do not name theirs.
 const USUAL_NODATA: f64 = -9999.0;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         };
         let Some(number) = parse(word) else {
             let word = String::from_utf8_lossy(word).into_owned();
-            return Err(Error::file(path, format!("{word:?} at {} is no number", place(index))));
+            return Err(Error::file(path, format!("{word:?} at {} is not a number", place(index))));
         };
         *value = heights.height(number);
     }
@@ -50,12 +50,12 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     Ok(Report { value: Dem { grid, values, crs }, findings: heights.findings().into_iter().collect() })
 }
 
-/// The grid alone, from the header.
+/// Reads only the grid, from the header.
 pub(super) fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
     Ok((open(path)?.0.grid(path)?, sidecar::read_prj(path)?))
 }
 
-/// A number as 64-bit floating point. A height with the digits of a 32-bit one is that very height again when it is
+/// A number as 64-bit floating point. A height with the digits of a 32-bit number gives exactly that number when it is
 /// rounded back.
 fn parse(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
@@ -67,9 +67,9 @@ struct Words {
     /// Bytes of the file.
     length: u64,
     word: Vec<u8>,
-    /// Whether the word is to be given once more.
+    /// Whether the next call returns the same word again.
     again: bool,
-    /// Bytes that were looked at.
+    /// Bytes that were read.
     offset: u64,
 }
 
@@ -88,16 +88,16 @@ impl Words {
             if buffer.is_empty() {
                 return Ok((!self.word.is_empty()).then_some(&self.word));
             }
-            // Everything up to the space, and the end-of-file mark of old systems, parts words.
+            // Spaces and control characters separate words; the end-of-file mark of old systems is one of them.
             let skipped = if self.word.is_empty() { buffer.iter().take_while(|&&b| b <= b' ').count() } else { 0 };
             text::without_zeros(path, &buffer[..skipped], self.offset)?;
             let rest = &buffer[skipped..];
             let length = rest.iter().position(|&b| b <= b' ').unwrap_or(rest.len());
-            self.word.extend_from_slice(&rest[..length.min(LONGEST_WORD + 1)]);
+            self.word.extend_from_slice(&rest[..length.min(MAX_WORD_LENGTH + 1)]);
             let is_whole = length < rest.len();
             self.offset += (skipped + length) as u64;
             self.input.consume(skipped + length);
-            if self.word.len() > LONGEST_WORD {
+            if self.word.len() > MAX_WORD_LENGTH {
                 return Err(Error::file(path, "is not an ESRI ASCII grid, which holds words and numbers"));
             }
             if is_whole && !self.word.is_empty() {
@@ -107,11 +107,11 @@ impl Words {
     }
 }
 
-/// What the header says, as it stands there.
+/// The header, with its values as they are in the file.
 struct Header {
     cols: u64,
     rows: u64,
-    /// West and south: the number, and whether it is that of a cell's centre and not of its corner.
+    /// West and south: the number, and whether it belongs to a cell's centre instead of its corner.
     west: (f64, bool),
     south: (f64, bool),
     cell: DVec2,
@@ -154,14 +154,14 @@ fn open(path: &Path) -> Result<(Header, Words)> {
             "nodata_value" | "nodata" => nodata = number,
             _ => {
                 let key: String = key.chars().take(24).collect();
-                return Err(Error::file(path, format!("{key:?} is no word of the header of an ESRI ASCII grid")));
+                return Err(Error::file(path, format!("{key:?} is not a header word of an ESRI ASCII grid")));
             }
         }
     }
     let missing = |name: &str| Error::file(path, format!("is not an ESRI ASCII grid: its header has no {name}"));
     let whole = |number: f64, name: &str| {
         let is_count = number >= 1.0 && number <= f64::from(u32::MAX) && number.fract() == 0.0;
-        let message = || Error::file(path, format!("{name} is {number} in its header, which is no number of cells"));
+        let message = || Error::file(path, format!("{name} is {number} in its header, which is not a number of cells"));
         if is_count { Ok(number as u64) } else { Err(message()) }
     };
     let header = Header {
@@ -172,7 +172,7 @@ fn open(path: &Path) -> Result<(Header, Words)> {
         cell: DVec2::new(dx.ok_or_else(|| missing("cellsize"))?, dy.ok_or_else(|| missing("cellsize"))?),
         nodata,
     };
-    // A height takes a digit and a space at the least.
+    // A height takes at least a digit and a space.
     if header.cols.saturating_mul(header.rows) > length / 2 + 1 {
         let message = format!(
             "is cut off: {} x {} heights do not fit into its {length} bytes; copy or download it again",
@@ -187,7 +187,7 @@ impl Header {
     fn grid(&self, path: &Path) -> Result<Grid> {
         let (cell, rows) = (self.cell, self.rows as f64);
         if cell.is_nan() || cell.min_element() <= 0.0 {
-            return Err(Error::file(path, format!("has cells of {} x {}, which is no grid", cell.x, cell.y)));
+            return Err(Error::file(path, format!("has cells of {} x {}, which is not a valid grid", cell.x, cell.y)));
         }
         let half = |(number, is_center): (f64, bool), cell: f64| if is_center { number - cell / 2.0 } else { number };
         let origin = DVec2::new(half(self.west, cell.x), half(self.south, cell.y) + rows * cell.y);
@@ -214,8 +214,8 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
         for row in dem.values.chunks_exact(cols) {
             for (col, height) in row.iter().enumerate() {
                 let space = if col == 0 { "" } else { " " };
-                // The shortest digits that give the same 32-bit height again. They keep their decimal point, without
-                // which readers take the whole map for integers.
+                // The shortest digits that give the same 32-bit height again. They keep their decimal point; without it
+                // readers would treat the whole map as integers.
                 if height.is_finite() { write!(out, "{space}{height:?}")? } else { write!(out, "{space}{nodata}")? }
             }
             out.write_all(b"\n")?;
@@ -228,7 +228,7 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
     }
 }
 
-/// A mark that is no height of the map: -9999, or with more nines.
+/// A nodata value that is not a height of the map: -9999, or a number with more nines.
 fn free_mark(values: &[f32]) -> i64 {
     let mut marks = (4..8).map(|digits| 1 - 10_i64.pow(digits));
     let is_free = |mark: &i64| !values.contains(&(*mark as f32));

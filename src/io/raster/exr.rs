@@ -1,9 +1,9 @@
 //! OpenEXR height maps: one 32-bit floating point channel `Y`, losslessly compressed.
 //!
-//! Image programs show a channel of that name as grey, and GDAL takes it for its grey band. NaN marks cells without
-//! data. The placement is the attribute `gdal:geoTransform`, a 3 x 3 matrix of doubles whose first two rows are
-//! (cell width, 0, corner x) and (0, minus cell height, corner y); the coordinate reference system is the text
-//! `gdal:crsWkt`. EXR has no attribute for nodata that GDAL would read, so that goes into `.exr.aux.xml`.
+//! Image programs show a channel of that name as grey, and GDAL uses it as its grey band. NaN marks cells without data.
+//! The placement is the attribute `gdal:geoTransform`, a 3 x 3 matrix of doubles. Its first two rows are (cell width,
+//! 0, corner x) and (0, minus cell height, corner y). The coordinate reference system is the text `gdal:crsWkt`. GDAL
+//! reads no EXR attribute for nodata, therefore the nodata value is in `.exr.aux.xml`.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -26,17 +26,17 @@ use crate::dem::Dem;
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";
-/// The channel of standard errors; it comes after the other by its name, as the format wants.
+/// The channel of standard errors. The format sorts channels by name, so it comes after the heights.
 const ERRORS: &str = "standard_error";
 
-/// Rows of a compressed block are scan lines in increasing order, so that the bytes do not depend on the threads.
+/// Blocks are rows of scan lines in increasing order. Then the bytes do not depend on the number of threads.
 const ENCODING: Encoding = Encoding {
     compression: Compression::ZIP16,
     blocks: exr::image::Blocks::ScanLines,
     line_order: LineOrder::Increasing,
 };
 
-/// Writes `dem` to `path` and its nodata mark to `path` + `.aux.xml`.
+/// Writes `dem` to `path` and its nodata value to `path` + `.aux.xml`.
 ///
 /// The standard errors, if there are any, are a second channel.
 pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&[f32]>) -> Result<()> {
@@ -48,7 +48,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
         ..LayerAttributes::default()
     };
     if let Some(wkt) = dem.crs.as_ref().and_then(Crs::header_wkt) {
-        // GDAL takes the bytes of a text for UTF-8, so they are passed on as they are.
+        // GDAL reads the bytes of a text as UTF-8, so the text is stored unchanged.
         let text = Text::from_slice_unchecked(wkt.as_bytes());
         attributes.other.insert(Text::from("gdal:crsWkt"), AttributeValue::Text(text));
     }
@@ -64,7 +64,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
     let [x, width, _, y, _, height] = geo_transform(&dem.grid);
     let matrix = [width, 0.0, x, 0.0, height, y, 0.0, 0.0, 1.0];
     let bytes = matrix.iter().flat_map(|v| v.to_le_bytes()).collect();
-    // The attributes of image and layer are hash maps. One entry in each keeps their order in the file the same.
+    // The attributes of image and layer are hash maps. With one entry in each, their order in the file is fixed.
     let matrix = AttributeValue::Custom { kind: Text::from("m33d"), bytes };
     image.attributes.other.insert(Text::from("gdal:geoTransform"), matrix);
 
@@ -80,7 +80,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
     pam::write_aux_xml(path, dem, &bands[..1 + usize::from(errors.is_some())])
 }
 
-/// Reads a height map: the first channel, with the attributes that [`write`] gives it.
+/// Reads a height map: the first channel, with the attributes that [`write`] stores.
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     read_channel(path, |_| true)?.ok_or_else(|| Error::file(path, "has no channel"))
 }
@@ -90,7 +90,7 @@ pub(super) fn read_errors(path: &Path) -> Result<Option<Dem>> {
     Ok(read_channel(path, |name| name == ERRORS)?.map(|report| report.value))
 }
 
-/// Reads the first channel with a name that is wanted.
+/// Reads the first channel whose name is wanted.
 fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<Report<Dem>>> {
     let wrong = |error: exr::error::Error| match error {
         exr::error::Error::Io(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
@@ -98,7 +98,7 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
     };
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
-    // The sizes in the header are looked at before the library takes memory for them.
+    // The sizes in the header are checked before the library allocates memory for them.
     let meta = MetaData::read_from_buffered(BufReader::new(&file), true).map_err(wrong)?;
     for header in &meta.headers {
         let (cols, rows) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
@@ -166,7 +166,7 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
     Ok(Some(Report { value: Dem { grid, values, crs }, findings }))
 }
 
-/// GDAL's six numbers from the matrix of doubles in the attribute.
+/// GDAL's six numbers, from the matrix of doubles in the attribute.
 fn matrix(bytes: &[u8]) -> Option<[f64; 6]> {
     let (numbers, []) = bytes.as_chunks::<8>() else { return None };
     let numbers: Vec<f64> = numbers.iter().map(|b| f64::from_le_bytes(*b)).collect();
@@ -174,7 +174,7 @@ fn matrix(bytes: &[u8]) -> Option<[f64; 6]> {
     (numbers.len() == 9).then_some([x, a, b, y, d, e])
 }
 
-/// Puts the rows in the opposite order.
+/// Reverses the order of the rows.
 pub(super) fn flip(values: &mut [f32], cols: usize) {
     let rows = values.len() / cols.max(1);
     for row in 0..rows / 2 {

@@ -1,8 +1,7 @@
 //! The coordinate reference system in a GeoTIFF: the GeoKey directory, written and read.
 //!
-//! An EPSG code is one key. A system that has only well-known text is written as a citation that starts with
-//! `ESRI PE String = `, beside a model type that says "user-defined": that is the form in which GDAL, and with it QGIS,
-//! looks for the text.
+//! An EPSG code is one key. A system that only has well-known text is written as a citation that starts with `ESRI PE
+//! String = `, together with the model type "user-defined". GDAL and QGIS look for the text in this form.
 
 use crate::crs::{Crs, CrsKind};
 
@@ -22,7 +21,7 @@ const RASTER_PIXEL_IS_AREA: u16 = 1;
 const RASTER_PIXEL_IS_POINT: u16 = 2;
 const USER_DEFINED: u16 = 32767;
 
-/// Placement names the corners of cells.
+/// The placement refers to the corners of cells.
 const AREA: [u16; 4] = [RASTER_TYPE, 0, 1, RASTER_PIXEL_IS_AREA];
 
 /// The tag that holds a key's text.
@@ -32,7 +31,7 @@ const PE_STRING: &str = "ESRI PE String = ";
 /// A GeoKey directory and the texts it points into.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct GeoKeys {
-    /// The header and four numbers a key.
+    /// The header and four numbers per key.
     pub directory: Vec<u16>,
     /// The texts, each ended by a bar.
     pub ascii: String,
@@ -41,7 +40,7 @@ pub(super) struct GeoKeys {
 impl GeoKeys {
     /// The keys of a system. `None` if it has neither a code nor a text.
     pub fn of(crs: &Crs) -> Option<Self> {
-        // A compound system has no key: its horizontal part stands there.
+        // A compound system has no key: the key holds the code of its horizontal part.
         let crs = crs.horizontal();
         let mut keys = Self::default();
         match crs.epsg.and_then(|code| u16::try_from(code).ok()) {
@@ -92,12 +91,12 @@ impl GeoKeys {
         self.directory.as_chunks().0.iter().skip(1)
     }
 
-    /// Whether the placement names the centres of cells and not their corners.
+    /// Whether the placement refers to the centres of cells instead of their corners.
     pub fn pixel_is_point(&self) -> bool {
         self.number(RASTER_TYPE) == Some(RASTER_PIXEL_IS_POINT)
     }
 
-    /// The unit of the heights, if it is one of those in feet.
+    /// The unit of the heights, if it is a foot.
     pub fn vertical_unit(&self) -> Option<&'static str> {
         match self.number(VERTICAL_UNIT)? {
             9002 => Some("foot"),

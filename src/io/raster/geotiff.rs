@@ -1,9 +1,9 @@
 //! GeoTIFF height maps: 32-bit floating point in compressed tiles.
 //!
-//! Cells without data hold -9999, which the nodata tag names: NaN would do for GDAL and QGIS, but older ArcGIS versions
-//! and most home-made readers take it for a height. The tiles are deflated after the floating point predictor, which
-//! halves the size of smooth terrain. Tiles are compressed in parallel and written in order, so that the file does not
-//! depend on the number of threads.
+//! Cells without data hold -9999, and the nodata tag names this value. GDAL and QGIS would accept NaN, but older ArcGIS
+//! versions and most self-written readers treat NaN as a height. Tiles pass the floating point predictor and are then
+//! deflated, which halves the size of smooth terrain. They are compressed in parallel and written in order: the file
+//! does not depend on the number of threads.
 
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -22,19 +22,19 @@ use crate::base::Grid;
 use crate::base::error::Result;
 use crate::dem::Dem;
 
-/// Side of a tile in cells; a multiple of 16, as the format wants.
+/// Side of a tile in cells. The format requires a multiple of 16.
 const TILE: usize = 256;
 
-/// Tiles that are compressed before they are written, which bounds the memory beyond the height map's own.
+/// Tiles that are compressed before they are written. This bounds the memory in addition to the height map.
 const BATCH: usize = 64;
 
-/// The offsets of a classic TIFF have 32 bits. The rest of the range is left for tiles that do not compress.
+/// The offsets of a classic TIFF have 32 bits. A margin is left for tiles that do not compress.
 const CLASSIC_LIMIT: u64 = 4_000_000_000;
 
-/// The usual mark of cells without data. NaN stays the mark if a cell is really that low.
+/// The usual nodata value. If a cell really is that low, NaN is used instead.
 const NODATA: f32 = -9999.0;
 
-/// What GDAL keeps in its own tag: name and unit of the values.
+/// GDAL's own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
 fn metadata(quantity: Quantity, with_errors: bool) -> String {
@@ -43,7 +43,7 @@ fn metadata(quantity: Quantity, with_errors: bool) -> String {
     };
     let item = |name: &str, role: &str, text: &str| of_band(0, name, role, text);
     let unit = quantity.unit().map(|(unit, _)| item("UNITTYPE", "unittype", unit)).unwrap_or_default();
-    // Heights are what everybody expects of an elevation model; other values say what they are.
+    // Readers expect heights in a height map; other values are named.
     let name = match quantity {
         Quantity::Height if !with_errors => String::new(),
         other => item("DESCRIPTION", "description", other.name()),
@@ -110,7 +110,7 @@ fn write_kind<K: TiffKind>(
     directory.write_tag(Tag::Compression, CompressionMethod::Deflate)?;
     directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::BlackIsZero)?;
     directory.write_tag(Tag::SamplesPerPixel, bands.len() as u16)?;
-    // The bands lie one after the other, so that a reader of heights need not read the errors.
+    // The bands are stored one after the other. A reader of heights need not read the errors.
     let planar = if errors.is_some() { PlanarConfiguration::Planar } else { PlanarConfiguration::Chunky };
     directory.write_tag(Tag::PlanarConfiguration, planar)?;
     if errors.is_some() {
@@ -142,7 +142,7 @@ fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// The bytes of one tile after the predictor. Beyond the map's edge the last column and row go on.
+/// The bytes of one tile after the predictor. Outside the map the last column and row are repeated.
 fn tile_bytes(values: &[f32], grid: &Grid, [tile_col, tile_row]: [usize; 2], nodata: f32) -> Vec<u8> {
     let (cols, rows) = (grid.cols, grid.rows);
     let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
@@ -156,7 +156,7 @@ fn tile_bytes(values: &[f32], grid: &Grid, [tile_col, tile_row]: [usize; 2], nod
                 line[plane * TILE + col] = byte;
             }
         }
-        // The predictor keeps the difference to the byte before, over all four planes of the line.
+        // The predictor stores the difference to the previous byte, over all four byte planes of the line.
         for at in (1..line.len()).rev() {
             line[at] = line[at].wrapping_sub(line[at - 1]);
         }

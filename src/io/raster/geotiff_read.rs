@@ -1,7 +1,7 @@
-//! GeoTIFF height maps in: strips and tiles, every kind of number, deflated, LZW, PackBits or as they are.
+//! Reads GeoTIFF height maps: strips and tiles, every number type, with deflate, LZW, PackBits or no compression.
 //!
-//! The file is decoded strip by strip or tile by tile into the height map, so that no second copy of it is held. Strips
-//! and tiles that a file leaves out (GDAL calls such files sparse) are cells without data.
+//! The file is decoded strip by strip or tile by tile into the height map. Therefore no second copy of it is held.
+//! Strips and tiles that are missing in the file (GDAL calls such files sparse) are cells without data.
 
 use std::path::Path;
 
@@ -16,17 +16,17 @@ use super::sidecar::{Aux, elements};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::dem::Dem;
 
-/// What GDAL keeps in its own tag: scale, offset and unit of the values.
+/// GDAL's own tag: scale, offset and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
-/// The kind of picture that counts its values down from white.
+/// The photometric interpretation in which 0 is white.
 const WHITE_IS_ZERO: u16 = 0;
 
 /// The bit of the subfile type that marks a mask.
 const IS_MASK: u32 = 4;
 
-/// Overviews and masks that are looked at.
-const MOST_SUBFILES: usize = 64;
+/// The largest number of overviews and masks that are checked.
+const MAX_SUBFILES: usize = 64;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     read_band(path, 0)
@@ -55,8 +55,8 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
     let limits = chunks.limits(tiff.length);
     let Tiff { decoder, placement, crs, .. } = tiff;
     let mut decoder = decoder.with_limits(limits);
-    // Tiles at the border are decoded with their padding: that takes one call of the decompressor where skipping the
-    // padding takes one a row, which the LZW decompressor at times answers with an error.
+    // Tiles at the border are decoded with their padding, in one call of the decompressor. Without the padding there
+    // would be one call per row, which the LZW decompressor sometimes answers with an error.
     let stride = chunks.size.0 * samples;
     let mut decoded = DecodingResult::U8(Vec::new());
     for index in 0..chunks.count() {
@@ -64,7 +64,7 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
             continue;
         }
         let message = format!("part {} of {} cannot be decoded; the file is broken", index + 1, chunks.count());
-        // Bands are stored one after the other, or side by side.
+        // Bands are stored one after the other, or interleaved.
         let (skipped, beside) =
             if samples == 1 { (band as u32 * chunks.count(), 0) } else { (0, band.min(samples - 1)) };
         decoder
@@ -84,7 +84,7 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
     Ok(Report { value: Dem { grid, values, crs }, findings })
 }
 
-/// A clearer word for a compression that is not known.
+/// A clearer message for an unknown compression.
 fn unsupported(error: &tiff::TiffError, message: String) -> String {
     match error {
         tiff::TiffError::UnsupportedError(_) => {
@@ -96,13 +96,13 @@ fn unsupported(error: &tiff::TiffError, message: String) -> String {
     }
 }
 
-/// How many values stand side by side for one cell, and how many bytes each has. Pictures are refused.
+/// How many values per cell are interleaved, and how many bytes each has. Pictures are refused.
 fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<(usize, usize)> {
     let picture = || Error::file(path, "is a picture in colour and not a height map");
     let color = tiff.decoder.colortype().map_err(|_| picture())?;
     let white_is_zero = tiff.decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
     if matches!(white_is_zero, Ok(Some(WHITE_IS_ZERO))) {
-        return Err(Error::file(path, "counts its values down from white, as scanned pages do; it is no height map"));
+        return Err(Error::file(path, "has 0 as white, as scanned pages have; it is not a height map"));
     }
     let bands = match color {
         ColorType::Gray(_) => 1,
@@ -124,7 +124,7 @@ fn samples(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<
     Ok((if matches!(planar, Ok(Some(2))) { 1 } else { bands }, usize::from(bits / 8)))
 }
 
-/// Whether the second band says that it holds the standard errors of the first.
+/// Whether the second band is described as the standard errors of the first.
 fn second_is_error(path: &Path, tiff: &mut Tiff) -> Result<bool> {
     let Some(text) = text_tag(path, tiff, GDAL_METADATA)? else { return Ok(false) };
     let items = elements(&text).unwrap_or_default();
@@ -134,14 +134,16 @@ fn second_is_error(path: &Path, tiff: &mut Tiff) -> Result<bool> {
     Ok(items.iter().any(|item| says_so(item.attribute("role"), item.attribute("sample"), item.text.trim())))
 }
 
-/// How the stored values become heights: by the file's own tags, else by the `.aux.xml` beside it.
+/// How stored values become heights: by the file's own tags, otherwise by the `.aux.xml` beside it.
 fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<Coding> {
     let wrong = |e| like::wrong(path, "has a broken header", e);
     let mut own = Aux::default();
     if let Some(text) = text_tag(path, tiff, Tag::GdalNodata)? {
         let text = text.trim_matches(['\0', ' ']);
-        own.nodata =
-            Some(text.parse().map_err(|_| Error::file(path, format!("has the nodata mark {text:?}, no number")))?);
+        own.nodata = Some(
+            text.parse()
+                .map_err(|_| Error::file(path, format!("has the nodata value {text:?}, which is not a number")))?,
+        );
     }
     if let Some(text) = text_tag(path, tiff, GDAL_METADATA)? {
         for item in elements(&text).unwrap_or_default() {
@@ -162,14 +164,14 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
     let format = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(wrong)?.unwrap_or_default();
     let is_f32 = bits.first() == Some(&32) && format.first() == Some(&3);
     Ok(Coding {
-        // The mark is a decimal; the stored values are what is nearest to it in their own kind.
+        // The nodata tag is a decimal number. Stored values are the nearest number of their own type.
         nodata: own.nodata.or(tiff.aux.nodata).map(|mark| if is_f32 { f64::from(mark as f32) } else { mark }),
         scale: own.scale.or(tiff.aux.scale).unwrap_or(1.0) * metres,
         offset: own.offset.or(tiff.aux.offset).unwrap_or(0.0) * metres,
     })
 }
 
-/// The text of a tag. One that cannot be read is an error: what it says about the heights would be lost.
+/// The text of a tag. An unreadable text is an error, because it may change the meaning of the heights.
 fn text_tag(path: &Path, tiff: &mut Tiff, tag: Tag) -> Result<Option<String>> {
     let value = tiff.decoder.find_tag(tag);
     let text = value.and_then(|value| value.map(|value| value.into_string()).transpose());
@@ -178,12 +180,12 @@ fn text_tag(path: &Path, tiff: &mut Tiff, tag: Tag) -> Result<Option<String>> {
 
 /// The strips or tiles of the first band.
 struct Chunks {
-    /// Width and height of a whole one, cells.
+    /// Width and height of a complete strip or tile, cells.
     size: (usize, usize),
     across: usize,
-    /// Offset and length in the file; both zero for those that are left out.
+    /// Offset and length in the file. Both are zero for missing ones.
     ranges: Vec<(u64, u64)>,
-    /// Bytes of a whole one in memory.
+    /// Bytes of a complete strip or tile in memory.
     bytes: u64,
 }
 
@@ -196,7 +198,7 @@ impl Chunks {
             ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
             ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
         };
-        // The height of a strip may be given as "all rows" in the form of the greatest number there is.
+        // The height of a strip may be the greatest number of its type, which means "all rows".
         let height = match tiff.decoder.get_chunk_type() {
             ChunkType::Strip => u64::from(height).min(grid.rows as u64),
             ChunkType::Tile => height.into(),
@@ -228,7 +230,7 @@ impl Chunks {
     }
 
     fn count(&self) -> u32 {
-        // The library has counted them in 32 bits.
+        // The library has already counted them in 32 bits.
         self.ranges.len() as u32
     }
 
@@ -238,7 +240,7 @@ impl Chunks {
         (index % self.across * self.size.0, index / self.across * self.size.1)
     }
 
-    /// What the decoder may take: room for one strip or tile.
+    /// The decoder's memory limit: one strip or tile.
     fn limits(&self, file_length: u64) -> Limits {
         let mut limits = Limits::default();
         let usize_of = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
@@ -278,9 +280,9 @@ fn copy(decoded: &DecodingResult, start: usize, samples: usize, out: &mut [f32],
     }
 }
 
-/// A mask says which cells have no data; without it their values would be taken for heights.
+/// A mask marks cells without data. Without it, their values would be treated as heights.
 fn refuse_mask<R: std::io::Read + std::io::Seek>(path: &Path, decoder: &mut tiff::decoder::Decoder<R>) -> Result<()> {
-    for _ in 0..MOST_SUBFILES {
+    for _ in 0..MAX_SUBFILES {
         // Overviews that cannot be read do not matter for the height map.
         if !decoder.more_images() || decoder.next_image().is_err() {
             break;

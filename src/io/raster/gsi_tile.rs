@@ -1,8 +1,8 @@
 //! Elevation tiles of the Geospatial Information Authority of Japan (標高タイル): heights as the colours of a PNG.
 //!
-//! With x = 65536 red + 256 green + blue, a height is 0.01 x metres, x being counted as a signed number of 24 bits;
-//! x = 8388608, the colour (128, 0, 0), is no data. A tile of the service has 256 x 256 cells in Web Mercator
-//! (EPSG:3857), and its path tells where it is: `…/zoom/column/row.png`.
+//! With x = 65536 red + 256 green + blue, a height is 0.01 x metres, where x is a signed 24-bit number. x = 8388608,
+//! the colour (128, 0, 0), means no data. A tile of the service has 256 x 256 cells in Web Mercator (EPSG:3857). Its
+//! path gives its position: `…/zoom/column/row.png`.
 
 use std::io::Write;
 use std::path::Path;
@@ -22,13 +22,13 @@ use crate::dem::Dem;
 /// Cells along a tile's side.
 const SIDE: u32 = 256;
 
-/// Half the width of the Web Mercator map, metres: half the equator of the sphere that it is drawn on.
+/// Half the width of the Web Mercator map, metres: half the equator of its sphere.
 const HALF_WIDTH: f64 = 6_378_137.0 * std::f64::consts::PI;
 
-/// Finest zoom level that a path may name; cells are smaller than a centimetre beyond.
+/// The highest zoom level in a path. Beyond it cells are smaller than a centimetre.
 const FINEST: u32 = 24;
 
-/// The first code that is negative; itself it means no data.
+/// The first negative code. This code itself means no data.
 const NO_DATA: u32 = 1 << 23;
 
 /// The height of a colour, metres; `None` is no data.
@@ -38,7 +38,7 @@ pub(super) fn height(rgb: [u8; 3]) -> Option<f64> {
     (code != NO_DATA).then_some(steps / 100.0)
 }
 
-/// The place of the tile whose path ends in `zoom/column/row.png`.
+/// The placement of a tile whose path ends in `zoom/column/row.png`.
 pub(super) fn placement(path: &Path, size: (u32, u32)) -> Option<Placement> {
     let number = |text: Option<&std::ffi::OsStr>| text?.to_str()?.parse::<u32>().ok();
     let row = number(path.file_stem())?;
@@ -56,10 +56,11 @@ pub(super) fn placement(path: &Path, size: (u32, u32)) -> Option<Placement> {
     Some(Placement { grid, south_up: false })
 }
 
-/// Writes `dem` to `path` in the colours of elevation tiles, and `.pgw` and `.png.aux.xml` with its place beside it.
+/// Writes `dem` to `path` in the colours of elevation tiles. The placement goes into `.pgw` and `.png.aux.xml` beside
+/// it.
 pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
     if quantity != Quantity::Height {
-        return Err(Error::Parameter(format!("elevation tiles hold heights and no {}", quantity.name())));
+        return Err(Error::Parameter(format!("elevation tiles hold heights, not {}", quantity.name())));
     }
     for (index, height) in dem.values.iter().enumerate() {
         if height.is_finite() && color(*height).is_none() {

@@ -1,22 +1,22 @@
-//! From stored values to heights: sizes that a file can hold, scales, units, marks of cells without data.
+//! Converts stored values into heights: possible sizes, scales, units and nodata values.
 
 use std::path::Path;
 
 use crate::base::error::{Error, Finding, FindingKind, Result};
 
-/// Cells that a height map may have; the memory it takes is four bytes each.
-const MOST_CELLS: u64 = 4_000_000_000;
+/// The largest number of cells of a height map; each takes four bytes of memory.
+const MAX_CELLS: u64 = 4_000_000_000;
 
-/// Cells that a byte of a file can stand for. Rasters whose empty tiles are left out come nearest to it.
+/// The largest number of cells per byte of a file. Rasters with missing empty tiles come close to it.
 const CELLS_PER_BYTE: u64 = 16_384;
 
-/// Refuses a size that the file cannot hold: a header can claim any, and memory is taken for it.
+/// Refuses a size that the file cannot hold. A header can state any size, and memory is allocated for it.
 pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<u64> {
-    let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MOST_CELLS);
+    let cells = cols.checked_mul(rows).filter(|&cells| cells > 0 && cells <= MAX_CELLS);
     let Some(cells) = cells else {
         return Err(Error::file(
             path,
-            format!("has {cols} x {rows} cells; a height map has one at least and {MOST_CELLS} at most. Cut it first"),
+            format!("has {cols} x {rows} cells; a height map has at least one and at most {MAX_CELLS}. Clip it first"),
         ));
     };
     if cells / CELLS_PER_BYTE > file_length {
@@ -28,7 +28,7 @@ pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) ->
     Ok(cells)
 }
 
-/// Room for the heights of a raster of which so many bytes are there, all without data.
+/// Allocates the heights of a raster, all without data. `file_length` limits the size.
 pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<Vec<f32>> {
     let cells = check_size(path, cols, rows, file_length)?;
     let mut values = Vec::new();
@@ -44,25 +44,25 @@ pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Resul
 /// How stored values become heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coding {
-    /// The stored value of cells without data, if the file names one.
+    /// The stored value that means no data, if the file names one.
     pub nodata: Option<f64>,
-    /// Metres a step.
+    /// Metres per step.
     pub scale: f64,
     /// Height of the value 0, metres.
     pub offset: f64,
 }
 
-/// Marks of cells without data that files leave unnamed.
+/// Nodata values that files often do not declare.
 const USUAL_MARKS: [f64; 2] = [-9999.0, -32768.0];
 
-/// Heights below or above, metres, are marks of some kind: no point of the Earth comes near.
+/// Values outside this range, metres, cannot be heights on Earth; they mark cells without data.
 const LOWEST: f64 = -20_000.0;
 const HIGHEST: f64 = 100_000.0;
 
-/// Turns stored values into heights and counts what is none.
+/// Converts stored values into heights and counts the values that are not heights.
 pub(super) struct Heights {
     coding: Coding,
-    /// Cells that were taken as cells without data, though the file does not say so.
+    /// Cells treated as cells without data, though the file does not say so.
     odd: u64,
     example: f64,
 }
@@ -72,7 +72,7 @@ impl Heights {
         Self { coding, odd: 0, example: 0.0 }
     }
 
-    /// The height of a stored value; NaN is no data.
+    /// The height of a stored value; NaN means no data.
     pub fn height(&mut self, stored: f64) -> f32 {
         let Coding { nodata, scale, offset } = self.coding;
         if stored.is_nan() || nodata == Some(stored) {
@@ -86,17 +86,17 @@ impl Heights {
         height as f32
     }
 
-    /// What was noticed.
+    /// The finding about undeclared nodata values, if there were any.
     pub fn findings(self) -> Option<Finding> {
         let message = format!(
-            "{} cells of the height map hold a value that is no height, such as {}; they are taken as cells without data",
+            "{} cells of the height map hold a value that is not a height, such as {}; they are taken as cells without data",
             self.odd, self.example
         );
         (self.odd > 0).then(|| Finding::general(FindingKind::NoHeight, message))
     }
 }
 
-/// Metres in a unit of height by its name, and whether the name is known.
+/// Metres per unit of height, by the unit's name. `None` if the name is not known.
 pub(super) fn metres_in(unit: &str) -> Option<f64> {
     match unit.trim().to_ascii_lowercase().as_str() {
         "" | "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),

@@ -1,7 +1,7 @@
-//! A GeoTIFF's header: where its cells are and in which coordinate reference system.
+//! A GeoTIFF's header: the placement of its cells and its coordinate reference system.
 //!
-//! The placement is taken as GDAL takes it, so that both agree to the last bit. Where the file has none, a world file
-//! beside it gives the placement, and an `.aux.xml` or `.prj` the coordinate reference system.
+//! The placement is computed as GDAL does it, and both agree to the last bit. If the file has no placement, a world
+//! file beside it gives one. If it has no coordinate reference system, an `.aux.xml` or `.prj` gives it.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -25,22 +25,22 @@ pub(super) struct Tiff {
     pub placement: Placement,
     pub crs: Option<Crs>,
     pub keys: GeoKeys,
-    /// What is in the `.aux.xml` beside it.
+    /// The content of the `.aux.xml` beside it.
     pub aux: Aux,
     /// Bytes of the file.
     pub length: u64,
 }
 
-/// The grid of a GeoTIFF and its coordinate reference system, where it names one by EPSG code or well-known text.
+/// The grid of a GeoTIFF, and its coordinate reference system if it gives an EPSG code or well-known text.
 pub(super) fn read_grid(path: &Path) -> Result<(Grid, Option<Crs>)> {
     let tiff = open(path)?;
     Ok((tiff.placement.grid, tiff.crs))
 }
 
-/// An error of the TIFF library about `path`: that of the system, or that the file is not what it should be.
+/// An error of the TIFF library about `path`: either the operating system's error, or `message`.
 pub(super) fn wrong(path: &Path, message: &str, error: TiffError) -> Error {
     match error {
-        // Errors of decompression come the same way, without a number of the system.
+        // Errors of decompression have the same type, but no error number of the system.
         TiffError::IoError(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
         other => Error::file_cause(path, message, other),
     }
@@ -49,7 +49,7 @@ pub(super) fn wrong(path: &Path, message: &str, error: TiffError) -> Error {
 /// Opens a GeoTIFF and reads its header.
 ///
 /// # Errors
-/// A file that cannot be read, is no TIFF, has no georeferencing, or is rotated, sheared or mirrored.
+/// The file cannot be read, is not a TIFF, has no georeferencing, or is rotated, sheared or mirrored.
 pub(super) fn open(path: &Path) -> Result<Tiff> {
     let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
@@ -67,7 +67,7 @@ pub(super) fn open(path: &Path) -> Result<Tiff> {
         directory: decoder.find_tag_unsigned_vec(Tag::GeoKeyDirectoryTag).map_err(wrong)?.unwrap_or_default(),
         ascii: match decoder.find_tag(Tag::GeoAsciiParamsTag) {
             Ok(Some(Value::Ascii(text))) => text,
-            // Text that is not ASCII names no system; the placement is good without it.
+            // Text that is not ASCII gives no system; the placement is valid without it.
             _ => String::new(),
         },
     };
@@ -95,7 +95,7 @@ fn doubles<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> std::result::R
     decoder.find_tag(tag)?.map_or_else(|| Ok(Vec::new()), Value::into_f64_vec)
 }
 
-/// The tags that place a raster, as they are in the file.
+/// The tags that place a raster, unchanged from the file.
 struct Header {
     /// Columns and rows.
     size: (usize, usize),
@@ -105,13 +105,13 @@ struct Header {
 }
 
 impl Header {
-    /// Whether the file says nothing about its place.
+    /// Whether the file has no georeferencing.
     fn is_empty(&self) -> bool {
         self.scale.is_empty() && self.tiepoint.is_empty() && self.matrix.is_empty()
     }
 
     fn placement(&self, pixel_is_point: bool) -> std::result::Result<Placement, String> {
-        // The affine transform: origin, and the step of a column and of a row.
+        // The affine transform: origin, and the step per column and per row.
         let (mut origin, across, down) = if let [sx, sy, ..] = self.scale[..]
             && sx != 0.0
             && sy != 0.0
@@ -119,7 +119,7 @@ impl Header {
             let [col, row, _, x, y, _, ref more @ ..] = self.tiepoint[..] else {
                 return Err("has a cell size but no tie point; it is not georeferenced".into());
             };
-            // Some programs repeat the tie point for the other corners, which says the same once more.
+            // Some programs repeat the tie point for the other corners, which adds nothing.
             let _ = more;
             if sy < 0.0 {
                 return Err("has a negative cell height, which programs understand in different ways; \
@@ -217,7 +217,7 @@ mod tests {
             (matrix(&ROTATED), "rotated"),
             (matrix(&MIRRORED), "east to west"),
             (vec![(Tag::ModelPixelScaleTag, &[10.0, -10.0, 0.0]), tie], "negative cell height"),
-            (vec![(Tag::ModelPixelScaleTag, &[10.0, f64::NAN, 0.0]), tie], "no grid"),
+            (vec![(Tag::ModelPixelScaleTag, &[10.0, f64::NAN, 0.0]), tie], "not a valid grid"),
         ];
         for (tags, reason) in cases {
             let error = grid(&tags, &[]).unwrap_err().to_string();

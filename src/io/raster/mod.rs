@@ -1,6 +1,7 @@
-//! Raster files: height maps in ([`read_dem`]) and out ([`write_dem`]), the grid of an existing raster ([`read_grid`]).
+//! Raster files: reads height maps ([`read_dem`]), writes them ([`write_dem`]), and reads the grid of an existing
+//! raster ([`read_grid`]).
 //!
-//! The file's name decides the format:
+//! The file's extension decides the format:
 //!
 //! | name | values | placement and coordinate reference system |
 //! |---|---|---|
@@ -10,7 +11,7 @@
 //! | `.asc` | text (ESRI ASCII grid), lossless | in the file; coordinate reference system in `.prj` |
 //! | `.xyz` | text, a line `x y height` for every cell with data, lossless | in the file, as cell centres; no system |
 //!
-//! Sidecar files are written beside the main file, whatever directory that is.
+//! Sidecar files are written beside the main file, in any directory.
 
 mod asc;
 mod exr;
@@ -40,16 +41,16 @@ pub use picture::{write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
 
-/// The extensions [`write_dem`] knows, for messages and help texts.
+/// The extensions that [`write_dem`] accepts, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];
 
-/// How a PNG keeps heights.
+/// How a PNG stores heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PngEncoding {
-    /// 16-bit grey in steps of a round size, which GDAL and QGIS read as heights.
+    /// 16-bit grey with a round step size. GDAL and QGIS read it as heights.
     #[default]
     Gray16,
-    /// The colours of the elevation tiles of the Geospatial Information Authority of Japan, in steps of a centimetre.
+    /// The colours of the elevation tiles of the Geospatial Information Authority of Japan, with steps of a centimetre.
     /// GDAL and QGIS read them as colours.
     Gsi,
 }
@@ -57,13 +58,13 @@ pub enum PngEncoding {
 /// How to write a raster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RasterParams {
-    /// What the values are. Readers are told so.
+    /// What the values are. The file states it.
     pub quantity: Quantity,
-    /// How a PNG keeps them; the other formats have one way only.
+    /// How a PNG stores them. The other formats have only one way.
     pub png: PngEncoding,
 }
 
-/// Writes a height map in the format that the extension of `path` names, with its sidecar files beside it.
+/// Writes a height map in the format of the extension of `path`, with its sidecar files beside it.
 ///
 /// # Errors
 /// As [`write_raster`].
@@ -71,11 +72,14 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
     write_raster(path, dem, &RasterParams::default())
 }
 
-/// Writes values on a grid in the format that the extension of `path` names, with its sidecar files beside it.
+/// Writes values on a grid in the format of the extension of `path`, with its sidecar files beside it.
 ///
 /// # Errors
-/// An extension that is not in [`DEM_EXTENSIONS`], a grid without cells or with an impossible placement, a grid
-/// larger than the format can hold, a value that it cannot hold, and whatever the operating system refuses.
+/// One of these is the case:
+/// - The extension is not in [`DEM_EXTENSIONS`].
+/// - The grid has no cells or an invalid placement.
+/// - The grid or a value does not fit the format.
+/// - The operating system reports an error.
 pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {
@@ -99,14 +103,14 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
     write(path, dem, params.quantity)
 }
 
-/// The extensions of the formats that hold a second value a cell, for messages.
+/// The extensions of the formats that hold a second value per cell, for messages.
 pub const TWO_BAND_EXTENSIONS: [&str; 3] = ["tif", "tiff", "exr"];
 
-/// Writes a height map with the standard error of every cell, metres: the second band of a GeoTIFF, a second channel of an
-/// OpenEXR file. Where an error is NaN there is no data.
+/// Writes a height map with the standard error of every cell, metres. The errors are the second band of a GeoTIFF or a
+/// second channel of an OpenEXR file. An error of NaN means no data.
 ///
 /// # Errors
-/// As [`write_raster`], for another format, and if there is not one error a cell.
+/// As [`write_raster`]. Also if the format is another one, or if there is not one error per cell.
 pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     check(path, dem)?;
@@ -121,7 +125,7 @@ pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
             let known = TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
             Err(Error::file(
                 path,
-                format!("this format has one value a cell; heights with errors are written as {known}"),
+                format!("this format has one value per cell; heights with errors are written as {known}"),
             ))
         }
     }

@@ -1,4 +1,4 @@
-//! What all writers of rasters share: what is refused, how files are created, where cells lie.
+//! The parts that all raster writers share: checks, creation of files, placement.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -8,7 +8,7 @@ use crate::base::Grid;
 use crate::base::error::{Cause, Error, Result};
 use crate::dem::Dem;
 
-/// Refuses a height map that no format could hold.
+/// Refuses a height map that no format can hold.
 pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
     let Grid { corner, cell, cols, rows } = dem.grid;
     if cols.checked_mul(rows) != Some(dem.values.len()) || dem.values.is_empty() {
@@ -20,7 +20,7 @@ pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
     }
     if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
         return Err(Error::Parameter(format!(
-            "{}: cells of {} x {} at {}, {} have no place on a map",
+            "{}: cells of {} x {} at {}, {} are not a valid grid",
             path.display(),
             cell.x,
             cell.y,
@@ -28,16 +28,16 @@ pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
             corner.y
         )));
     }
-    // The binary formats count columns and rows in 32 bits; EXR stops at a quarter of that range.
+    // The binary formats count columns and rows in 32 bits. The limit of EXR is a quarter of that range.
     if cols.max(rows) > i32::MAX as usize / 2 {
         return Err(Error::file(path, format!("{cols} x {rows} cells are more than the format can count")));
     }
     Ok(())
 }
 
-/// Creates `path`, lets `fill` write to it through a buffer, and makes sure that the last byte has left the buffer.
+/// Creates `path`, lets `fill` write to it through a buffer, and flushes the buffer.
 ///
-/// `fill` gives the operating system's errors as [`Filled::Io`], so that a full disk is named as such.
+/// `fill` returns the operating system's errors as [`Filled::Io`]: then the message can name a full disk.
 pub(super) fn create(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> std::result::Result<(), Filled>,
@@ -53,9 +53,9 @@ pub(super) fn create(
 
 /// Why a file could not be filled.
 pub(super) enum Filled {
-    /// The operating system refused.
+    /// The operating system reported an error.
     Io(std::io::Error),
-    /// The format's library refused.
+    /// The format's library reported an error.
     Format(Cause),
 }
 

@@ -1,4 +1,4 @@
-//! The sidecar files that GDAL and QGIS read beside a picture: `.aux.xml` and the world file.
+//! The sidecar files of pictures that GDAL and QGIS read: `.aux.xml` and the world file.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -10,25 +10,25 @@ use super::output::{beside, geo_transform, write_text};
 use crate::base::error::Result;
 use crate::dem::Dem;
 
-/// How stored values become heights, and which one of them means that there is no data.
+/// How stored values become heights, and which stored value means no data.
 #[derive(Clone, Copy)]
 pub(super) struct Band {
     /// What the values are.
     pub name: &'static str,
-    /// Their unit, as programs name it and in words.
+    /// Their unit: the name that programs use, and words.
     pub unit: Option<(&'static str, &'static str)>,
-    /// Height of the value 0, metres; likewise for other quantities.
+    /// Height of the stored value 0, metres; likewise for other quantities.
     pub offset: f64,
-    /// Metres a step.
+    /// Metres per step.
     pub scale: f64,
-    /// The stored value of cells without data, as text.
+    /// The stored value that means no data, as text.
     pub nodata: Option<&'static str>,
 }
 
 /// Writes `path` + `.aux.xml`: coordinate reference system, placement, and how to read the values.
 ///
 /// # Errors
-/// Whatever the operating system refuses.
+/// The operating system reports an error.
 pub(super) fn write_aux_xml(path: &Path, dem: &Dem, bands: &[Band]) -> Result<()> {
     let mut xml = placement(dem);
     for (k, band) in bands.iter().enumerate() {
@@ -50,12 +50,12 @@ pub(super) fn write_aux_xml(path: &Path, dem: &Dem, bands: &[Band]) -> Result<()
 /// Writes `path` + `.aux.xml` with the coordinate reference system and the placement only.
 ///
 /// # Errors
-/// Whatever the operating system refuses.
+/// The operating system reports an error.
 pub(super) fn write_aux_placement(path: &Path, dem: &Dem) -> Result<()> {
     write_text(&beside(path, ".aux.xml"), &(placement(dem) + "</PAMDataset>\n"))
 }
 
-/// The beginning of an `.aux.xml`, which says where the raster is.
+/// The beginning of an `.aux.xml`, which gives the raster's placement.
 fn placement(dem: &Dem) -> String {
     let mut xml = String::from("<PAMDataset>\n");
     let name = dem
@@ -72,10 +72,10 @@ fn placement(dem: &Dem) -> String {
     xml
 }
 
-/// Writes the world file: cell size, rotation and the centre of the north-west cell, a number a line.
+/// Writes the world file: cell size, rotation and the centre of the north-west cell, one number per line.
 ///
 /// # Errors
-/// Whatever the operating system refuses.
+/// The operating system reports an error.
 pub(super) fn write_world(path: &Path, extension: &str, dem: &Dem) -> Result<()> {
     let (cell, first) = (dem.grid.cell, dem.grid.center(0, 0));
     let text = format!("{}\n0\n0\n{}\n{}\n{}\n", cell.x, -cell.y, first.x, first.y);

@@ -1,4 +1,4 @@
-//! Pictures of the map: 8-bit PNG, in colour, or in grey with its place on the map beside it.
+//! Writes pictures of the map: 8-bit PNG in colour, or in grey with georeferencing.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::dem::Dem;
 /// Writes a picture as PNG. The name must end in `.png`.
 ///
 /// # Errors
-/// Another extension, and whatever the operating system refuses.
+/// The extension is another one, or the operating system reports an error.
 pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Error::file(path, "pictures are written as .png"));
@@ -28,11 +28,12 @@ pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
     })
 }
 
-/// Writes a hillshade as 8-bit grey PNG: brightness from 1 to 255, 0 where there is none; `.pgw` and `.png.aux.xml`
-/// beside it tell its place. The name must end in `.png`.
+/// Writes a hillshade as 8-bit grey PNG: brightness from 1 to 255, 0 for no data. `.pgw` and `.png.aux.xml` beside it
+/// give its placement. The name must end in `.png`.
 ///
 /// # Errors
-/// Another extension, a grid without cells or with an impossible placement, and whatever the operating system refuses.
+/// The extension is another one, the grid has no cells or an invalid placement, or the operating system reports an
+/// error.
 pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Error::file(path, "pictures are written as .png"));
@@ -42,7 +43,7 @@ pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
         shade.values.iter().map(|v| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 }).collect();
     create(path, |out| {
         PngEncoder::new(out)
-            // The check has seen that both fit into 31 bits.
+            // The check above ensures that both fit into 31 bits.
             .write_image(&grey, shade.grid.cols as u32, shade.grid.rows as u32, ExtendedColorType::L8)
             .map_err(|error| match error {
                 ImageError::IoError(error) => Filled::Io(error),

@@ -1,13 +1,13 @@
 //! 16-bit grey PNG height maps: **height = offset + scale * value**, metres.
 //!
-//! The scale is the smallest step of the series 1, 2, 5, 10 ... with which the heights fit into 16 bits, and the
-//! offset is a multiple of whole metres (of the scale, where that is coarser). So whole metres come out exactly, and
-//! every other height is off by half a step at most. Where the map has cells without data, the value 0 marks them and
-//! heights start at 1.
+//! The scale is the smallest step of the series 1, 2, 5, 10 ... with which the heights fit into 16 bits. The offset is
+//! a multiple of one metre, or of the scale if that is coarser. Therefore whole metres are exact, and every other
+//! height is off by at most half a step. If the map has cells without data, the value 0 marks them and heights start at
+//! 1.
 //!
-//! Scale, offset and the mark are in the file's text chunks (`Scale`, `Offset`, `NoData`, with the formula under
-//! `Description`), and in `.png.aux.xml` for GDAL and QGIS, together with the coordinate reference system and the
-//! placement. The placement is in the world file `.pgw`, too, for programs that know nothing else.
+//! Scale, offset and nodata value are in the file's text chunks (`Scale`, `Offset`, `NoData`, with the formula under
+//! `Description`). For GDAL and QGIS they are also in `.png.aux.xml`, together with the coordinate reference system and
+//! the placement. The world file `.pgw` repeats the placement for programs that read nothing else.
 
 use std::io::Write;
 use std::path::Path;
@@ -20,7 +20,7 @@ use super::quantity::Quantity;
 use crate::base::error::Result;
 use crate::dem::Dem;
 
-/// The finest step, metres. Finer ones would only spread the rounding of 32-bit heights.
+/// The finest step, metres. Finer steps would only reproduce the rounding of 32-bit heights.
 const FINEST_EXPONENT: i32 = -4;
 
 /// Writes `dem` to `path`, and `.png.aux.xml` and `.pgw` beside it.
@@ -72,7 +72,7 @@ fn encode(out: impl Write, dem: &Dem, coding: &Coding, quantity: Quantity) -> st
     writer.finish()
 }
 
-/// Adds the text chunks that all height maps have: what the values mean and where the cells are.
+/// Adds the text chunks that all height maps have: the meaning of the values and the placement of the cells.
 pub(super) fn describe<W: Write>(
     encoder: &mut Encoder<'_, W>,
     dem: &Dem,
@@ -87,7 +87,7 @@ pub(super) fn describe<W: Write>(
         if let Some(code) = crs.horizontal().epsg {
             text("EPSG", code.to_string())?;
         }
-        // Well-known text may hold any script, which only the international chunk can.
+        // Well-known text may contain any script, which only the international chunk can store.
         if let Some(wkt) = crs.header_wkt() {
             encoder.add_itxt_chunk("WKT".into(), wkt.into_owned())?;
         }
@@ -100,7 +100,7 @@ pub(super) fn describe<W: Write>(
 struct Coding {
     scale: f64,
     offset: f64,
-    /// Whether there are cells without data, for which the value 0 is kept free.
+    /// Whether there are cells without data, for which the value 0 is reserved.
     holes: bool,
 }
 
@@ -122,7 +122,7 @@ impl Coding {
         let fitting = |scale: f64| {
             let unit = scale.max(1.0);
             let offset = ((low - reserved * scale) / unit).floor() * unit;
-            // The last half step is kept free, so that rounding cannot reach past the last value.
+            // The last half step is not used: rounding must not exceed the largest value.
             let fits = (high - offset) / scale <= f64::from(u16::MAX) - 0.5;
             fits.then_some(Self { scale, offset, holes })
         };
@@ -142,7 +142,8 @@ impl Coding {
     }
 }
 
-/// `digit` times ten to the `exponent`, as the nearest double: negative powers of ten are not exact, their inverse is.
+/// `digit` times ten to the `exponent`, as the nearest double. Negative powers of ten are not exact, but their inverses
+/// are.
 fn decimal(digit: f64, exponent: i32) -> f64 {
     if exponent < 0 { digit / 10_f64.powi(-exponent) } else { digit * 10_f64.powi(exponent) }
 }

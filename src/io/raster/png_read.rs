@@ -1,8 +1,9 @@
-//! PNG height maps in: 16-bit grey with a scale, and elevation tiles in colour.
+//! Reads PNG height maps: 16-bit grey with a scale, and elevation tiles in colour.
 //!
-//! Grey: height = offset + scale * value, from the file's own text chunks, else from the `.png.aux.xml` beside it; a grey
-//! picture without either is refused, since its values could be anything. The placement is in the same places or in the
-//! world file. Colour: see the module on elevation tiles; their place is in the path or in the world file.
+//! Grey: height = offset + scale * value. Scale and offset come from the file's own text chunks, otherwise from the
+//! `.png.aux.xml` beside it. A grey picture without either is refused, because its values could mean anything. The
+//! placement is in the same files or in the world file. Colour: see the module on elevation tiles. Their placement is
+//! in the path or in the world file.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -20,13 +21,13 @@ use crate::dem::Dem;
 /// The coordinate reference system of elevation tiles.
 const WEB_MERCATOR: u32 = 3857;
 
-/// What the library may take beside the rows of the picture.
+/// Memory limit of the PNG library in addition to the rows of the picture, bytes.
 const SIDE_MEMORY: usize = 64 << 20;
 
-/// Bytes that a byte of deflated data can stand for, rounded up.
-const MOST_DEFLATED: u64 = 1100;
+/// The largest ratio of decompressed to deflated bytes, rounded up.
+const MAX_DEFLATE_RATIO: u64 = 1100;
 
-/// Extents of the Earth's surface, metres. Colours that mean other heights belong to a picture.
+/// The range of heights on Earth, metres. Colours outside it belong to an ordinary picture.
 const EARTH: std::ops::RangeInclusive<f64> = -12_000.0..=9_500.0;
 
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
@@ -42,14 +43,14 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     check_size(path, width.into(), height.into(), length)?;
     decoder.set_limits(Limits { bytes: SIDE_MEMORY.saturating_add(width as usize * 16) });
     let mut reader = decoder.read_info().map_err(wrong)?;
-    let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MOST_DEFLATED <= length);
+    let bytes = reader.output_buffer_size().filter(|&bytes| bytes as u64 / MAX_DEFLATE_RATIO <= length);
     let Some(bytes) = bytes else {
         let message = format!("claims {width} x {height} cells, but is only {length} bytes long: the file is broken");
         return Err(Error::file(path, message));
     };
     let mut pixels = vec![0; bytes];
     let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
-    // Text may follow the picture.
+    // Text chunks may follow the picture.
     reader.finish().map_err(wrong)?;
     if matches!(reader.info().bit_depth, BitDepth::One | BitDepth::Two | BitDepth::Four) {
         return Err(Error::file(path, "has values of less than 8 bits, which are no heights"));
@@ -72,7 +73,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
 /// The decoded picture.
 struct Pixels<'a> {
     bytes: &'a [u8],
-    /// Samples a pixel; with an even number the last one is opacity.
+    /// Samples per pixel. If the number is even, the last sample is opacity.
     channels: usize,
     /// Whether samples have two bytes.
     deep: bool,
@@ -94,7 +95,7 @@ impl Pixels<'_> {
     }
 }
 
-/// What the file's text chunks say.
+/// The content of the file's text chunks.
 fn text_chunks(info: &Info<'_>) -> Aux {
     let mut aux = Aux::default();
     let plain = info.uncompressed_latin1_text.iter().map(|chunk| (chunk.keyword.as_str(), chunk.text.as_str()));
@@ -116,7 +117,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
     aux
 }
 
-/// The place by transform or world file.
+/// The placement by transform or world file.
 fn placed(path: &Path, (width, height): (u32, u32), own: &Aux, beside: &Aux) -> Result<Option<Placement>> {
     let size = (width as usize, height as usize);
     match own.transform.or(beside.transform) {
@@ -133,19 +134,19 @@ fn system(path: &Path, own: Option<Crs>, beside: Option<Crs>) -> Result<Option<C
 }
 
 fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
-    let is_told = |aux: &Aux| aux.scale.is_some() || aux.offset.is_some() || aux.unit.is_some();
-    if own.scale.is_none() && !beside.as_ref().is_some_and(is_told) {
+    let has_coding = |aux: &Aux| aux.scale.is_some() || aux.offset.is_some() || aux.unit.is_some();
+    if own.scale.is_none() && !beside.as_ref().is_some_and(has_coding) {
         let message = "is a grey picture that does not say how its values become heights; write an .aux.xml with Scale \
                        and Offset beside it, for example with 'gdal_translate -a_scale 0.1 -a_offset 0'";
         return Err(Error::file(path, message));
     }
     let beside = beside.unwrap_or_default();
     let Some(placement) = placed(path, size, &own, &beside)? else {
-        return Err(Error::file(path, "has no place on a map; a world file (.pgw) beside it would tell it"));
+        return Err(Error::file(path, "has no georeferencing; put a world file (.pgw) beside it"));
     };
     let unit = beside.unit.unwrap_or_default();
     let metres = metres_in(&unit).unwrap_or(1.0);
-    // What the file says about itself belongs together: its mark is not mixed with the scale of another file.
+    // Scale, offset and nodata value must come from the same file.
     let (scale, offset, nodata) = match own.scale {
         Some(scale) => (scale, own.offset, own.nodata),
         None => (beside.scale.unwrap_or(1.0), beside.offset, beside.nodata),
@@ -177,7 +178,7 @@ fn colour(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: 
         None => {
             let placement = gsi_tile::placement(&std::path::absolute(path).unwrap_or(path.to_owned()), size);
             let Some(placement) = placement else {
-                let message = "is in colour. If it is an elevation tile, its place must be told: keep the path \
+                let message = "is in colour. If it is an elevation tile, its placement must be known: keep the path \
                                zoom/column/row.png of the tile, or put a world file (.pgw) beside it";
                 return Err(Error::file(path, message));
             };

@@ -1,4 +1,4 @@
-//! What the values of a raster are, and how files name them.
+//! The quantities that a raster can hold, and their names in files.
 
 /// What the values of a raster are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,7 +28,7 @@ impl Quantity {
         }
     }
 
-    /// Its unit as programs name it, and in words.
+    /// Its unit: the name that programs use, and words.
     pub(super) fn unit(self) -> Option<(&'static str, &'static str)> {
         match self {
             Self::Height | Self::Difference => Some(("m", "metres")),
@@ -43,5 +43,5 @@ impl Quantity {
     }
 }
 
-/// What the second value of each cell is called in files.
+/// The name in files of the second value per cell.
 pub const STANDARD_ERROR: &str = "standard error";

@@ -1,7 +1,7 @@
-//! Height maps in: the file's name decides the reader, and what a path must be is checked here.
+//! Reads height maps. The file's extension decides the reader, and the path is checked here.
 //!
-//! A reader gives heights in metres with north up, whatever the file's way of keeping them. What a file leaves open
-//! becomes a finding; what cannot be told becomes an error that says what to do.
+//! A reader gives heights in metres with north up, however the file stores them. Missing information becomes a finding
+//! if a default exists. Otherwise it is an error that says what to do.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::gsi::{self, GsiDem, Product};
 
-/// The extensions [`read_dem`] knows, for messages and help texts.
+/// The extensions that [`read_dem`] accepts, for messages and help texts.
 pub const READABLE_EXTENSIONS: [&str; 5] = ["tif", "tiff", "asc", "exr", "png"];
 
 /// A height map as it was read.
@@ -20,20 +20,24 @@ pub const READABLE_EXTENSIONS: [&str; 5] = ["tif", "tiff", "asc", "exr", "png"];
 pub struct DemFile {
     /// The heights.
     pub dem: Dem,
-    /// The product of 基盤地図情報 that it is, if it is one.
+    /// The product of 基盤地図情報, if the file is one.
     pub product: Option<Product>,
 }
 
-/// Reads a height map: GeoTIFF, ESRI ASCII grid, OpenEXR, 16-bit PNG, an elevation tile of the Geospatial Information
-/// Authority of Japan (PNG), or its 基盤地図情報 (.xml, .zip or a folder of them, as one mosaic).
+/// Reads a height map as 32-bit floating point, metres, north up.
 ///
-/// Heights come out as 32-bit floating point in metres, north up: 64-bit floating point and 32-bit whole numbers are
-/// rounded to that, a scale and an offset that the file names are applied, feet become metres. Of several bands the
-/// first is taken.
+/// The formats are GeoTIFF, ESRI ASCII grid, OpenEXR, 16-bit PNG and elevation tile (PNG) of the Geospatial Information
+/// Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
+///
+/// 64-bit floating point and 32-bit whole numbers are rounded to 32-bit floating point. Scale and offset of the file
+/// are applied, and feet become metres. If there are several bands, the first one is used.
 ///
 /// # Errors
-/// An extension that is not in [`READABLE_EXTENSIONS`], a file that cannot be read, is broken or cut off, is a picture,
-/// has no place on a map, is rotated, or claims more cells than its size could hold.
+/// One of these is the case:
+/// - The extension is not in [`READABLE_EXTENSIONS`].
+/// - The file cannot be read, is broken or cut off.
+/// - It is a picture, has no georeferencing or is rotated.
+/// - It states more cells than its size can hold.
 pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     if gsi::is_source(path) {
         let Report { value: GsiDem { dem, product }, findings } = gsi::read_dem(path)?;
@@ -55,8 +59,8 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     Ok(Report { value: DemFile { dem, product: None }, findings })
 }
 
-/// Reads the standard errors that [`write_with_errors`](super::write_with_errors) put beside the heights; `None` if the file
-/// has none, or is of a format that has no room for them.
+/// Reads the standard errors that [`write_with_errors`](super::write_with_errors) stores beside the heights. `None` if
+/// the file has none, or if its format cannot hold them.
 ///
 /// # Errors
 /// As [`read_dem`].
@@ -68,10 +72,10 @@ pub fn read_standard_errors(path: &Path) -> Result<Option<Dem>> {
     }
 }
 
-/// The grid of a height map and its coordinate reference system, where it names one.
+/// The grid of a height map, and its coordinate reference system if the file names one.
 ///
-/// A raster that is stored with its south edge first gives the same cells with north up. Of a GeoTIFF only the header is
-/// read: any kind of sample and compression will do.
+/// A raster that is stored with its south edge first gives the same cells with north up. Of a GeoTIFF only the header
+/// is read; any sample type and compression is accepted.
 ///
 /// # Errors
 /// As [`read_dem`].
@@ -98,7 +102,7 @@ fn unknown(path: &Path) -> Error {
     Error::file(path, format!("is not a height map format that can be read; known are {known}"))
 }
 
-/// Refuses what is no file with something in it.
+/// Refuses a folder and an empty file.
 fn check_file(path: &Path) -> Result<()> {
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_dir() {

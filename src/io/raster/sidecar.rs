@@ -1,4 +1,4 @@
-//! What the files beside a raster say about it: world file, `.aux.xml`, `.prj`.
+//! Reads the files that describe a raster: world file, `.aux.xml`, `.prj`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 
-/// Where a raster's cells are, and in which order the file has its rows.
+/// The placement of a raster's cells, and the order of its rows in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placement {
     pub grid: Grid,
@@ -21,15 +21,16 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Where stored rows go: the row of the grid for a row of the file.
+    /// The row of the grid for a row of the file.
     pub fn row(&self, stored: usize) -> usize {
         if self.south_up { self.grid.rows - 1 - stored } else { stored }
     }
 }
 
-/// The placement by an affine transform: the outer corner of the first stored cell, the step of a column and of a row.
+/// The placement by an affine transform: the outer corner of the first stored cell, and the step per column and per
+/// row.
 ///
-/// `Err` says what is wrong, as the rest of a sentence that begins with the file's name.
+/// `Err` states what is wrong. It is the rest of a sentence that begins with the file's name.
 pub(super) fn north_up(
     origin: DVec2,
     across: DVec2,
@@ -46,26 +47,29 @@ pub(super) fn north_up(
     let south_up = down.y > 0.0;
     let corner = if south_up { origin + DVec2::new(0.0, rows as f64 * down.y) } else { origin };
     if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
-        return Err(format!("has cells of {} x {} at {}, {}, which is no grid", cell.x, cell.y, corner.x, corner.y));
+        return Err(format!(
+            "has cells of {} x {} at {}, {}, which is not a valid grid",
+            cell.x, cell.y, corner.x, corner.y
+        ));
     }
     Ok(Placement { grid: Grid { corner, cell, cols, rows }, south_up })
 }
 
-/// The placement by GDAL's six numbers: x of the corner, cell width, shear, y of the corner, shear, cell height (negative
-/// with north up).
+/// The placement by GDAL's six numbers: x of the corner, cell width, shear, y of the corner, shear, cell height
+/// (negative if north is up).
 pub(super) fn by_transform(numbers: [f64; 6], size: (usize, usize)) -> std::result::Result<Placement, String> {
     let [x, a, b, y, d, e] = numbers;
     north_up(DVec2::new(x, y), DVec2::new(a, d), DVec2::new(b, e), size)
 }
 
-/// Six numbers with anything but letters and digits between them.
+/// Reads six numbers that are separated by anything except letters and digits.
 pub(super) fn six_numbers(text: &str) -> Option<[f64; 6]> {
     let words = text.split([',', ' ', '\t', '\r', '\n']).filter(|word| !word.is_empty());
     let numbers: Vec<f64> = words.map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
     numbers.try_into().ok()
 }
 
-/// What an `.aux.xml` says about the first band.
+/// The content of an `.aux.xml` about the first band.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Aux {
     pub crs: Option<Crs>,
@@ -76,14 +80,14 @@ pub(super) struct Aux {
     pub unit: Option<String>,
 }
 
-/// Largest sidecar file that is looked at. Those with statistics of many bands have some hundred kilobytes.
-const LARGEST: u64 = 64 << 20;
+/// The largest sidecar file that is read, bytes. Files with statistics of many bands have some hundred kilobytes.
+const MAX_LENGTH: u64 = 64 << 20;
 
-/// The content of a small text file, if there is one.
+/// The content of a small text file, if it exists.
 pub(super) fn read_text(path: &Path) -> Result<Option<String>> {
     match std::fs::metadata(path) {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Ok(meta) if meta.len() > LARGEST => {
+        Ok(meta) if meta.len() > MAX_LENGTH => {
             return Err(Error::file(path, "is too large for a file that describes a raster"));
         }
         _ => {}
@@ -92,10 +96,10 @@ pub(super) fn read_text(path: &Path) -> Result<Option<String>> {
     Ok(Some(String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}').to_owned()))
 }
 
-/// Reads `path` + `.aux.xml`, if there is one.
+/// Reads `path` + `.aux.xml`, if it exists.
 ///
 /// # Errors
-/// If it cannot be read or is no XML.
+/// The file cannot be read or is not XML.
 pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
     let path = &beside(path, ".aux.xml");
     let Some(text) = read_text(path)? else { return Ok(None) };
@@ -111,7 +115,7 @@ pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
             ("PAMRasterBand", "Scale") => band.scale = number(),
             ("PAMRasterBand", "Offset") => band.offset = number(),
             ("PAMRasterBand", "UnitType") => band.unit = Some(text.to_owned()),
-            // A band ends after all that is in it.
+            // The end tag of a band comes after all of its content.
             ("PAMDataset", "PAMRasterBand") => {
                 let Aux { nodata, scale, offset, unit, .. } = std::mem::take(&mut band);
                 if element.attribute("band").is_none_or(|number| number == "1") {
@@ -124,30 +128,30 @@ pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
     Ok(Some(aux))
 }
 
-/// The system that a text in a sidecar file names: well-known text or `EPSG:…`.
+/// The system in a text of a sidecar file: well-known text or `EPSG:…`.
 fn by_text(text: &str) -> Option<Crs> {
     if text.contains(['[', '(']) { Some(Crs::from_wkt(text)) } else { Crs::from_name(text) }
 }
 
-/// Reads the `.prj` beside a raster, if there is one and it is well-known text.
+/// Reads the `.prj` beside a raster, if it exists and is well-known text.
 ///
 /// # Errors
-/// If it is there and cannot be read.
+/// The file exists and cannot be read.
 pub(super) fn read_prj(path: &Path) -> Result<Option<Crs>> {
     Ok(read_text(&path.with_extension("prj"))?.and_then(|text| by_text(text.trim())))
 }
 
-/// Reads the world file beside a raster, the first of these extensions that is there.
+/// Reads the world file beside a raster: the first of these extensions that exists.
 ///
 /// # Errors
-/// If it cannot be read, does not hold six numbers, or places the raster askew.
+/// The file cannot be read, does not hold six numbers, or describes a rotated raster.
 pub(super) fn read_world(path: &Path, extensions: &[&str], size: (usize, usize)) -> Result<Option<Placement>> {
     for extension in extensions {
         let path = path.with_extension(extension);
         let Some(text) = read_text(&path)? else { continue };
         let [a, d, b, e, x, y] = six_numbers(&text)
-            .ok_or_else(|| Error::file(&path, "is not a world file, which holds six numbers, one a line"))?;
-        // The numbers place the centre of the first cell.
+            .ok_or_else(|| Error::file(&path, "is not a world file, which holds six numbers, one per line"))?;
+        // A world file gives the centre of the first cell.
         let (across, down) = (DVec2::new(a, d), DVec2::new(b, e));
         let origin = DVec2::new(x, y) - 0.5 * (across + down);
         return north_up(origin, across, down, size).map(Some).map_err(|message| Error::file(&path, message));
@@ -155,11 +159,11 @@ pub(super) fn read_world(path: &Path, extensions: &[&str], size: (usize, usize))
     Ok(None)
 }
 
-/// An element of an XML text with what is directly in it.
+/// An element of an XML text with its direct text.
 #[derive(Debug, Default)]
 pub(super) struct Element {
     pub name: String,
-    /// The name of the element around it; empty for the outermost.
+    /// The name of the parent element; empty for the root.
     pub parent: String,
     pub attributes: Vec<(String, String)>,
     pub text: String,

@@ -1,5 +1,5 @@
-//! Heights as plain text (`.xyz`): a line `x y height` for the centre of every cell that has data, row by row from the
-//! north-west. No header; cells without data have no line.
+//! Heights as plain text (`.xyz`): one line `x y height` for the centre of every cell with data, row by row from the
+//! north-west. There is no header. Cells without data have no line.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::quantity::Quantity;
 use crate::base::error::Result;
 use crate::dem::Dem;
 
-/// Writes `dem` to `path`. All numbers have the digits that give the very same number again.
+/// Writes `dem` to `path`. All numbers have enough digits to give exactly the same number again.
 pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
     let grid = dem.grid;
     let x: Vec<f64> = (0..grid.cols).map(|col| grid.center(col, 0).x).collect();

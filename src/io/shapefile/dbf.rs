@@ -1,8 +1,9 @@
 //! The attribute table of a shapefile (dBASE III, with the field types that later versions added).
 //!
-//! Read by hand: float fields must not pass through f32, records that are marked as deleted must keep their place
-//! beside the shapes, and a field of a type that nobody asks for must not make the file unreadable. Written by hand so
-//! that numbers keep all their digits and the header carries no date of today.
+//! The reader is written by hand for three reasons: float fields must not pass through f32; records that are marked as
+//! deleted must keep their position beside the shapes; a field of an unknown type must not make the file unreadable.
+//! The writer is written by hand because numbers must keep all their digits and the header must not contain today's
+//! date.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, ErrorKind, Read, Write};
@@ -48,13 +49,13 @@ impl Reader {
         source.read_exact(&mut bytes).map_err(broken)?;
         let mut fields = Vec::new();
         let mut raw_names = Vec::new();
-        // The first byte of a record says whether it is deleted.
+        // The first byte of a record marks deletion.
         let mut start = 1;
         for descriptor in bytes.chunks_exact(32).take_while(|d| d[0] != 0x0d) {
             let name = descriptor[..11].split(|&b| b == 0).next().unwrap_or_default();
             raw_names.push(name.trim_ascii().to_vec());
             let kind = descriptor[11];
-            // Long text counts the field's decimals as the high byte of its length.
+            // For long text, the field's decimals are the high byte of its length.
             let high = if kind == b'C' { usize::from(descriptor[17]) << 8 } else { 0 };
             let length = usize::from(descriptor[16]) + high;
             fields.push(Descriptor { kind, start, length });
@@ -77,7 +78,7 @@ impl Reader {
         Ok(self.record[0] != b'*')
     }
 
-    /// The value of a field in the present record.
+    /// The value of a field in the current record.
     pub fn value(&self, field: usize) -> Value {
         let Descriptor { kind, start, length } = self.fields[field];
         let bytes = &self.record[start..start + length];
@@ -108,22 +109,22 @@ impl Reader {
     }
 }
 
-/// Digits and decimals of a number field, as GIS programs make them.
+/// Width and decimals of a number field, as GIS programs write them.
 const NUMBER_WIDTH: u8 = 24;
 const NUMBER_DECIMALS: u8 = 15;
-/// Digits of a whole number that programs do not yet take for one with decimals.
+/// The largest width that programs still read as a whole number; wider fields are read as decimal numbers.
 const INT_WIDTH: u8 = 18;
 
-/// The most bytes that a text field holds.
-const LONGEST_TEXT: u8 = 254;
+/// The largest length of a text field, bytes.
+const MAX_TEXT_LENGTH: u8 = 254;
 
-/// Bytes of a column in every record.
+/// Width of a column, bytes per record.
 fn width(column: &Column) -> u8 {
     match column.kind {
         Kind::Real => NUMBER_WIDTH,
         Kind::Int => INT_WIDTH,
         Kind::Text(width) => width,
-        Kind::LongText => LONGEST_TEXT,
+        Kind::LongText => MAX_TEXT_LENGTH,
         Kind::Bool => 1,
     }
 }
@@ -136,7 +137,7 @@ fn record_length(columns: &[Column]) -> usize {
     1 + columns.iter().map(|column| usize::from(width(column))).sum::<usize>()
 }
 
-/// Bytes of the table of so many rows.
+/// Length of a table with this many rows, bytes.
 pub(super) fn length(columns: &[Column], row_count: usize) -> u64 {
     header_length(columns) as u64 + record_length(columns) as u64 * row_count as u64 + 1
 }
@@ -146,7 +147,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
     let too_long = |_| std::io::Error::from(ErrorKind::FileTooLarge);
     let mut out = BufWriter::new(File::create(path)?);
 
-    // Version 3 without memo, and a date in the place of today's, so that the same lines give the same bytes.
+    // dBASE version 3 without memo. A fixed date replaces today's, because the same lines must give the same bytes.
     out.write_all(&[3, 70, 1, 1])?;
     out.write_all(&u32::try_from(rows.len()).map_err(too_long)?.to_le_bytes())?;
     out.write_all(&u16::try_from(header_length(columns)).map_err(too_long)?.to_le_bytes())?;
@@ -158,7 +159,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
         (descriptor[11], descriptor[17]) = match column.kind {
             Kind::Real => (b'N', NUMBER_DECIMALS),
             Kind::Text(_) | Kind::LongText => (b'C', 0),
-            // Yes and no are a digit, because many programs show a logical field as the letters T and F.
+            // Yes and no are written as a digit, because many programs show a logical field as the letters T and F.
             Kind::Int | Kind::Bool => (b'N', 0),
         };
         descriptor[16] = width(column);
@@ -172,7 +173,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
             match cell {
                 Cell::Real(number) => write!(out, "{:>width$}", number_text(*number))?,
                 Cell::Int(number) => write!(out, "{number:>width$}")?,
-                // The room is counted in bytes, formatting counts letters.
+                // The field's width counts bytes, but formatting counts characters.
                 Cell::Text(text) => write!(out, "{text}{:1$}", "", width.saturating_sub(text.len()))?,
                 Cell::Bool(yes) => write!(out, "{:>width$}", u8::from(*yes))?,
                 Cell::Null => write!(out, "{:width$}", "")?,
@@ -183,7 +184,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
     out.flush()
 }
 
-/// The shortest text that gives the same number back and fits.
+/// The shortest text that fits and gives the same number back.
 fn number_text(number: f64) -> String {
     let plain = number.to_string();
     if plain.len() <= usize::from(NUMBER_WIDTH) { plain } else { format!("{number:e}") }

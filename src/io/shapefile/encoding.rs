@@ -4,7 +4,7 @@ use encoding_rs::{Encoding, SHIFT_JIS, UTF_8, WINDOWS_1252};
 
 use crate::io::attributes::is_elevation_name;
 
-/// The encoding that a `.cpg` file names: `UTF-8`, `1252`, `ANSI 932`, `ISO 88591` and the like.
+/// The encoding that a `.cpg` file names, such as `UTF-8`, `1252`, `ANSI 932`, `ISO 88591`.
 pub(in crate::io) fn of_label(label: &str) -> Option<&'static Encoding> {
     let label = label.trim().trim_start_matches('\u{feff}').to_ascii_lowercase();
     if let Some(encoding) = Encoding::for_label(label.as_bytes()) {
@@ -17,7 +17,7 @@ pub(in crate::io) fn of_label(label: &str) -> Option<&'static Encoding> {
     of_code_page(digits.parse().ok()?)
 }
 
-/// The encoding that the language byte of the header stands for; `None` for "not said" and for what is not known.
+/// The encoding of the header's language byte. `None` if the byte is unset or unknown.
 pub(super) fn of_language_byte(byte: u8) -> Option<&'static Encoding> {
     let code_page = match byte {
         0x13 | 0x7b => 932,
@@ -55,8 +55,9 @@ fn of_code_page(number: u32) -> Option<&'static Encoding> {
     Encoding::for_label(label.as_bytes())
 }
 
-/// An encoding for a file that does not name one: UTF-8 if the names of the fields are that, else the one in which a
-/// name is known to hold elevations, else that of western Europe. Japanese files often leave the encoding out.
+/// Guesses the encoding of a file that does not name one: UTF-8 if the field names are valid UTF-8, otherwise an
+/// encoding in which a field has a known elevation name, otherwise that of western Europe. Japanese files often do not
+/// name their encoding.
 pub(super) fn guessed(names: &[Vec<u8>]) -> &'static Encoding {
     if names.iter().all(|name| std::str::from_utf8(name).is_ok()) {
         return UTF_8;

@@ -1,8 +1,8 @@
-//! Which rings of a shape are holes, and of which polygon.
+//! Assigns holes to polygons.
 //!
-//! The format tells exterior rings from holes by their direction and does not say whose hole one is. Many programs get
-//! the direction wrong, so the rings' nesting decides: a ring inside an even number of others bounds an area, one inside
-//! an odd number is a hole of the innermost ring around it.
+//! The format distinguishes exterior rings and holes by their direction, and does not say to which polygon a hole
+//! belongs. Many programs write the wrong direction. Therefore the nesting of the rings decides: a ring inside an even
+//! number of others bounds an area, and a ring inside an odd number is a hole of the smallest ring around it.
 
 use geo::coordinate_position::{CoordPos, CoordinatePosition};
 use geo::{Area, BoundingRect, Coord, LineString, Polygon, Rect};
@@ -15,15 +15,19 @@ pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
     if rings.len() == 1 {
         return vec![rings];
     }
-    let nodes: Vec<Node> = rings.iter().map(|ring| Node::new(ring)).collect();
-    let around: Vec<Vec<usize>> = (0..nodes.len())
-        .map(|inner| (0..nodes.len()).filter(|&outer| outer != inner && nodes[outer].holds(&nodes[inner])).collect())
+    let measured: Vec<MeasuredRing> = rings.iter().map(|ring| MeasuredRing::new(ring)).collect();
+    let enclosing: Vec<Vec<usize>> = (0..measured.len())
+        .map(|inner| {
+            (0..measured.len()).filter(|&outer| outer != inner && measured[outer].holds(&measured[inner])).collect()
+        })
         .collect();
-    let innermost = |ring: usize| around[ring].iter().copied().min_by(|&a, &b| nodes[a].area.total_cmp(&nodes[b].area));
-    let is_even = |ring: usize| around[ring].len().is_multiple_of(2);
-    // A hole whose innermost ring is a hole itself can only come from rings that cross; it stands for itself.
+    let innermost =
+        |ring: usize| enclosing[ring].iter().copied().min_by(|&a, &b| measured[a].area.total_cmp(&measured[b].area));
+    let is_even = |ring: usize| enclosing[ring].len().is_multiple_of(2);
+    // If the smallest ring around a hole is itself a hole, the rings must cross. Such a hole becomes a polygon of its
+    // own.
     let owner = |ring: usize| innermost(ring).filter(|&outer| !is_even(ring) && is_even(outer));
-    let owners: Vec<Option<usize>> = (0..nodes.len()).map(owner).collect();
+    let owners: Vec<Option<usize>> = (0..measured.len()).map(owner).collect();
     let mut place = vec![0; rings.len()];
     let mut polygons: Vec<Rings> = Vec::new();
     let (holes, exteriors): (Vec<_>, Vec<_>) = rings.into_iter().enumerate().partition(|(i, _)| owners[*i].is_some());
@@ -37,21 +41,21 @@ pub(in crate::io) fn grouped(rings: Vec<Vec<DVec2>>) -> Vec<Rings> {
     polygons
 }
 
-/// A ring with what is asked of it often.
-struct Node {
+/// A ring with its polygon, bounds and area, which the nesting test needs often.
+struct MeasuredRing {
     polygon: Polygon<f64>,
     bounds: Option<Rect<f64>>,
     area: f64,
 }
 
-impl Node {
+impl MeasuredRing {
     fn new(ring: &[DVec2]) -> Self {
         let polygon =
             Polygon::new(ring.iter().map(|p| Coord { x: p.x, y: p.y }).collect::<LineString<f64>>(), Vec::new());
         Self { bounds: polygon.bounding_rect(), area: polygon.unsigned_area(), polygon }
     }
 
-    /// Whether another ring lies inside, judged by its first vertex that is not on the border.
+    /// Whether another ring lies inside, judged by its first vertex that is not on the boundary.
     fn holds(&self, other: &Self) -> bool {
         let (Some(outer), Some(inner)) = (self.bounds, other.bounds) else { return false };
         let spans = outer.min().x <= inner.min().x

@@ -13,10 +13,10 @@ use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
 
-/// Reads a shapefile; records are numbered from 0, as GIS programs show them.
+/// Reads a shapefile. Records are numbered from 0, as GIS programs show them.
 ///
-/// Without the attribute table the z coordinate remains for the elevation. The index is used if it is there and sound;
-/// without it the shapes are read in their order.
+/// Without the attribute table only the z coordinate can give the elevation. The index is used if it is present and
+/// valid. Otherwise the shapes are read in file order.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut shapes = open(path)?;
     let mut table = Table::new(request);
@@ -85,7 +85,8 @@ fn open(path: &Path) -> Result<ShapeReader<BufReader<File>>> {
     ShapeReader::new(source()?).map_err(|e| Error::file_cause(path, "the file is not a shapefile, or it is broken", e))
 }
 
-/// The content of a small text file, if there is one. Bytes that are no UTF-8 only occur in names nobody matches.
+/// The content of a small text file, if it exists. Bytes that are not UTF-8 only occur in names that are not looked
+/// for.
 fn read_text(path: &Path) -> Result<Option<String>> {
     match std::fs::read(path) {
         Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),

@@ -1,7 +1,7 @@
 //! Writes a layer as a shapefile.
 //!
-//! Shapes are written here and not through the `shapefile` crate, because it adds a measure to every vertex of a
-//! three-dimensional line: a third more bytes, and GIS programs then offer measures that mean nothing.
+//! Shapes are written here, not through the `shapefile` crate. The crate adds a measure to every vertex of a
+//! three-dimensional line. That makes files a third larger, and GIS programs then show meaningless measures.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -17,14 +17,14 @@ const POLYGON: i32 = 5;
 /// Shape type of lines with z.
 const POLYLINE_Z: i32 = 13;
 const HEADER_LENGTH: u64 = 100;
-/// Bytes of a record beside its parts, vertices and heights: its header, type, bounds and counts.
+/// Bytes per record in addition to its parts, vertices and heights: header, type, bounds and counts.
 const RECORD_OVERHEAD: u64 = 8 + 4 + 32 + 8;
 /// Readers keep offsets in 32-bit integers, so files may not reach 2 GB.
 const LENGTH_LIMIT: u64 = i32::MAX as u64;
 
 /// Writes `.shp`, `.shx`, `.dbf`, `.cpg`, and `.prj` if the system is known.
 ///
-/// Measures of vertices are optional in the format and left out.
+/// Measures of vertices are optional in the format and are not written.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) -> Result<()> {
     let length = HEADER_LENGTH + layer.rows.iter().map(record_length).sum::<u64>();
     if length.max(dbf::length(layer.columns, layer.rows.len())) > LENGTH_LIMIT {
@@ -57,7 +57,7 @@ fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<
     let mut shp = BufWriter::with_capacity(1 << 16, File::create(path)?);
     let mut shx = BufWriter::new(File::create(path.with_extension("shx"))?);
     let kind = match layer.geometry {
-        // Layers of points do not come here.
+        // Layers of points are refused before this function.
         Geometry::Lines | Geometry::Points => POLYLINE_Z,
         Geometry::Areas => POLYGON,
     };
@@ -76,7 +76,7 @@ fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<
     let mut offset = HEADER_LENGTH;
     for (number, row) in (1_i32..).zip(&layer.rows) {
         let length = record_length(row);
-        // Lengths and offsets are counted in words of two bytes, and the header of a record is not part of its length.
+        // The format counts lengths and offsets in words of two bytes. A record's length does not include its header.
         let content = words(length - 8);
         shx.write_all(&words(offset).to_be_bytes())?;
         shx.write_all(&content.to_be_bytes())?;
@@ -90,7 +90,7 @@ fn write_shapes(path: &Path, layer: &Layer<'_>, length: u64) -> std::io::Result<
     shx.flush()
 }
 
-/// Writes a record without its header. Its counts fit because its length was checked against the limit.
+/// Writes a record without its header. Its counts fit, because its length was checked against the limit.
 fn write_record(shp: &mut impl Write, shape: &Shape<'_>, kind: i32) -> std::io::Result<()> {
     shp.write_all(&kind.to_le_bytes())?;
     write_numbers(shp, in_order(shape.bounds()))?;
@@ -125,19 +125,19 @@ fn header(length: u64, kind: i32, bounds: Bounds, heights: [f64; 2]) -> Vec<u8> 
     bytes.extend(words(length).to_be_bytes());
     bytes.extend(1000_i32.to_le_bytes());
     bytes.extend(kind.to_le_bytes());
-    // The range of measures comes last: there are none.
+    // The range of measures comes last; there are no measures.
     for number in in_order(bounds).into_iter().chain(heights).chain([0.0; 2]) {
         bytes.extend(number.to_le_bytes());
     }
     bytes
 }
 
-/// Bounds as the format orders them: least x and y, greatest x and y.
+/// Bounds in the format's order: least x and y, greatest x and y.
 fn in_order([min_x, max_x, min_y, max_y]: Bounds) -> [f64; 4] {
     [min_x, min_y, max_x, max_y]
 }
 
-/// The range of the heights of nothing.
+/// The height range of a layer without vertices.
 const NO_HEIGHTS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Least and greatest height.

@@ -1,0 +1,74 @@
+//! Layers in the coordinates of the output, if these differ from the working coordinates.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::features::{Layer, Row, Shape};
+use crate::base::error::{Error, Result};
+use crate::crs::FromWorking;
+
+/// A shape that owns its vertices.
+enum ReprojectedShape {
+    Point(Option<DVec2>),
+    Contour(Vec<DVec2>, f64),
+    Line(Vec<DVec3>),
+    Area(Vec<Vec<DVec2>>),
+}
+
+/// The reprojected shapes of layers.
+pub(in crate::io) struct ReprojectedShapes(Vec<Vec<ReprojectedShape>>);
+
+impl ReprojectedShapes {
+    /// Reprojects all shapes of the layers. Vertices of the input get their input coordinates.
+    ///
+    /// # Errors
+    /// A vertex has no coordinates in the output's system.
+    pub fn new(layers: &[Layer<'_>], back: &FromWorking) -> Result<Self> {
+        let layer = |layer: &Layer<'_>| -> Result<Vec<ReprojectedShape>> {
+            let place = |p: DVec2| {
+                let missing = || {
+                    let name = back.crs().and_then(|crs| crs.name()).unwrap_or_default();
+                    Error::Data(format!("layer {:?}: {:.3} {:.3} has no place in {name}", layer.name, p.x, p.y))
+                };
+                back.place(p).ok_or_else(missing)
+            };
+            let flat = |points: &[DVec2]| points.iter().map(|p| place(*p)).collect::<Result<Vec<DVec2>>>();
+            let shape = |row: &Row<'_>| {
+                Ok(match &row.shape {
+                    // A finding stays valid without its place, so a point may lose its coordinates.
+                    Shape::Point(point) => ReprojectedShape::Point(point.and_then(|p| back.place(p))),
+                    Shape::Contour(points, z) => ReprojectedShape::Contour(flat(points)?, *z),
+                    Shape::Line(points) => {
+                        let place = |p: &DVec3| Ok(place(p.truncate())?.extend(p.z));
+                        ReprojectedShape::Line(points.iter().map(place).collect::<Result<_>>()?)
+                    }
+                    Shape::Area(rings) => {
+                        ReprojectedShape::Area(rings.iter().map(|ring| flat(ring)).collect::<Result<_>>()?)
+                    }
+                })
+            };
+            layer.rows.par_iter().map(shape).collect()
+        };
+        Ok(Self(layers.iter().map(layer).collect::<Result<_>>()?))
+    }
+
+    /// The layers with the reprojected shapes instead of their own.
+    pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
+        let row = |(row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
+            let shape = match reprojected {
+                ReprojectedShape::Point(point) => Shape::Point(*point),
+                ReprojectedShape::Contour(points, z) => Shape::Contour(points, *z),
+                ReprojectedShape::Line(points) => Shape::Line(points),
+                ReprojectedShape::Area(rings) => Shape::Area(std::mem::take(rings)),
+            };
+            Row { shape, cells: row.cells.clone() }
+        };
+        let layer = |(layer, reprojected): (&'a Layer<'a>, &'a mut Vec<ReprojectedShape>)| Layer {
+            name: layer.name,
+            geometry: layer.geometry,
+            columns: layer.columns,
+            rows: layer.rows.iter().zip(reprojected).map(row).collect(),
+        };
+        layers.iter().zip(&mut self.0).map(layer).collect()
+    }
+}
