@@ -13,16 +13,16 @@ use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
 use crate::surface::{Surface, build};
 
-/// The ground between contours, and what was noticed about them.
+/// The ground between contours, and the findings about them.
 ///
-/// Coordinates are those of the working plane, also in what its methods return; [`Terrain::to_output`] is the way back.
+/// All coordinates, also of results, are on the working plane. [`Terrain::to_output`] gives the conversion back.
 #[derive(Debug, Clone)]
 pub struct Terrain {
     /// The surface: triangles, sub-domains, ridge and canyon lines, the smooth surface.
     pub surface: Surface,
-    /// What was noticed about the input, each fault once; places are on the working plane.
+    /// The findings about the input, one per fault; places are on the working plane.
     pub findings: Vec<Finding>,
-    /// How the working plane lies to the coordinates of the input.
+    /// The conversion between the working plane and the coordinates of the input.
     pub reprojection: Reprojection,
     memory: Option<u64>,
 }
@@ -68,7 +68,7 @@ impl Terrain {
         self.contours_with(targets, LayerParams::default().index_every, &())
     }
 
-    /// [`Terrain::contours`] with an index contour every so many levels (0 for none), which shows its progress.
+    /// [`Terrain::contours`] that shows its progress; every `index_every`-th level is an index contour (0 for none).
     ///
     /// # Errors
     /// As [`contour_layers`].
@@ -114,8 +114,7 @@ impl Terrain {
         }
     }
 
-    /// How far the heights of [`Terrain::dem`] are expected to be off: their standard errors, metres, as a raster. `None`
-    /// if the options did not ask for them.
+    /// Standard errors of the heights of [`Terrain::dem`], metres, as a raster. `None` if the options did not ask for them.
     ///
     /// # Errors
     /// As [`Terrain::dem`].
@@ -153,7 +152,7 @@ impl Terrain {
         mesh(&self.surface, params)
     }
 
-    /// The way from the working plane to the coordinates of the input, or to those of another system.
+    /// The conversion from the working plane to the coordinates of the input, or to those of another system.
     ///
     /// # Errors
     /// As [`Reprojection::from_working`].
