@@ -18,7 +18,7 @@ pub(super) enum Align {
     Center,
 }
 
-/// The light face is drawn this much bolder, pixels, because small light text is pale.
+/// Extra stroke width, pixels, because small text in a light face is pale.
 const EMBOLDEN: f32 = 0.35;
 
 /// Sets text.
