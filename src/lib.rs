@@ -4,8 +4,8 @@
 //!
 //! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005). The
 //! contours are triangulated. The triangles show where spurs, gullies and tops are. Ridge and canyon lines with heights
-//! turn the triangulation into a surface without flat steps. This reference surface then guides a smooth surface of minimum
-//! curvature through the contours (Briggs 1974; Smith and Wessel 1990). See [the method](guide::method).
+//! turn the triangulation into a surface without flat steps. This reference surface then guides a smooth surface of
+//! minimum curvature through the contours (Briggs 1974; Smith and Wessel 1990). See [the method](guide::method).
 //!
 //! # The pipeline
 //!
@@ -47,9 +47,9 @@
 //!
 //! # Units and axes
 //!
-//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
-//! The steps below [`Input`] do not take degrees: [`crs::Reprojection`] converts them to a plane and back. Higher ground lies
-//! on the right of every contour that is written.
+//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to
+//! south. The steps below [`Input`] do not take degrees: [`crs::Reprojection`] converts them to a plane and back.
+//! Higher ground lies on the right of every contour that is written.
 //!
 //! # Features
 //!
@@ -59,8 +59,8 @@
 //! | `draw` | pictures and reports in HTML |
 //! | `cli` (default) | the program `tokosen`; includes `io` and `draw` |
 //!
-//! The core, without these features, works on data in memory. It depends on crs-definitions, foldhash, geo, glam, proj4rs,
-//! pulp, rayon, robust, rstar, serde, serde_json, spade and thiserror.
+//! The core, without these features, works on data in memory. It depends on crs-definitions, foldhash, geo, glam,
+//! proj4rs, pulp, rayon, robust, rstar, serde, serde_json, spade and thiserror.
 //!
 //! # Examples
 //!

@@ -18,8 +18,8 @@ use super::summary;
 /// Faults in contour lines, their places and proposed repairs
 ///
 /// Faults of the lines themselves: repeated points, spikes, duplicates, crossings, gaps, sudden changes of elevation.
-/// Faults between neighbouring lines: contradicting elevations, missing contours, contours that end inside the map, spot
-/// heights outside their band, depression marks. Each finding has a code, a severity, a place, its features and
+/// Faults between neighbouring lines: contradicting elevations, missing contours, contours that end inside the map,
+/// spot heights outside their band, depression marks. Each finding has a code, a severity, a place, its features and
 /// elevations, a message and, where possible, a proposal. An error makes the ground near it wrong, a warning may do so,
 /// a note does not.
 ///

@@ -26,18 +26,18 @@ use super::surface::SurfaceArgs;
 /// Contour lines at a finer interval
 ///
 /// All contours of the input are written unchanged, vertex for vertex, with new lines between them. Each line has the
-/// attributes elev, source (input or interpolated), is_index, depression (lower ground inside) and closed. Higher ground
-/// is on the right of its direction. --uncertainty adds err_v and err_h (expected errors of height and position, in
-/// metres and in units of the working CRS) and inferred (the input says little about the ground there: a top, a pit, a
-/// wide flat, the strip along the frame). In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it
+/// attributes elev, source (input or interpolated), is_index, depression (lower ground inside) and closed. Higher
+/// ground is on the right of its direction. --uncertainty adds err_v and err_h (expected errors of height and position,
+/// in metres and in units of the working CRS) and inferred (the input says little about the ground there: a top, a pit,
+/// a wide flat, the strip along the frame). In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it
 /// holds no other attributes and no coordinate reference system.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer per
-    /// interval; other formats get one file per interval
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// per interval; other formats get one file per interval
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Interval of the new contours [metres], or several: 5,2,1
@@ -225,7 +225,7 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     };
     let dead_ends = match layer.dead_ends {
         0 => String::new(),
-        n => format!("; {n} lines that end at a closed contour of their level, beside missing ones, were not written"),
+        n => format!("; {n} lines that end at a ring of their level, where contours are missing, were not written"),
     };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(

@@ -24,14 +24,14 @@ use super::surface::SurfaceArgs;
 
 /// Slope, aspect, hillshade and steep places
 ///
-/// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope and
-/// aspect are computed over 3 x 3 cells (Horn 1981); at the border and beside cells without data, heights are
+/// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
+/// and aspect are computed over 3 x 3 cells (Horn 1981); at the border and beside cells without data, heights are
 /// extrapolated linearly. For a height map in degrees or Web Mercator, distances are converted to metres on the ground.
 ///
-/// Steep places are areas of cells with a slope of at least --steep-angle that span a height of at least --steep-height.
-/// The defaults of 30 degrees and 5 m are those of Japanese law for steep slopes that may fail (急傾斜地). Attributes of
-/// layer steep: area_id, area_m2 (on the map), height_m, slope_mean, slope_max, note. Parts of an area that touch at a
-/// corner have the same area_id. The result is no survey: contours 10 m apart cannot show slopes 5 m high.
+/// Steep places are areas of cells with a slope of at least --steep-angle that span a height of at least
+/// --steep-height. The defaults of 30 degrees and 5 m are those of Japanese law for steep slopes that may fail (急傾斜地).
+/// Attributes of layer steep: area_id, area_m2 (on the map), height_m, slope_mean, slope_max, note. Parts of an area
+/// that touch at a corner have the same area_id. The result is no survey: 10 m contours cannot show slopes 5 m high.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
@@ -45,7 +45,7 @@ pub struct DeriveArgs {
     /// Slope in degrees: .tif, .exr, .png (16 bit), .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     slope: Option<PathBuf>,
-    /// The direction that slopes face, in degrees clockwise from north; level ground has no data: .tif, .exr, .png (16 bit),
+    /// Direction that slopes face, degrees clockwise from north; level ground has no data: .tif, .exr, .png (16 bit),
     /// .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     aspect: Option<PathBuf>,
@@ -117,8 +117,8 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let SourceDem { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
     if looks_like_degrees(&dem.grid, dem.crs.as_ref()) {
-        let message = "the coordinates look like degrees, but the height map names no system; name it first, for example \
-                       with 'gdal_translate -a_srs EPSG:6668'";
+        let message = "the coordinates look like degrees, but the height map names no system; name it first, for \
+                       example with 'gdal_translate -a_srs EPSG:6668'";
         return Err(Failure::Work(Error::file(&args.input.map.contours, message)));
     }
     if dem.values.iter().all(|height| height.is_nan()) {

@@ -16,12 +16,12 @@ use super::summary;
 pub struct InputArgs {
     #[command(flatten)]
     pub map: MapArgs,
-    /// Smooth the contours: fit a curve to each within this tolerance, and space its vertices evenly [units of the working
-    /// CRS]. The input's vertices are then not kept
+    /// Smooth the contours: fit a curve to each within this tolerance, and space its vertices evenly [units of the
+    /// working CRS]. The input's vertices are then not kept
     #[arg(long, value_name = "TOLERANCE")]
     pub fit: Option<f64>,
-    /// Add vertices until the distance between neighbours on a line is at most S times the distance to the nearest other
-    /// contour. The input's own vertices stay; with --fit, all vertices lie on the fitted curve
+    /// Add vertices until the distance between neighbours on a line is at most S times the distance to the nearest
+    /// other contour. The input's own vertices stay; with --fit, all vertices lie on the fitted curve
     #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true)]
     pub sample: Option<f64>,
 }
@@ -49,8 +49,8 @@ impl InputArgs {
 fn describe_fit(fitted: &Fitted, console: &Console) {
     let [half, quarter, eighth] = fitted.narrowed;
     console.say(&format!(
-        "fitted     {} vertices by {} control points, {} new vertices, deviation at most {:.3}; tolerance halved for {half} \
-         lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
+        "fitted     {} vertices by {} control points, {} new vertices, deviation at most {:.3}; tolerance halved for \
+         {half} lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
         fitted.vertices_before, fitted.control_points, fitted.vertices_after, fitted.deviation, fitted.unchanged
     ));
 }

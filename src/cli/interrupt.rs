@@ -7,8 +7,8 @@ use tokosen::io::discard_unfinished;
 /// The exit status of a program that was stopped, as shells give it for Ctrl-C: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// Installs the signal handlers: SIGINT (Ctrl-C), SIGTERM and SIGHUP then leave no unfinished files. SIGHUP stays ignored if
-/// it was so, as with `nohup`. A file above the size limit of the process (SIGXFSZ) is a write error, like a full disk.
+/// Installs the signal handlers: SIGINT (Ctrl-C), SIGTERM and SIGHUP then leave no unfinished files. SIGHUP stays
+/// ignored if it was so, as with `nohup`. A file above the size limit of the process (SIGXFSZ) is a write error.
 #[cfg(unix)]
 pub fn prepare() -> io::Result<()> {
     use std::sync::Arc;

@@ -25,7 +25,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Checks the paths of all files, and opens the picture, if one is asked for. `inputs` are the files besides the contours.
+    /// Checks the paths of all files, and opens the picture, if one is asked for. `inputs`: besides contours.
     pub fn start<'p>(
         args: &'a InputArgs,
         inputs: impl IntoIterator<Item = &'p Path>,

@@ -15,8 +15,8 @@ use super::{memory, plane};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
-    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf), or
-    /// 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
+    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf),
+    /// or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
     pub contours: PathBuf,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
@@ -33,8 +33,8 @@ pub struct MapArgs {
     /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
-    /// Projected system in metres to work in, the working CRS [default: the input's own; for degrees and feet the Japanese
-    /// plane rectangular zone or the UTM zone of the data, or a transverse Mercator projection centred on them]
+    /// Projected system in metres to work in, the working CRS [default: the input's own; for degrees and feet the
+    /// Japanese plane rectangular zone or the UTM zone of the data, or a transverse Mercator about them]
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub work_crs: Option<Crs>,
     /// Join line ends of one elevation up to this distance, and close rings with such a gap [units of the working CRS]

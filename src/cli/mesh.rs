@@ -19,8 +19,8 @@ use super::{output, summary};
 /// A 3-D model (triangle mesh) from contour lines
 ///
 /// The model holds the triangles of the surface inside the frame; the contours are among their edges. Coordinates are
-/// relative to an offset, which is recorded in the file; heights are not changed. The model is always in the working CRS,
-/// in metres, whatever the CRS of the contours.
+/// relative to an offset, which is recorded in the file; heights are not changed. The model is always in the working
+/// CRS, in metres, whatever the CRS of the contours.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MeshArgs {

@@ -24,8 +24,8 @@ pub struct GridArgs {
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
     #[arg(long, value_name = "SIZE", value_parser = degrees, allow_negative_numbers = true, conflicts_with = "cell")]
     pub cell_degrees: Option<f64>,
-    /// Use the grid of this height map (.tif, .asc, .exr, .png): its extent, its cells, square or not, and its coordinate
-    /// reference system
+    /// Use the grid of this height map (.tif, .asc, .exr, .png): its extent, its cells, square or not, and its
+    /// coordinate reference system
     #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,
 }
@@ -38,8 +38,8 @@ pub struct HeightMapArgs {
     /// How heights are stored in a .png
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
-    /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second band
-    /// (.tif) or channel (.exr) 'standard error' [metres], new contours the attributes err_v, err_h and inferred
+    /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
+    /// band (.tif) or channel (.exr) 'standard error' [metres], new contours the attributes err_v, err_h and inferred
     #[arg(long)]
     pub uncertainty: bool,
 }

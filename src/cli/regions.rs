@@ -18,10 +18,10 @@ use super::surface::{FrameArgs, WaterArgs};
 
 /// The areas between contour lines, with their landforms and nesting
 ///
-/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope, water or
-/// branching), is_open (cut by the frame), band_lo and band_hi (the levels below and above it), n_ib (number of contours
-/// inside), mixture (the landforms of a branching one), parent (id of the enclosing area), depth (number of enclosing
-/// areas) and area (in units of the working CRS). Depressions are found from the contours around them.
+/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope, water
+/// or branching), is_open (cut by the frame), band_lo and band_hi (the levels below and above it), n_ib (number of
+/// contours inside), mixture (the landforms of a branching one), parent (id of the enclosing area), depth (number of
+/// enclosing areas) and area (in units of the working CRS). Depressions are found from the contours around them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RegionsArgs {

@@ -19,10 +19,10 @@ use super::surface::{FrameArgs, WaterArgs};
 
 /// Ridge and canyon lines with heights
 ///
-/// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one sub-domain
-/// (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its sub-domain),
-/// network (the same for lines that meet), length (in units of the working CRS), upper_end and lower_end (contour, junction,
-/// peak, bottom, saddle, frame, spot), upper_z and lower_z. The surface of the other verbs contains these lines.
+/// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one
+/// sub-domain (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its
+/// sub-domain), network (the same for lines that meet), length (in units of the working CRS), upper_end and lower_end
+/// (contour, junction, peak, bottom, saddle, frame, spot), upper_z and lower_z. The surface contains these lines.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SkeletonArgs {
@@ -32,10 +32,10 @@ pub struct SkeletonArgs {
     /// other formats get one file per layer
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Also write the layer triangles: the triangulation, with kind (terminal, sleeve, junction, eliminated), region, band
+    /// Also write the layer triangles: triangles with kind (terminal, sleeve, junction, eliminated), region, band
     #[arg(long, help_heading = "Output")]
     triangles: bool,
-    /// Also write the layer curve_mesh: contours, edges of the junction triangles that were kept, ridge and canyon lines
+    /// Also write the layer curve_mesh: contours, edges of kept junction triangles, ridge and canyon lines
     #[arg(long, help_heading = "Output")]
     curve_mesh: bool,
     #[command(flatten, next_help_heading = "Output")]

@@ -29,8 +29,8 @@ pub struct SurfaceArgs {
     /// lines [default: chosen from the contours]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub tension: Option<f64>,
-    /// Noise of the contours: 0 for smooth ones, 1 for those with jitter, as from unsmoothed lidar [default: chosen from
-    /// the contours]
+    /// Noise of the contours: 0 for smooth ones, 1 for those with jitter, as from unsmoothed lidar [default: chosen
+    /// from the contours]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub noise: Option<f64>,
     /// Another value of a tuned number, for scripts/sweep.py
@@ -162,12 +162,12 @@ impl FrameArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct WaterArgs {
-    /// Lakes: polygons that are level, at their elevation attribute or z, otherwise at the height of their shore; holes are
-    /// islands
+    /// Lakes: polygons that are level, at their elevation attribute or z, otherwise at the height of their shore; holes
+    /// are islands
     #[arg(long, value_name = "FILE")]
     pub water: Option<PathBuf>,
-    /// Level of the sea [metres]; the input must have contours at it. Ground that reaches down only to contours of this level
-    /// becomes level sea
+    /// Level of the sea [metres]; the input must have contours at it. Ground that reaches down only to contours of this
+    /// level becomes level sea
     #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
     pub sea: Option<f64>,
 }

@@ -93,7 +93,8 @@ pub struct TriangleArrays {
 }
 
 impl Mesh {
-    /// The vertices and triangles as arrays. Vertices are copied once, as the origin is added to them; triangles are moved.
+    /// The vertices and triangles as arrays. Vertices are copied once, as the origin is added to them; triangles are
+    /// moved.
     pub fn into_arrays(self) -> TriangleArrays {
         let vertices = self.vertices.iter().map(|v| (*v + self.origin).to_array()).collect();
         TriangleArrays { vertices, triangles: self.triangles }

@@ -83,8 +83,8 @@ impl Pair {
         if !looks_like_degrees(grid, crs.as_ref()) {
             return Ok(());
         }
-        let message = "the coordinates look like degrees, but neither A nor B names a system; name it first, for example \
-                       with 'gdal_translate -a_srs EPSG:6668'";
+        let message = "the coordinates look like degrees, but neither A nor B names a system; name it first, for \
+                       example with 'gdal_translate -a_srs EPSG:6668'";
         Err(Error::file(path, message))
     }
 
@@ -136,8 +136,8 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
     }
 }
 
-/// The conversion from one system to another; `None` if coordinates are the same in both, or if one is not known. `path`
-/// is named in the error.
+/// The conversion from one system to another; `None` if coordinates are the same in both, or if one is not known.
+/// `path` is named in the error.
 pub(super) fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>> {
     let Some((from, to)) = from.zip(to) else { return Ok(None) };
     let way = Transform::between(from, to).map_err(|error| error.in_file(path))?;
@@ -150,8 +150,8 @@ pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
 }
 
 impl Side {
-    /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard deviation,
-    /// metres).
+    /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard
+    /// deviation, metres).
     pub fn of_dem(path: &Path, dem: Dem, product: Option<(&str, f64)>) -> Self {
         let name = product.map_or("height map", |(name, _)| name);
         let Grid { cols, rows, cell, .. } = dem.grid;

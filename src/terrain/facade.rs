@@ -31,14 +31,14 @@ impl Terrain {
     /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
     ///
     /// # Errors
-    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or the
-    /// surface needs more memory than the options allow.
+    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or
+    /// the surface needs more memory than the options allow.
     pub fn build(mut input: Input, options: &Options) -> Result<Self> {
         Self::build_with(&mut input, options, &())
     }
 
-    /// [`Terrain::build`] that shows its progress. The map and the findings are moved out of the input; when it fails, the
-    /// findings stay there. Lines that were prepared already are not prepared again.
+    /// [`Terrain::build`] that shows its progress. The map and the findings are moved out of the input; when it fails,
+    /// the findings stay there. Lines that were prepared already are not prepared again.
     ///
     /// # Errors
     /// As [`Terrain::build`].
@@ -93,8 +93,9 @@ impl Terrain {
     /// The height map at the centres of cells.
     ///
     /// # Errors
-    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that were
-    /// given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system.
+    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that
+    /// were given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown
+    /// system.
     pub fn dem(&self, grid: &GridSpec) -> Result<Dem> {
         self.dem_with(grid, &())
     }
@@ -114,7 +115,8 @@ impl Terrain {
         }
     }
 
-    /// Standard errors of the heights of [`Terrain::dem`], metres, as a raster. `None` if the options did not ask for them.
+    /// Standard errors of the heights of [`Terrain::dem`], metres, as a raster. `None` if the options did not ask for
+    /// them.
     ///
     /// # Errors
     /// As [`Terrain::dem`].

@@ -20,7 +20,8 @@ use crate::surface::{Surface, heights, heights_on, standard_errors, standard_err
 pub enum GridSpec {
     /// Square cells of this size, units of the working coordinate reference system, on multiples of it over the frame.
     Cell(f64),
-    /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the frame.
+    /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the
+    /// frame.
     Degrees(f64),
     /// These cells.
     Cells {

@@ -1,8 +1,8 @@
 //! What a terrain is built from: [`Input`], a map on its working plane with the findings about it.
 //!
 //! An input reads a file or takes lines in memory. It names their coordinate reference system, converts elevations to
-//! metres and reprojects the lines to the working plane. Spot heights, lakes and a frame can be added, each in a coordinate
-//! reference system of its own.
+//! metres and reprojects the lines to the working plane. Spot heights, lakes and a frame can be added, each in a
+//! coordinate reference system of its own.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -126,8 +126,8 @@ impl Input {
         Ok(())
     }
 
-    /// Adds lakes: level ground at their height (in the unit of the contours), otherwise at the height of their shore. They
-    /// are in the contours' coordinate reference system if `crs` is `None`.
+    /// Adds lakes: level ground at their height (in the unit of the contours), otherwise at the height of their shore.
+    /// They are in the contours' coordinate reference system if `crs` is `None`.
     ///
     /// # Errors
     /// As [`Input::add_spots`].

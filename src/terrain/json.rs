@@ -14,8 +14,8 @@ use crate::contour::{ContourMap, distinct_levels, find_interval};
 use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 
-/// A description of the input, the counts of its findings, and each finding; places are in the input's coordinates. `map`
-/// is the map that [`Input::judge`] gave.
+/// A description of the input, the counts of its findings, and each finding; places are in the input's coordinates.
+/// `map` is the map that [`Input::judge`] gave.
 pub fn check_json(input: &Input, map: &ContourMap) -> Value {
     let Input { findings, reprojection, .. } = input;
     let place = |p: DVec2| if reprojection.are_unmoved() { Some(p) } else { reprojection.in_input(p) };

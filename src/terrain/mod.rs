@@ -1,4 +1,5 @@
-//! The entry to the library, from contour lines to results: [`Input`] → [`Terrain`] → contours, height maps, errors, meshes.
+//! The entry to the library, from contour lines to results: [`Input`] → [`Terrain`] → contours, height maps, errors,
+//! meshes.
 //!
 //! This module calls the steps of the other modules in the right order. The findings about the input are in
 //! [`Terrain::findings`].

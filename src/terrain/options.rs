@@ -27,7 +27,8 @@ pub struct Options {
     pub noise: Option<f64>,
     /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
-    /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their centres.
+    /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
+    /// centres.
     pub grid: Option<GridSpec>,
     /// Which triangles the smooth surface gets: [`Triangles::Reference`] is enough for height maps, and quicker.
     pub triangles: Triangles,

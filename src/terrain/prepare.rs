@@ -15,8 +15,8 @@ use crate::subdomains::Frame;
 pub enum Repair {
     /// Not at all: lines that must be cut or joined are an error.
     None,
-    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, crossing parts of
-    /// lines.
+    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, crossing parts
+    /// of lines.
     #[default]
     Safe,
     /// Also elevations, gaps and stray vertices, as the findings propose.
@@ -34,8 +34,8 @@ pub struct Preparation {
     pub strict: bool,
     /// Tolerance of a fit with smooth curves, units of the working coordinate reference system; no fit if `None`.
     pub fit: Option<f64>,
-    /// Vertices are added until the distance between neighbours on a line is at most this many times the distance to the
-    /// nearest other contour; none are added if `None`.
+    /// Vertices are added until the distance between neighbours on a line is at most this many times the distance to
+    /// the nearest other contour; none are added if `None`.
     pub sample: Option<f64>,
 }
 
@@ -145,8 +145,8 @@ impl Input {
         Ok(())
     }
 
-    /// Cleans the lines. With [`Repair::All`], sudden changes of elevation along a line and stray vertices are corrected
-    /// first.
+    /// Cleans the lines. With [`Repair::All`], sudden changes of elevation along a line and stray vertices are
+    /// corrected first.
     fn clean_lines(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         let (near, line_params) = (params.near(), LineParams { snap: params.snap });
         let mut map = std::mem::take(&mut self.map);
@@ -209,8 +209,8 @@ impl Input {
     /// The map is moved out of the input.
     ///
     /// # Errors
-    /// As [`subdivide_with_water`]. [`Error::Strict`] if the preparation was strict and there is an error or a warning. The
-    /// findings stay in the input.
+    /// As [`subdivide_with_water`]. [`Error::Strict`] if the preparation was strict and there is an error or a warning.
+    /// The findings stay in the input.
     pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Subdivision> {
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.lakes), sea };

@@ -29,8 +29,8 @@ pub struct CompareArgs {
     /// [default: that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true)]
     pub sigma: Option<f64>,
-    /// Contour interval at whose levels height maps are searched for terraces [m] [default: that of the contours, otherwise
-    /// usual intervals are tried]
+    /// Contour interval at whose levels height maps are searched for terraces [m] [default: that of the contours,
+    /// otherwise usual intervals are tried]
     #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true)]
     pub interval: Option<f64>,
     /// Also write the differences A − B: GeoTIFF (.tif), OpenEXR (.exr), 16-bit PNG (.png) and others
@@ -54,5 +54,6 @@ Examples:
   tokosen compare mine.tif published_dem.tif --sigma 5 -o difference.tif
   tokosen compare old.gpkg new.gpkg --cell 10 --json
 
-Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same after subtracting the bias; MAE, the mean of |d|;
-median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 % and 95 % of |d| do not exceed.";
+Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same after subtracting the bias; MAE, the
+mean of |d|; median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 % and 95 % of |d| do not
+exceed.";

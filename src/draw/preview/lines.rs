@@ -1,9 +1,9 @@
 //! The choice of the lines that are drawn, their strength and their strokes.
 //!
 //! Lines closer together than a few pixels would blacken the picture. The mean spacing of a set of lines is the map's
-//! area divided by their length. The narrower it is, the fainter the lines; if it is too narrow, only every second, fifth,
-//! tenth ... level is drawn. For interpolated levels the step must divide the input's interval evenly; if no such step
-//! exists, none of them is drawn. The legend says what is drawn.
+//! area divided by their length. The narrower it is, the fainter the lines; if it is too narrow, only every second,
+//! fifth, tenth ... level is drawn. For interpolated levels the step must divide the input's interval evenly; if no
+//! such step exists, none of them is drawn. The legend says what is drawn.
 
 use glam::DVec2;
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};

@@ -1,10 +1,10 @@
 //! A picture of the model in space: [`render_model`] looks down on it from the south-south-west along parallel rays.
 //!
-//! Parallel rays keep parallel lines parallel and equal heights equally long, so the picture can be read like a map. The
-//! triangles have the tint and the light of the map. Where there are few, each is of one brightness and its edges are
-//! drawn: the polyhedron shell (paper, figure 8). Where there are many, brightness varies evenly between the corners. On
-//! the model lie the contours and the ridge and canyon lines (the paper's curve mesh, figure 7b), hidden where the ground
-//! hides them.
+//! Parallel rays keep parallel lines parallel and equal heights equally long, so the picture can be read like a map.
+//! The triangles have the tint and the light of the map. Where there are few, each is of one brightness and its edges
+//! are drawn: the polyhedron shell (paper, figure 8). Where there are many, brightness varies evenly between the
+//! corners. On the model lie the contours and the ridge and canyon lines (the paper's curve mesh, figure 7b), hidden
+//! where the ground hides them.
 
 use glam::{DVec2, DVec3};
 use image::RgbImage;

@@ -14,7 +14,8 @@ const ALPHA: f32 = 0.6;
 const OUTLINE: Style = Style { color: INK, width: 0.6, alpha: 0.5, dashes: None };
 /// Vertices closer than this to the last one are left out, pixels.
 const FINE: f64 = 0.3;
-/// Coordinates are clamped to this distance from the map's corner, pixels, because the rasteriser loses digits beyond it.
+/// Coordinates are clamped to this distance from the map's corner, pixels, because the rasteriser loses digits beyond
+/// it.
 const FAR: f64 = 1e5;
 
 /// A class of areas, as the legend names it.

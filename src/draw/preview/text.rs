@@ -1,7 +1,7 @@
 //! Text as filled outlines.
 //!
-//! The font is Ubuntu Light, which the `epaint_default_fonts` crate embeds. The Ubuntu Font Licence 1.0 allows that, and
-//! says that pictures made with the font are free of it.
+//! The font is Ubuntu Light, which the `epaint_default_fonts` crate embeds. The Ubuntu Font Licence 1.0 allows that,
+//! and says that pictures made with the font are free of it.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point, PxScale, ScaleFont};
 use tiny_skia::{FillRule, PathBuilder, Pixmap, Stroke, Transform};

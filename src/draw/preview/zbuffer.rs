@@ -1,8 +1,8 @@
 //! Hidden-surface removal for triangles and lines: a depth buffer with several samples per pixel.
 //!
-//! The picture is drawn in bands of rows. Each band holds its own samples, so bands can be drawn in parallel. Within a band,
-//! triangles and lines are drawn in the order of their numbers, and of equal depths the first one stays. The picture
-//! therefore does not depend on the number of threads.
+//! The picture is drawn in bands of rows. Each band holds its own samples, so bands can be drawn in parallel. Within a
+//! band, triangles and lines are drawn in the order of their numbers, and of equal depths the first one stays. The
+//! picture therefore does not depend on the number of threads.
 //!
 //! A line only marks the samples that it covers. Colours are mixed at the end, so overlapping lines are not darker.
 
@@ -17,7 +17,8 @@ use crate::base::rows::Rows;
 const FINE: usize = 3;
 /// Rows of pixels in a band.
 const BAND: usize = 32;
-/// Lines are visible down to this depth below the ground, pixels, because they are wider than the edge that they follow.
+/// Lines are visible down to this depth below the ground, pixels, because they are wider than the edge that they
+/// follow.
 const BIAS: f64 = 2.5;
 /// Spans reach this far beyond their ends, samples, so that rounding leaves no gap between neighbours.
 const OVERLAP: f64 = 1e-6;

@@ -18,7 +18,8 @@ use crate::dem::shade::{ShadeParams, hillshade};
 const LONGEST: usize = 1000;
 /// The colour of cells without data.
 const VOID: [u8; 3] = [205, 205, 200];
-/// Colours of differences from the lowest to the highest; the middle is 0. Most colour-blind people can distinguish blue and red.
+/// Colours of differences from the lowest to the highest; the middle is 0. Most colour-blind people can distinguish
+/// blue and red.
 const STOPS: [[u8; 3]; 7] =
     [[24, 65, 130], [67, 130, 190], [160, 200, 224], [246, 246, 244], [245, 176, 142], [212, 94, 74], [130, 20, 40]];
 /// Share of the hillshade in the map of differences.

@@ -1,7 +1,7 @@
 //! The report of a comparison: sentences ([`remarks`]), tables ([`groups`]) and an HTML page ([`comparison_page`]).
 //!
-//! The page is one HTML file that needs no other file. Charts are SVG, drawn by `plotters`; pictures are embedded PNG; there
-//! is no script. The layout suits a phone, a desktop screen and paper.
+//! The page is one HTML file that needs no other file. Charts are SVG, drawn by `plotters`; pictures are embedded PNG;
+//! there is no script. The layout suits a phone, a desktop screen and paper.
 
 mod charts;
 mod maps;
