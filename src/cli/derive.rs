@@ -25,7 +25,7 @@ use super::surface::SurfaceArgs;
 /// Slope, aspect, hillshade and steep places
 ///
 /// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
-/// and aspect are computed over 3 x 3 cells (Horn 1981); at the border and beside cells without data, heights are
+/// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
 /// extrapolated linearly. For a height map in degrees or Web Mercator, distances are converted to metres on the ground.
 ///
 /// Steep places are areas of cells with a slope of at least --steep-angle that span a height of at least

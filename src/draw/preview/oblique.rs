@@ -114,7 +114,7 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         styles: &styles,
     });
     let size = IntSize::from_wh(view.size.0 as u32, view.size.1 as u32);
-    let picture = size.and_then(|size| Pixmap::from_vec(pixels, size)).expect("four bytes a pixel were drawn");
+    let picture = size.and_then(|size| Pixmap::from_vec(pixels, size)).expect("four bytes per pixel were drawn");
 
     let setter = Typesetter::new();
     let room = view.size.0.max(MIN_LEGEND);
