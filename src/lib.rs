@@ -45,6 +45,9 @@
 //! Data flows one way, down that table. Each step is a function of its input and its parameters. It returns its result
 //! together with [findings](base::error::Finding) about the input.
 //!
+//! [`validate`] chooses the hyper-parameters of the smooth surface and estimates standard errors, by cross-validation on
+//! hidden contours. [`tuning`] holds the fitted constants. [`base`] holds errors, progress, grids and memory limits.
+//!
 //! # Units and axes
 //!
 //! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to
