@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""How close tokosen comes to the ground, beside other tools: contours are cut from known heights, every tool gets them alone.
+"""Accuracy of height maps by tokosen and other tools: each gets only contours that were cut from known heights.
 
     benchmark_accuracy.py                                  # the sample and its contours every 20 m
     benchmark_accuracy.py lidar.tif 10
     benchmark_accuracy.py lidar.tif 10 --only tokosen --only GMT --keep height_maps
     benchmark_accuracy.py lidar.tif 10 --contours drawn.gpkg
 
-TRUTH is a height map in metres with square cells, INTERVAL that of the contours, in metres. They are cut at every multiple,
-linear between cell centres; with --contours those of a file are taken instead. Each tool makes a height map on the cells
-of TRUTH; benchmark_speed.py tells which tools there are and what they are called with. A row a tool:
+TRUTH is a height map in metres with square cells, INTERVAL the contour interval in metres. The contours are cut at every
+multiple of it, by linear interpolation between cell centres; --contours takes those of a file instead. Each tool makes a
+height map on the cells of TRUTH. benchmark_speed.py lists the tools and their parameters. One row per tool:
 
     RMSE         root mean square error, in units of the interval
     95 % below   95 % of the errors are at most this, in units of the interval
@@ -16,8 +16,8 @@ of TRUTH; benchmark_speed.py tells which tools there are and what they are calle
     terraces     share of cells flatter than 0.5 degrees where the truth is steeper than 3 degrees
     met          share of the contours' vertices where the height map is within 2 % of the interval of the contour's level
 
-All are of cells that have heights in every row; score_dem.py says more of them. Nothing here tells how exact a map's
-contours are: only what is lost between contours and height map.
+All figures are over the cells that have heights in every row; score_dem.py describes them. They do not include errors of
+a map's contours, only what is lost between contours and height map.
 """
 import argparse
 import json
@@ -41,13 +41,13 @@ COLUMNS = {"RMSE": ("rmse", "{:.3f}"), "95 % below": ("p95", "{:.3f}"), "slope R
 
 def main():
     a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    a.add_argument("truth", nargs="?", help="height map that counts as the ground (the sample's)")
+    a.add_argument("truth", nargs="?", help="height map of the true ground (the sample's)")
     a.add_argument("interval", nargs="?", type=float, help="of the contours, metres")
-    a.add_argument("--contours", help="take these instead of cutting some")
+    a.add_argument("--contours", help="use these instead of cutting contours")
     a.add_argument("--layer", help="layer of --contours (the first)")
     a.add_argument("--elev", help="attribute of --contours that holds the elevation (found by its name)")
     a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
-    a.add_argument("--only", action="append", metavar="NAME", help="run tools whose name has NAME in it; may be repeated")
+    a.add_argument("--only", action="append", metavar="NAME", help="run only tools with NAME in their name; may be repeated")
     a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each step of a tool (600)")
     a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
     a.add_argument("--json", action="store_true", help="print the figures as JSON")

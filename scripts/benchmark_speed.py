@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Time and memory that tokosen takes for a height map, beside other tools: same contours, same grid, one machine, one run.
+"""Time and memory of tokosen and other tools for the same height map, on one machine in one run.
 
     benchmark_speed.py                                     # the sample, on the grid of its truth
     benchmark_speed.py contours.gpkg --cell 5
     benchmark_speed.py contours.shp --elev HOEHE --like published_dem.tif --limit 1800
     benchmark_speed.py contours.gpkg --cell 5 --only tokosen --only GMT --keep height_maps
 
-A row a tool; those that are not installed are named below the table.
+One row per tool; tools that are not installed are named below the table.
 
     tokosen                    dem, with the defaults: the smooth surface
     tokosen, one thread        the same on one core
@@ -17,15 +17,15 @@ A row a tool; those that are not installed are named below the table.
     GRASS v.surf.rst           regularised spline with tension, defaults, all cores; also with npmin=120
     gdal_grid linear           Delaunay triangulation of the vertices
 
-Of tokosen and gdal_grid everything is measured, from the GeoPackage that they read to the GeoTIFF that they write. Of the
-others only the interpolation is: GMT's binary table, SAGA's points, GRASS's import and rasterised lines are made
-beforehand, GRASS is running, and its export follows afterwards. The last column has GRASS's import, rasterising and export
-with the rest; GMT's table and SAGA's points cost nothing there, as this script writes them.
+For tokosen and gdal_grid the whole run is measured, from the GeoPackage that they read to the GeoTIFF that they write.
+For the other tools only the interpolation is measured. GMT's binary table, SAGA's points, GRASS's import and rasterised
+lines are made before, and GRASS's export after it. The last column includes GRASS's import, rasterising and export. It
+includes no time for GMT's table and SAGA's points, because this script writes them.
 
-wall is the clock around the program, CPU the time of all its threads and processes, memory the peak resident memory of
-its largest process (10 MB is the least that can be told). Of several runs the least of each counts; the tools take turns.
-A tool that takes longer than --limit is stopped: its ratio is then a lower bound. Take the figures on a machine that does
-nothing else: other work lengthens wall most.
+wall is the elapsed time of the program, CPU the time of all its threads and processes, memory the peak resident memory
+of its largest process (values below 10 MB cannot be measured). Of several runs the least value counts; the tools take
+turns. A tool that takes longer than --limit is stopped; its ratio is then a lower bound. Use a machine that runs nothing
+else: other work increases wall most.
 """
 import argparse
 import json
@@ -55,7 +55,7 @@ def main():
     a.add_argument("--layer", help="layer of CONTOURS (the first)")
     a.add_argument("--elev", help="attribute of CONTOURS that holds the elevation (found by its name)")
     a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
-    a.add_argument("--only", action="append", metavar="NAME", help="run tools whose name has NAME in it; may be repeated")
+    a.add_argument("--only", action="append", metavar="NAME", help="run only tools with NAME in their name; may be repeated")
     a.add_argument("--runs", type=int, default=3, help="of each tool (3); one of what takes over a tenth of the limit")
     a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each run and each step before it (600)")
     a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
@@ -85,7 +85,7 @@ def main():
         print(json.dumps({**about, "figures": figures}, indent=1))
     else:
         show(figures, about, o.limit)
-    # A tool that is not there is no failure, nor is one that takes too long; one that broke is.
+    # A missing tool and a tool that takes too long are no failures; a tool that ends with an error is one.
     sys.exit(any("failed" in f for f in figures.values()))
 
 
@@ -110,7 +110,7 @@ def measure(present, folder, runs, limit):
         told = tools.prepare(tool, folder, limit)
         before[tool.name] = told.pop("seconds", None)
         figures[tool.name] = told
-    # In turns, so that a spell of other work on the machine does not hit one tool alone.
+    # In turns, so that other work on the machine does not slow down one tool alone.
     for turn in range(runs):
         for tool in present:
             best = figures[tool.name]

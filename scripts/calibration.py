@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Whether standard errors are what they say: how many of the true errors lie within one and within two of them.
+"""Calibration of standard errors: the share of true errors within one and within two standard errors.
 
     calibration.py TRUTH.tif INTERVAL TWO_BANDS.tif [--json]
 
-TRUTH holds the heights that contour lines were cut from at INTERVAL metres; TWO_BANDS is what `tokosen dem --like TRUTH
---uncertainty` made of those lines alone: heights and standard errors on the same grid. Without arguments a sample is used,
-and the program is called (on the path, or named by the environment variable TOKOSEN):
+TRUTH holds the heights that contour lines were cut from at INTERVAL metres. TWO_BANDS is the result of `tokosen dem --like
+TRUTH --uncertainty` from those lines alone: heights and standard errors on the same grid. With --sample the height map of a
+sample is made first. The program is found on the path, or named by the environment variable TOKOSEN:
 
     calibration.py --sample
 
-A row a class of cells: all, those near a contour (the height is within an eighth of the interval of a level), those in the
-middle of a band, steep and gentle ground (the steepest and the gentlest quarter), the largest and the smallest quarter of
-the stated errors, and tops and pits (beyond the highest or lowest contour around, where the truth reaches no further
-level). 68 and 95 per cent are right for errors of a bell shape.
+One row per class of cells: all; near a contour (the height is within an eighth of the interval of a level); in the middle
+of a band; steep and gentle ground (the steepest and the gentlest quarter); the largest and the smallest quarter of the
+stated errors; tops and pits (above the highest or below the lowest contour around, where the truth reaches no further
+level). For normally distributed errors, 68 and 95 per cent are right.
 """
 import argparse
 import json
@@ -109,7 +109,7 @@ def main():
     parser.add_argument("truth", nargs="?")
     parser.add_argument("interval", nargs="?", type=float)
     parser.add_argument("dem", nargs="?")
-    parser.add_argument("--sample", action="store_true", help="make the height map of a sample, and look at that")
+    parser.add_argument("--sample", action="store_true", help="make the height map of a sample, and examine it")
     parser.add_argument("--json", action="store_true")
     wanted = parser.parse_args()
     if wanted.sample:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Checks the figures of `tokosen compare` against the same figures reckoned another way.
+"""Checks the figures of `tokosen compare` against an independent computation.
 
     check_compare.py A.tif B.tif FIGURES.json [--contours LINES.gpkg] [--tolerance 1e-6]
 
 FIGURES.json is what `tokosen compare A.tif B.tif --json` printed, or what it printed for the contours that A.tif was made
-from. A and B are on one grid. With --contours the classes by distance to the nearest contour are checked, too. The exit
+from. A and B are on one grid. With --contours the classes by distance to the nearest contour are checked too. The exit
 status is 1 if a figure is off by more than the tolerance (relative where figures are above 1), or if there is nothing to
 check.
 """

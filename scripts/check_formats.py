@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Opens what the program writes with GDAL, in every format, and compares it with the GeoPackage and the GeoTIFF.
+"""Opens output files of every format with GDAL, and compares them with the GeoPackage and the GeoTIFF.
 
     cargo build --release
     .venv/bin/python scripts/check_formats.py target/release/tokosen
 
 GDAL comes with pyogrio and rasterio (scripts/requirements.txt). A raster format that rasterio's GDAL lacks is converted by
-the command line tools (gdalinfo, gdal_translate) if they are installed and have it; else it is skipped, and said so.
+the command line tools (gdalinfo, gdal_translate) if they are installed and support it; otherwise it is reported as skipped.
 
 Vectors: coordinate reference system, number of features, every coordinate bit for bit, every attribute that the format can
-keep, and how many features a window finds. Features may come in another order, rings may turn the other way. Rasters:
+keep, and the number of features in a window. Features may be in another order, rings in the other direction. Rasters:
 coordinate reference system, placement to a billionth of a cell, cells without data, heights; on a plane and in degrees.
 Exit status 1 if anything differs.
 """

@@ -4,20 +4,20 @@
     check_output.py INPUT OUTPUT [--dem DEM.tif] [--frame POLYGON [--clip]] [--sampled]
 
 INPUT holds contour lines with an attribute for the elevation (--elev; a usual name is found by itself) or 3-D lines.
-OUTPUT is a GeoPackage (all its layers), GeoJSON or Shapefile of tokosen. Prints a row a check, with the first few
+OUTPUT is a GeoPackage (all its layers), GeoJSON or Shapefile of tokosen. Prints one row per check, with the first few
 places where it failed; exit status 0 all passed, 1 a check failed, 2 a file could not be used.
 
 Checks of each layer that has the attributes elev and source:
-  attributes   elev finite, source "input" or "interpolated", one value of is_index a level, two points or more a line
+  attributes   elev finite, source "input" or "interpolated", one value of is_index per level, two points or more per line
   input kept   the vertices of each input line are a contiguous run of an output line of its elevation with source
-               "input", forward or backward, rings turned as may be, every number the same; and those lines have no
-               segment that the input has not
+               "input", in either direction, rings from any start, every number the same; these output lines have no
+               further segment
   crossings    no two lines of different elevation share a point
   simple       no line touches or crosses itself
   same level   interpolated lines of one level do not cross (their ends may touch)
   z            the z of every vertex is the line's elev
-  ends         interpolated lines end on the frame (--frame, else the convex hull of the input's vertices) or at
-               a vertex of an open input line of the same elevation, where they go on from it
+  ends         interpolated lines end on the frame (--frame, otherwise the convex hull of the input's vertices) or
+               at a vertex of an open input line of the same elevation, which they continue
   closed       the attribute closed says whether the line repeats its first point
   turning      closed lines run clockwise, and counterclockwise where the attribute depression is set, which is
                set on closed lines only
@@ -26,16 +26,15 @@ Checks of a DEM:
   dem range    no cell further than one interval outside the levels of the input
   dem side     the DEM is higher on the right of the lines than on the left (in 98 of 100 lines)
 
-With --clip the output was cut to the polygon: input lines are wanted as far as their segments lie inside it, and lines
-of source input may end in a part of an input segment on its border, and lie nowhere else than inside. A polygon that
-reaches further beyond the box around the map than half the mean distance between contours counts as far as the map's
-convex hull.
+With --clip the output was cut to the polygon. Only segments of input lines inside it are required. Lines of source input
+must lie inside it, and may end on its border with a part of an input segment. If the polygon reaches beyond the bounding
+box of the map by more than half the mean distance between contours, only its part inside the map's convex hull counts.
 
-With --sampled vertices may have been added on the input's segments: they must lie within --tolerance of the straight way
-between the input's vertices on both sides, and without them the input must be kept as ever.
+With --sampled vertices may have been added on the input's segments: they must lie within --tolerance of the straight line
+between the input's vertices on both sides, and without them the input must be kept as in the check above.
 
-Repeated points of the input count once, and so does a line that runs there and straight back. An input line that was
-repaired on purpose is no error of the output: --cut and --joints say how many lines and segments may differ.
+Repeated points of the input count once; so does a line that returns along itself. An input line that was repaired on
+purpose is no error of the output: --cut and --joints give the number of lines and segments that may differ.
 """
 import argparse
 import sys
@@ -142,7 +141,7 @@ def read_input(path, elev_name):
 
 
 def way_back(lines):
-    """The vertices on the way back of lines that run there and straight back."""
+    """The vertices on the way back of lines that return along themselves."""
     back = np.zeros(len(lines.xy), bool)
     for i in np.flatnonzero(lines.sizes() % 2):
         points = lines.points(i)

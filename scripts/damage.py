@@ -9,9 +9,9 @@
   patches    the same, but all of them within a few small patches
   remove     a share of the lines is left out
   relabel    a share of the lines gets the elevation of one to three intervals more or less
-and keeps the places where it did. `score` compares the heights that a program made of the sound and of the damaged contours
-with the truth, at cells further than five mean distances between contours from any damage. It prints both RMSE, over the
-contour interval, for those cells and for all.
+and records the places of the damage. `score` compares the heights from the sound and from the damaged contours with the
+truth, at cells further than five mean distances between contours from any damage. It prints both values of RMSE, divided by
+the contour interval, for those cells and for all.
 """
 import argparse
 

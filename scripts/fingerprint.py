@@ -58,11 +58,11 @@ def masked(text, folder, program):
 
 
 def run(root, number, steps, threads, program):
-    """What the commands of one entry leave: their exit statuses, their texts, the hashes of their files."""
+    """The results of the commands of one entry: exit statuses, texts, hashes of files."""
     folder = root / f"{number}-{threads}"
     folder.mkdir()
     out = {"steps": steps, "status": [], "stdout": "", "stderr": "", "files": {}}
-    # Neither what the user prefers nor the width of the terminal may matter.
+    # The user's settings and the width of the terminal must not matter.
     environment = {k: v for k, v in os.environ.items() if k != "COLUMNS" and not k.startswith(("RUST", "RAYON"))}
     for step in steps.split(" && "):
         try:
@@ -82,7 +82,7 @@ def run(root, number, steps, threads, program):
 
 
 def run_all(args):
-    """What every command leaves with one thread, and a line per failure."""
+    """The results of every command with one thread, and a line per failure."""
     listed = {name: (0, steps) for name, steps in commands.COMMANDS.items()} | commands.REFUSED
     with tempfile.TemporaryDirectory(prefix="fingerprint-") as held:
         root = pathlib.Path(held)

@@ -1,6 +1,7 @@
 """The commands that fingerprint.py runs, and the small maps that it draws for them.
 
-Standard library alone. All is the same on every machine: numbers are rounded where the last digit of a sine may differ.
+Only the standard library is used. The maps are the same on every machine: numbers are rounded, because the last digit of
+a sine may differ.
 """
 import json
 import math

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Which faults in contours does a check find, and how often does it cry wolf?
+"""Which faults in contours does a check find, and how many false alarms does it raise?
 
-Plants faults of known kind and place in a file of sound contours, runs the check under test on the damaged file and
-scores what it says:
+Plants faults of known kind and place in a file of sound contours, runs the check under test on the damaged file, and
+scores its findings:
 
     plant_faults.py score CONTOURS.gpkg --command 'tokosen check {contours} --json' [--labels 50] [--pieces 50] [--seed 1]
     plant_faults.py plant CONTOURS.gpkg DAMAGED.gpkg FAULTS.json [...]
@@ -61,7 +61,7 @@ class Lines:
         self.field = field
 
     def spacing(self):
-        """Half the way across a line between its neighbours, and whether these are of the levels above and below."""
+        """Half the distance between a line's neighbours, and whether these are of the levels above and below."""
         tree = shapely.STRtree(self.lines)
         extent = shapely.total_bounds(self.lines)
         reach = 0.25 * math.hypot(extent[2] - extent[0], extent[3] - extent[1])
@@ -255,7 +255,7 @@ def main():
     parser.add_argument("--spacings", type=float, default=5.0, help="least length of a line, in local spacings")
     parser.add_argument("--uniform", action="store_true", help="draw among all lines")
     parser.add_argument("--field", help="attribute of the elevation")
-    parser.add_argument("--verbose", action="store_true", help="list what was missed and the false alarms")
+    parser.add_argument("--verbose", action="store_true", help="list the missed faults and the false alarms")
     options = parser.parse_args()
     lines = Lines(options.contours, options.field)
     if options.mode == "plant":

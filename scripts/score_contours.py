@@ -11,16 +11,16 @@ Both sets of lines are sampled every half cell, and the distance from each sampl
 level of the other set is measured, exactly, to the segments. Samples count that lie between four heights of TRUTH, one
 cell inside the convex hull of the given contours and off a border of 1 % of the grid.
 
-A distance is at most CAP, and is CAP where there is no line of the level at all. CAP (--cap) is by default the
-mean distance between the given contours there, area divided by length of lines: a line that is missing or made up counts
-as wrong by one gap between given contours, however far away the next one of its level happens to be.
+A distance is at most CAP, and is CAP where there is no line of the level at all. By default CAP (--cap) is the mean
+spacing of the given contours there: area divided by length of lines. A missing or invented line thus counts as wrong by
+one mean spacing, however far away the next line of its level is.
 
-Output, lengths in map units, a row a direction:
+Output, lengths in map units, one row per direction:
 
-    new to true   from the new lines to the true ones: lines in the wrong place, or made up
+    new to true   from the new lines to the true ones: lines in the wrong place, or invented
     true to new   from the true lines to the new ones: lines in the wrong place, or missing
     mean, median, p95    of the capped distances (95 % are at most p95)
-    at cap        share of the samples at CAP, per cent: made up or missing
+    at cap        share of the samples at CAP, per cent: invented or missing
     length        length of lines that was sampled
 
 and the sum of both means, which is the score: less is better.

@@ -1,23 +1,24 @@
 #!/usr/bin/env python3
-"""How close a height map comes to the ground it was rebuilt from.
+"""Errors of height maps against the true ground.
 
     score_dem.py TRUTH.tif INTERVAL DEM.tif [DEM.tif ...] [--lines SKELETON.gpkg] [--json]
 
-TRUTH holds the heights that contour lines were cut from at INTERVAL metres, each DEM what was built from those lines
-alone, on the same grid. Cells count where all of them have data. A row a DEM:
+TRUTH holds the heights that contour lines were cut from at INTERVAL metres. Each DEM was built from those lines alone, on
+the same grid. Only cells where all of them have data count. One row per DEM:
 
     rmse   root mean square error, divided by the interval
     p95    95 % of the errors are at most this, divided by the interval
     slope  root mean square error of the slope angle, degrees (Horn)
     flat   share of cells flatter than 0.5 degrees where the truth is steeper than 3 degrees, per cent: terraces
     pits   cells lower than all eight neighbours
-    beads  those of the pits whose centre is within a cell of a canyon line (with --lines, the file of `tokosen skeleton`)
+    beads  artefact pits along valleys: pits whose centre is within a cell of a canyon line (with --lines, the file of
+           `tokosen skeleton`)
     meets  share of the contours' vertices where the height map, bilinear between cell centres, is within 2 % of the
            interval of the contour's level, per cent
 
 The contours are cut from TRUTH again; their vertices count for `meets` where every other contour line is at least two
-cells away, because nearer ones cannot both be met by the heights of one grid. The first row is the truth itself: real
-ground has pits, too.
+cells away, because one grid cannot meet both of two nearer lines. The first row is the truth itself, because real ground
+has pits too.
 """
 import argparse
 import json

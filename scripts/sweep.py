@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What tuned numbers do to the error of height maps of known ground.
+"""The effect of tuned numbers on the error of height maps of known ground.
 
     sweep.py NAME=VALUE,VALUE,... [NAME=VALUE,...] [MAP.gpkg:TRUTH.tif ...] [--keep FILE]
     sweep.py --all [MAP.gpkg:TRUTH.tif ...] [--keep FILE]
 
-NAME is a number of src/tuning, such as spline.crease_weight, or spline.steps.1 for an element of an array; a name that there
-is not lists all names. Two names are varied together: every value of the first with every value of the second. TRUTH holds
+NAME is a number of src/tuning, such as spline.crease_weight, or spline.steps.1 for an element of an array; an unknown
+name lists all names. Two names are varied together: every value of the first with every value of the second. TRUTH holds
 the heights that the contours of MAP were cut from; the height map is made on its grid. Without maps the sample is used.
 
 A row per value and map, and the geometric mean over the maps where there are several:
@@ -16,8 +16,8 @@ A row per value and map, and the geometric mean over the maps where there are se
 
 Cells count where both height maps have data. --all runs each number at half and at twice its value, one at a time, and sorts
 the numbers by their effect: by the change of the mean RMSE, and those of the standard error by the change of the share
-within one. --keep holds results in a file, by program, map and values, and takes those that are there already. --with passes
-more arguments on to tokosen, in one word: --with "--noise 1".
+within one. --keep stores results in a file, by program, map and values, and reuses those that it holds. --with passes more
+arguments on to tokosen, in one word: --with "--noise 1".
 """
 import argparse
 import concurrent.futures

@@ -1,6 +1,6 @@
-"""What the scoring scripts share: height maps, contour lines of files and of height maps, and the area that counts.
+"""Shared by the scoring scripts: height maps, contour lines of files and of height maps, and the area that counts.
 
-A grid's heights stand at the centres of its cells; row 0 is in the north. All lengths are map units.
+A grid's heights are at the centres of its cells; row 0 is in the north. All lengths are in map units.
 """
 import math
 import sys

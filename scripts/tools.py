@@ -1,8 +1,8 @@
-"""What the benchmark scripts share: how tokosen and other tools make a height map, and what a run takes.
+"""Shared by the benchmark scripts: how tokosen and other tools make a height map, and the time and memory of a run.
 
-Every tool gets the same contours and makes a height map of the same grid. What another tool needs before and after its
-interpolation (a table of vertices, a shapefile of points, GRASS's import, rasterised lines, export) is a step of its own,
-so that a measurement can leave it out.
+Every tool gets the same contours and makes a height map on the same grid. The work before and after its interpolation (a
+table of vertices, a shapefile of points, GRASS's import, rasterised lines, export) is a separate step, which a measurement
+can exclude.
 """
 import json
 import os
@@ -173,7 +173,7 @@ def shell(*commands):
 
 
 def find(binary):
-    """The full path of tokosen, or an end that tells how to get it."""
+    """The full path of tokosen; exits with a hint if it is missing."""
     return shutil.which(os.path.abspath(binary)) or shutil.which(binary) or sys.exit(
         f"{binary}: no such program; build it with `cargo build --release`, or name it with --tokosen")
 
@@ -188,7 +188,7 @@ def chosen(every, only):
 
 
 def versions(present):
-    """What the tools call themselves, each program once."""
+    """Names and versions as the programs state them, each program once."""
     out = []
     for program in dict.fromkeys(tool.program for tool in present):
         said = subprocess.run([program, "--version"], capture_output=True, text=True, errors="replace", stdin=subprocess.DEVNULL)
@@ -244,7 +244,7 @@ def run(command, folder, limit, session=(), extra=None):
 
 
 def say(what):
-    """Shows what is going on, on a terminal only."""
+    """Shows the current step, on a terminal only."""
     if sys.stderr.isatty():
         print(f"\r\033[K{what}", end="", file=sys.stderr, flush=True)
 

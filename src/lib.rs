@@ -1,57 +1,73 @@
-//! Terrain from contour lines: denser contours, height maps, ridge and canyon lines, and how far they are from others.
+//! Terrain from contour lines: denser contours, height maps, ridge and canyon lines, and comparison with height maps.
 //!
-//! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005): the
-//! contours are triangulated, the triangles tell where spurs, gullies and tops are, and lines with heights along their
-//! axes turn the triangulation into a surface without flat steps. With that as a guide, a smooth surface of least curvature
-//! is drawn through the contours.
+//! The [guide](guide) explains the program by task, the file formats, the method, the accuracy and the limits.
+//!
+//! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005). The
+//! contours are triangulated. The triangles show where spurs, gullies and tops are. Ridge and canyon lines with heights
+//! turn the triangulation into a surface without flat steps. This reference surface then guides a smooth surface of
+//! minimum curvature through the contours (Briggs 1974; Smith and Wessel 1990). See [the method](guide::method).
 //!
 //! # The pipeline
 //!
-//! [`Terrain`] is the entry: it calls the steps below in the order that they need. [`Input`] reads or takes the contours,
-//! [`Options`] has the parameters of all steps.
+//! [`Terrain`] is the entry. It calls the steps below in the right order. [`Input`] reads contours or takes them from
+//! memory. [`Options`] holds the parameters of all steps.
 //!
 //! | step | takes | gives |
 //! |---|---|---|
-//! | [`Input::read`], [`Input::from_map`], [`Input::from_arrays`] | a file, or lines in memory | an [`Input`]: a map on its working plane, findings about it |
-//! | [`Input::prepare`] | an input | the same, examined, repaired, cleaned, fitted and sampled |
+//! | [`Input::read`], [`Input::from_map`], [`Input::from_arrays`] | a file, or lines in memory | an [`Input`]: a map on its working plane, and the findings about it |
+//! | [`Input::prepare`] | an input | the same input: examined, repaired, cleaned, fitted and sampled |
 //! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
-//! | [`io::read_contours`] | a file, also of 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
-//! | [`crs::working_crs`], [`contour::reproject`] | a map in any coordinates | the same on a plane in metres, and the [`Reprojection`](crs::Reprojection) for the way back |
-//! | [`check::examine`] | a map as read | faults that its lines by themselves show, and what would mend them |
-//! | [`clean::clean`](fn@clean::clean) | a map | the same map made sound, and what was wrong with it |
-//! | [`resample::fit`](fn@resample::fit) | a clean map | a [`Fitted`](resample::Fitted) one: smooth lines within a tolerance |
-//! | [`resample::sample`](fn@resample::sample) | a clean map | a [`Sampled`](resample::Sampled) one: vertices as dense as the contours around ask |
+//! | [`io::read_contours`] | a file, including 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
+//! | [`crs::working_crs`], [`contour::reproject`] | a map in any coordinates | the same map on a plane in metres, and the [`Reprojection`](crs::Reprojection) between the two |
+//! | [`check::examine`] | a map as read | faults of single lines, and proposed corrections |
+//! | [`clean::clean`](fn@clean::clean) | a map | the repaired map, and findings about its faults |
+//! | [`resample::fit`](fn@resample::fit) | a clean map | a [`Fitted`](resample::Fitted) map: smooth lines within a tolerance |
+//! | [`resample::sample`](fn@resample::sample) | a clean map | a [`Sampled`](resample::Sampled) map: more vertices where other contours are near |
 //! | [`tin::triangulate`] | points and edges | a [`Tin`](tin::Tin), the constrained Delaunay triangulation |
-//! | [`subdomains::regions`] | a triangulation | [`Regions`](subdomains::Regions): sub-domains with the band of levels of each |
+//! | [`subdomains::regions`] | a triangulation | [`Regions`](subdomains::Regions): sub-domains, each with its band of levels |
 //! | [`subdivision::subdivide`](fn@subdivision::subdivide) | a clean map | a [`Subdivision`](subdivision::Subdivision): the triangulation with its sub-domains |
-//! | [`subdomains::landforms`] | both | a [`Landform`](subdomains::Landform) a sub-domain: outline, class, nesting tree |
-//! | [`skeleton::skeleton`] | both | ridge and canyon lines with heights |
-//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface, heights everywhere |
-//! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem) |
-//! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new ones between them |
+//! | [`subdomains::landforms`] | a triangulation, its sub-domains | a [`Landform`](subdomains::Landform) per sub-domain: outline, class, nesting tree |
+//! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
+//! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
+//! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
+//! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
-//! | [`io::raster::read_dem`] | a file | a [`Dem`](dem::Dem) that is there already |
-//! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | rasters of them, and [`Steeps`](dem::derive::Steeps): steep places as areas |
+//! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
+//! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
-//! | [`draw::preview::render`] | all of them | a picture |
-//! | [`dem::compare::compare`] | two height maps | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
-//! | [`dem::compare::difference`] | two height maps | a [`Dem`](dem::Dem) of their differences |
-//! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a page for people |
-//! | [`crs::Reprojection::from_working`] | a coordinate reference system | the way of lines and areas out to it |
+//! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
+//! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |
+//! | [`dem::compare::difference`] | two height maps on one grid | a [`Dem`](dem::Dem) of their differences |
+//! | [`draw::report::remarks`], [`draw::report::comparison_page`] | a comparison | sentences, and a report in HTML |
+//! | [`crs::Reprojection::from_working`] | a coordinate reference system | the conversion of lines and areas to it |
 //! | [`io::write_contours`], [`io::raster::write_dem`], [`io::mesh::write_mesh`] | the results | files |
 //!
-//! Data flows one way, down that table. A step is a function of its input and its parameters; what it noticed about the
-//! input comes back beside the result as [findings](base::error::Finding).
+//! Data flows one way, down that table. Each step is a function of its input and its parameters. It returns its result
+//! together with [findings](base::error::Finding) about the input.
+//!
+//! [`validate`] chooses the hyper-parameters of the smooth surface and estimates standard errors, by cross-validation on
+//! hidden contours. [`tuning`] holds the fitted constants. [`base`] holds errors, progress, grids and memory limits.
 //!
 //! # Units and axes
 //!
-//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to south.
-//! Coordinates must not be degrees: [`crs::Reprojection`] brings them to a plane and back. Higher ground lies on the right of every
-//! contour that comes out.
+//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to
+//! south. The steps below [`Input`] do not take degrees: [`crs::Reprojection`] converts them to a plane and back.
+//! Higher ground lies on the right of every contour that is written.
+//!
+//! # Features
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `io` | reading and writing of files: vector formats, rasters, 3-D models |
+//! | `draw` | pictures and reports in HTML |
+//! | `cli` (default) | the program `tokosen`; includes `io` and `draw` |
+//!
+//! The core, without these features, works on data in memory. It depends on crs-definitions, foldhash, geo, glam,
+//! proj4rs, pulp, rayon, robust, rstar, serde, serde_json, spade and thiserror.
 //!
 //! # Examples
 //!
-//! Contours 2 m apart and a height map from a file of contours, as the command `densify --dem` makes them:
+//! Contours at an interval of 2 m and a height map from a file of contours, as the command `densify --dem` writes them:
 //!
 //! ```
 //! use tokosen::io::layer::of_contours;
@@ -78,7 +94,7 @@
 //! }
 //! ```
 //!
-//! The steps themselves: a hill of two contours, sliced at 2 m and rasterised:
+//! The same with the single steps: a hill of two contours gets contours at an interval of 2 m and a height map:
 //!
 //! ```
 //! use glam::DVec2;

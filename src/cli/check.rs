@@ -1,4 +1,4 @@
-//! `tokosen check`: contour lines in, what is wrong with them out.
+//! `tokosen check`: contour lines in, their faults out.
 
 use std::path::{Path, PathBuf};
 
@@ -15,22 +15,22 @@ use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
 use super::summary;
 
-/// What is wrong with contour lines, where, and what would mend it
+/// Faults in contour lines, their places and proposed repairs
 ///
-/// Lines are looked at by themselves (repeated points, spikes, duplicates, crossings, gaps, elevations that jump), and
-/// in the ground between them (elevations that contradict the lines around, missing contours, ends in the open, spot heights
-/// outside their band, depression marks). Each finding has a code, a severity, a place, the features and elevations that it is
-/// about, a sentence, and where it can a proposal. An error makes the ground near it wrong, a warning may, a note is
-/// worth knowing.
+/// Faults of the lines themselves: repeated points, spikes, duplicates, crossings, gaps, sudden changes of elevation.
+/// Faults between neighbouring lines: contradicting elevations, missing contours, contours that end inside the map,
+/// spot heights outside their band, depression marks. Each finding has a code, a severity, a place, its features and
+/// elevations, a message and, where possible, a proposal. An error makes the ground near it wrong, a warning may do so,
+/// a note does not.
 ///
-/// The exit status is 0 also when something is found; with --strict it is 1 if that is an error or a warning.
+/// The exit status is 0 even if faults are found. With --strict it is 1 if there is an error or a warning.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CheckArgs {
     #[command(flatten)]
     map: MapArgs,
-    /// Findings as points: .gpkg or .geojson. With --repair the repaired contours instead: .geojson, .gpkg, .fgb, .dxf or .shp;
-    /// a GeoPackage holds spot heights too
+    /// Findings to write, as points: .gpkg or .geojson. With --repair: the repaired contours, as .geojson, .gpkg, .fgb,
+    /// .dxf or .shp; only a GeoPackage also holds the spot heights
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Print the findings as JSON
@@ -96,12 +96,14 @@ impl CheckArgs {
     fn open(&self) -> Result<Option<StagedOutput>, Failure> {
         let Some(path) = &self.output else {
             return match self.to_crs.to_crs {
-                Some(_) => Err(Failure::Usage("--to-crs is about the file that is written: add -o FILE".into())),
+                Some(_) => Err(Failure::Usage("--to-crs needs a file to write: add -o FILE".into())),
                 None => Ok(None),
             };
         };
         if self.map.repair == Some(RepairArg::None) {
-            return Err(Failure::Usage("--repair none repairs nothing that -o could hold; use safe or all".into()));
+            return Err(Failure::Usage(
+                "--repair none changes nothing, so -o has no map to write; use safe or all".into(),
+            ));
         }
         let known = match VectorFormat::from_path(path) {
             Ok(VectorFormat::GeoPackage | VectorFormat::GeoJson) => true,
@@ -128,7 +130,7 @@ fn contents(map: Option<&ContourMap>, findings: &[Finding], path: &Path) -> Stri
     let spots = match map.spots.len() {
         0 => String::new(),
         n if holds_spots(path) => format!(", {n} spot heights"),
-        n => format!("; its {n} spot heights only go into a .gpkg"),
+        n => format!("; {n} spot heights not written, only a .gpkg holds them"),
     };
     format!("{} lines{spots}, {repairs} repairs", map.contours.len())
 }

@@ -29,19 +29,19 @@ impl Console {
         Self { quiet, verbose, started: Instant::now(), reprojection: OnceLock::new(), state: Mutex::default() }
     }
 
-    /// From now on places in findings are on a plane, and told in the input's coordinates.
+    /// Sets the conversion of places in findings from the working plane to the input's coordinates.
     pub fn set_reprojection(&self, reprojection: &Reprojection) {
         // The input is read once.
         let _ = self.reprojection.set(reprojection.clone());
     }
 
-    /// How the plane lies to the input's coordinates, once that is known.
+    /// The conversion between the working plane and the input's coordinates, once the input is read.
     pub fn reprojection(&self) -> Option<&Reprojection> {
         self.reprojection.get()
     }
 
-    /// What a finding says, with its place in the input's coordinates.
-    pub fn told(&self, finding: &Finding) -> String {
+    /// The text of a finding, with its place in the input's coordinates.
+    pub fn text_of(&self, finding: &Finding) -> String {
         let Some(reprojection) = self.reprojection().filter(|reprojection| !reprojection.are_unmoved()) else {
             return finding.to_string();
         };
@@ -59,7 +59,7 @@ impl Console {
         }
     }
 
-    /// What was asked for as text on standard output; `--quiet` leaves it.
+    /// A result that the user asked for as text, on standard output. `--quiet` does not suppress it.
     pub fn result(&self, text: &str) {
         let _ = writeln!(std::io::stdout(), "{text}");
     }
@@ -71,12 +71,12 @@ impl Console {
         }
     }
 
-    /// Runs a step that tells no progress of its own.
+    /// Runs a step that reports no progress of its own.
     pub fn step<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
         step(self, name, work)
     }
 
-    /// The time since the program started, steps or not.
+    /// The time since the program started, also between steps.
     pub fn elapsed(&self) -> Duration {
         self.started.elapsed()
     }
@@ -93,7 +93,7 @@ impl Console {
         sums
     }
 
-    /// Takes a bar that is left off the screen.
+    /// Removes a progress bar that is still on the screen.
     pub fn clear(&self) {
         if let Some((_, _, bar)) = self.state().running.take() {
             bar.finish_and_clear();

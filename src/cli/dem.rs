@@ -17,8 +17,8 @@ use super::surface::SurfaceArgs;
 
 /// A height map (DEM) from contour lines
 ///
-/// Heights are those of the surface at the cell centres; cells outside the frame are nodata. The map is in the working CRS,
-/// with --cell-degrees in degrees, with --like in the CRS of that raster.
+/// Heights are those of the surface at the cell centres. Cells outside the frame are nodata. The height map is in the
+/// working CRS; with --cell-degrees it is in degrees, with --like in the CRS of that raster.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DemArgs {
@@ -29,7 +29,7 @@ pub struct DemArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
-    /// Also draw a picture of surface and contours: .png
+    /// Also draw a picture of the surface and the contours: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
     #[command(flatten)]
@@ -61,7 +61,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let dem = output.write(&terrain, console)?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines))?;
 
-    job.tell(&terrain.findings, &terrain.surface.map);
+    job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     output.commit(&dem, console)?;
     job.close(terrain.findings.len())

@@ -13,7 +13,7 @@ use tokosen::surface::Triangles;
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
 use tokosen::{Interval, Options, Terrain};
 
-use super::compare::{draw, open_page, tell};
+use super::compare::{draw, open_page, summarise};
 use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
@@ -25,19 +25,19 @@ use super::surface::SurfaceArgs;
 
 /// Contour lines at a finer interval
 ///
-/// All contours of the input come out unchanged, vertex for vertex, with new lines between them. Each line has the
-/// attributes elev, source (input or interpolated), is_index, depression (lower inside) and closed; higher ground is on
-/// the right of its direction. With --uncertainty also err_v and err_h (expected error of its height and of its course,
-/// metres and units of the working CRS) and inferred (the input hardly tells what lies there: a top, a pit, a wide flat,
-/// the strip along the frame). A DXF tells source and index contours by its layers (CONTOUR-INPUT-INDEX), and neither the
-/// other attributes nor the coordinate reference system.
+/// All contours of the input are written unchanged, vertex for vertex, with new lines between them. Each line has the
+/// attributes elev, source (input or interpolated), is_index, depression (lower ground inside) and closed. Higher
+/// ground is on the right of its direction. --uncertainty adds err_v and err_h (expected errors of height and position,
+/// in metres and in units of the working CRS) and inferred (the input says little about the ground there: a top, a pit,
+/// a wide flat, the strip along the frame). In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it
+/// holds no other attributes and no coordinate reference system.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DensifyArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals a GeoPackage gets a layer each,
-    /// the other formats a file each
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// per interval; other formats get one file per interval
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Interval of the new contours [metres], or several: 5,2,1
@@ -61,10 +61,10 @@ pub struct DensifyArgs {
         help_heading = "Output"
     )]
     levels: Vec<f64>,
-    /// Levels lie at BASE plus whole intervals [metres]
+    /// Levels are BASE plus whole multiples of the interval [metres]
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output")]
     base: f64,
-    /// Every so many levels one is an index contour; 0 for none
+    /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
     index: u32,
     #[command(flatten, next_help_heading = "Output")]
@@ -74,13 +74,13 @@ pub struct DensifyArgs {
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
-    /// Also compare the surface with this height map, at the centres of its cells; 'tokosen compare' has more on it
+    /// Also compare the surface with this height map, at the centres of its cells; see 'tokosen compare --help'
     #[arg(long, value_name = "RASTER", help_heading = "Output")]
     compare: Option<PathBuf>,
-    /// Page with maps, charts and tables of that comparison: .html
+    /// Also write a report of that comparison, with maps, charts and tables: .html
     #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Also draw a picture of surface and lines: .png
+    /// Also draw a picture of the surface and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
     #[command(flatten)]
@@ -127,7 +127,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     job.draw(|| picture(&terrain.surface, finest(&layers)))?;
 
     let findings = std::mem::take(&mut terrain.findings);
-    job.tell(&findings, &terrain.surface.map);
+    job.report(&findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
@@ -144,18 +144,18 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A height map that the surface is compared with, and the page about it.
+/// A height map that the surface is compared with, and the file of the report.
 struct Reference {
     side: Side,
     page: Option<StagedOutput>,
 }
 
 impl Reference {
-    /// Opens the page and reads the height map, if one is asked for.
+    /// Opens the report and reads the height map, if one is asked for.
     fn open(args: &DensifyArgs, findings: &mut Vec<Finding>, console: &Console) -> Result<Option<Self>, Failure> {
         let Some(path) = &args.compare else { return Ok(None) };
         if content(path)? == Content::Contours {
-            let message = "holds contours; --compare takes a height map, and 'tokosen compare' two maps";
+            let message = "holds contours; --compare takes a height map ('tokosen compare' takes both)";
             return Err(Failure::Work(Error::file(path, message)));
         }
         let page = args.report.as_deref().map(open_page).transpose()?;
@@ -163,7 +163,7 @@ impl Reference {
         Ok(Some(Self { side, page }))
     }
 
-    /// Compares the surface with it, and tells the figures.
+    /// Compares the surface with it, and prints the figures.
     fn compare(self, args: &DensifyArgs, terrain: Terrain, console: &Console) -> Result<(), Failure> {
         let Some(nodes) = self.side.nodes() else { return Ok(()) };
         console.say("");
@@ -174,7 +174,7 @@ impl Reference {
             draw(&page, &pair, &found, console)?;
             console.say(&format!("written    {}", page.commit()?.display()));
         }
-        tell(&pair, &found, console);
+        summarise(&pair, &found, console);
         Ok(())
     }
 }
@@ -183,9 +183,7 @@ impl DensifyArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self) -> Result<(), Failure> {
         if self.dem.is_none() && self.height_map.given().is_some() {
-            return Err(Failure::Usage(
-                "--cell, --cell-degrees, --like and --png-encoding are about a height map: add --dem FILE".into(),
-            ));
+            return Err(Failure::Usage("--cell, --cell-degrees, --like and --png-encoding need --dem FILE".into()));
         }
         output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.surface.check()
@@ -213,7 +211,7 @@ impl DensifyArgs {
     }
 }
 
-/// The layer with the most lines, for the picture.
+/// The lines of the layer with the most of them, for the picture.
 fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
     layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
@@ -223,13 +221,11 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
     let artefact_rings = match layer.artefact_rings {
         0 => String::new(),
-        n => format!("; {n} rings around single computed points left out"),
+        n => format!("; {n} tiny closed contours, each around one computed point, were not written"),
     };
     let dead_ends = match layer.dead_ends {
         0 => String::new(),
-        n => format!(
-            "; {n} lines left out that ran into a contour of their own level, where contours are missing around it"
-        ),
+        n => format!("; {n} lines that end at a ring of their level, where contours are missing, were not written"),
     };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(

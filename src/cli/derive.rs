@@ -24,20 +24,20 @@ use super::surface::SurfaceArgs;
 
 /// Slope, aspect, hillshade and steep places
 ///
-/// From a height map, or from contour lines by way of one (then with --cell or --like). Slope and aspect are Horn's, over
-/// 3 x 3 cells; at the border and beside cells without data the ground is carried on in a straight line. A height map in
-/// degrees or Web Mercator is measured in metres on the ground.
+/// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
+/// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
+/// extrapolated linearly. For a height map in degrees or Web Mercator, distances are converted to metres on the ground.
 ///
-/// Steep places are areas of cells that are at least --steep-angle steep and that span at least --steep-height: 30 degrees
-/// and 5 m are what Japanese law takes for a steep slope that may fail (急傾斜地). Attributes of layer steep: area_id, area_m2
-/// (on the map), height_m, slope_mean, slope_max, note. Parts of an area that meet at a corner have the same area_id. The
-/// result shows what the map shows and is no survey: contours 10 m apart cannot show slopes of 5 m.
+/// Steep places are areas of cells with a slope of at least --steep-angle that span a height of at least
+/// --steep-height. The defaults of 30 degrees and 5 m are those of Japanese law for steep slopes that may fail (急傾斜地).
+/// Attributes of layer steep: area_id, area_m2 (on the map), height_m, slope_mean, slope_max, note. Parts of an area
+/// that touch at a corner have the same area_id. The result is no survey: 10 m contours cannot show slopes 5 m high.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
     mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [map units]; cells lie on multiples of it")),
-    mut_arg("like", |arg| arg.help("For contours: take the grid of this height map (.tif, .asc, .exr, .png)")),
+    mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png)")),
 )]
 pub struct DeriveArgs {
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub struct DeriveArgs {
     /// Slope in degrees: .tif, .exr, .png (16 bit), .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     slope: Option<PathBuf>,
-    /// The direction that slopes face, degrees clockwise from north, level ground without data: .tif, .exr, .png (16 bit),
+    /// Direction that slopes face, degrees clockwise from north; level ground has no data: .tif, .exr, .png (16 bit),
     /// .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     aspect: Option<PathBuf>,
@@ -55,7 +55,7 @@ pub struct DeriveArgs {
     /// Steep places as areas: .gpkg, .geojson or .shp
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     steep: Option<PathBuf>,
-    /// Least slope of a steep place [degrees]
+    /// Minimum slope of a steep place [degrees]
     #[arg(
         long,
         value_name = "DEGREES",
@@ -65,7 +65,7 @@ pub struct DeriveArgs {
         help_heading = "Output"
     )]
     steep_angle: f64,
-    /// Least height of a steep place [metres]
+    /// Minimum height of a steep place [metres]
     #[arg(
         long,
         value_name = "METRES",
@@ -94,7 +94,7 @@ Examples:
 /// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.
 const HIGHEST: f64 = 10_000.0;
 
-/// The outputs that are asked for, opened before the work.
+/// The outputs that are asked for; their files are opened before the work.
 struct Outputs {
     slope: Option<StagedOutput>,
     aspect: Option<StagedOutput>,
@@ -102,8 +102,8 @@ struct Outputs {
     steep: Option<StagedOutput>,
 }
 
-/// The height map with what is known about where it comes from.
-struct Ground {
+/// The height map, what it was made from, and the findings about it.
+struct SourceDem {
     dem: Dem,
     source: HeightsFrom,
     findings: Vec<Finding>,
@@ -114,10 +114,10 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let is_raster = content(&args.input.map.contours)? == Content::HeightMap;
     args.check(is_raster)?;
     let outputs = args.open()?;
-    let Ground { dem, source, findings } =
+    let SourceDem { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
     check(&dem).map_err(|error| error.in_file(&args.input.map.contours))?;
-    // The strictness of contours is judged where they are read.
+    // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {
         let checked = all_right(&args.input.map.contours.display().to_string(), &findings);
         checked.map_err(|error| summary::after_findings(error, &findings, console))?;
@@ -155,14 +155,14 @@ impl DeriveArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, is_raster: bool) -> Result<(), Failure> {
         if self.outputs().next().is_none() {
-            return Err(Failure::Usage("name what to write: --slope, --aspect, --hillshade or --steep FILE".into()));
+            return Err(Failure::Usage("choose an output: --slope, --aspect, --hillshade or --steep FILE".into()));
         }
         let for_contours = (self.grid.given())
             .or(self.input.map.points.as_ref().map(|_| "--points"))
             .or_else(|| self.input.about_contours())
             .or_else(|| self.surface.given());
         if let Some(flag) = for_contours.filter(|_| is_raster) {
-            return Err(Failure::Usage(format!("{flag} is about contours, and the input is a height map")));
+            return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));
         }
         if !is_raster {
             self.grid.check()?;
@@ -198,17 +198,17 @@ impl DeriveArgs {
         })
     }
 
-    fn read_raster(&self, console: &Console) -> Result<Ground, Failure> {
+    fn read_raster(&self, console: &Console) -> Result<SourceDem, Failure> {
         let path = &self.input.map.contours;
         let read = console.step("reading", || read_dem(path))?;
         let dem = read.value.dem;
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
-        Ok(Ground { dem, source: HeightsFrom::HeightMap, findings: read.findings })
+        Ok(SourceDem { dem, source: HeightsFrom::HeightMap, findings: read.findings })
     }
 
-    fn read_contours(&self, console: &Console) -> Result<Ground, Failure> {
+    fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
         let mut input = self.input.read(console)?;
         let grid = self.grid.spec()?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
@@ -217,7 +217,7 @@ impl DeriveArgs {
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);
         let dem = terrain.dem_with(&grid, console)?;
-        Ok(Ground { dem, source, findings: terrain.findings })
+        Ok(SourceDem { dem, source, findings: terrain.findings })
     }
 }
 
@@ -241,7 +241,7 @@ fn write(
 fn describe(path: &Path, steeps: &Steeps, args: &DeriveArgs, console: &Console) {
     let area: f64 = steeps.parts.iter().map(|part| part.area).sum();
     console.say(&format!(
-        "steep      {} areas of at least {} degrees and {} m, {:.2} hectares; {} lower ones left out",
+        "steep      {} areas of at least {} degrees and {} m, {:.2} hectares; {} lower areas were not written",
         steeps.areas,
         args.steep_angle,
         args.steep_height,

@@ -9,7 +9,7 @@ use super::hints;
 pub enum Failure {
     /// The arguments contradict each other.
     Usage(String),
-    /// The library's word.
+    /// The library reported an error.
     Work(Error),
 }
 

@@ -1,25 +1,25 @@
-//! What the user sees of the library's errors: its sentence, with the flag that helps.
+//! The library's errors as the user sees them: the message, with the flag that helps.
 
 use tokosen::base::error::{CrsNeed, Error, ZCoordinate};
 
-/// The text of an error with its causes, and with the flag that helps. Some errors say the words of their own cause
-/// themselves, others repeat it with a number before it.
+/// The message of an error with its causes and the flag that helps. Some errors contain the text of their cause, some
+/// causes end with the text of the error above; these are not repeated.
 pub fn with_causes(error: &Error) -> String {
     let mut text = error.to_string();
     let mut last = text.clone();
     let mut cause = std::error::Error::source(error);
     while let Some(inner) = cause {
-        let told = inner.to_string();
-        if !text.ends_with(&told) && !told.ends_with(&last) {
-            text.push_str(&format!(": {told}"));
+        let message = inner.to_string();
+        if !text.ends_with(&message) && !message.ends_with(&last) {
+            text.push_str(&format!(": {message}"));
         }
-        last = told;
+        last = message;
         cause = inner.source();
     }
     with_flags(error, text)
 }
 
-/// The sentence of an error with the flag that helps.
+/// The message of an error with the flag that helps.
 pub fn with_flags(error: &Error, sentence: String) -> String {
     let field = "choose one with -a/--elevation-field";
     let hint = match error.root() {
@@ -31,7 +31,7 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::ElevationsDisagree { with_z: true, .. } => format!("; {field} (-a z takes the z coordinate)"),
         Error::NoElevationField { .. } | Error::ElevationsDisagree { .. } => format!("; {field}"),
         Error::NoElevations { .. } => " (-a z takes the 0 all the same)".to_owned(),
-        Error::FlatLayers { .. } => "; name those of contours with --layer A,B".to_owned(),
+        Error::FlatLayers { .. } => "; name the layers with contours: --layer A,B".to_owned(),
         Error::LayerAmbiguous { what: "lines", .. } => "; choose one with --layer".to_owned(),
         Error::LayerAmbiguous { .. } => {
             "; copy the right one to a file of its own, for instance with 'ogr2ogr one.gpkg all.gpkg LAYER'".to_owned()
@@ -41,13 +41,13 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
     sentence + &hint
 }
 
-/// The sentence of an error that is about a flag.
+/// The message of an error about a parameter, with its flag.
 fn in_flags(error: &Error) -> Option<String> {
     let needs_crs =
         |flag: &str| format!("{flag} needs contours whose coordinate reference system is known; name it with --crs");
     Some(match error {
         Error::OutOfRange { name, value, must, .. } => format!("{} is {value}, it must be {must}", flag_of(name)?),
-        Error::NotProjectedInMetres { name } => format!("--work-crs {name} is no projected system in metres"),
+        Error::NotProjectedInMetres { name } => format!("--work-crs {name} is not a projected system in metres"),
         Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs } => needs_crs("--work-crs"),
         Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees } => needs_crs("--cell-degrees"),
         Error::TooManyCells { cell, cols, rows, in_degrees } => {
@@ -56,7 +56,7 @@ fn in_flags(error: &Error) -> Option<String> {
         }
         Error::NeedsRepair { input, places } => format!(
             "{input}: {places} places need repair before a surface can be made, and --repair none is set; --repair safe \
-             mends them, 'tokosen check' tells of them"
+             repairs them, 'tokosen check' lists them"
         ),
         Error::Strict { input, findings: 1 } => format!("1 finding about {input}, and --strict is set"),
         Error::Strict { input, findings } => format!("{findings} findings about {input}, and --strict is set"),

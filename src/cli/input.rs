@@ -1,4 +1,4 @@
-//! The arguments about the input: the map, and what is done to its lines before all else.
+//! The arguments about the input: the map, and how its lines are prepared.
 
 use clap::Args;
 use tokosen::Input;
@@ -16,18 +16,18 @@ use super::summary;
 pub struct InputArgs {
     #[command(flatten)]
     pub map: MapArgs,
-    /// Smooth the contours: fit each with a curve that stays so near, and space its vertices evenly [units of the working
-    /// CRS]. The input is then not kept vertex for vertex
+    /// Smooth the contours: fit a curve to each within this tolerance, and space its vertices evenly [units of the
+    /// working CRS]. The input's vertices are then not kept
     #[arg(long, value_name = "TOLERANCE")]
     pub fit: Option<f64>,
-    /// Add vertices until, for each of them, its neighbours on the line are at most S times as far away as the nearest other
-    /// contour; the input's own vertices stay. With --fit the points lie on the fitted curve
+    /// Add vertices until the distance between neighbours on a line is at most S times the distance to the nearest
+    /// other contour. The input's own vertices stay; with --fit, all vertices lie on the fitted curve
     #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true)]
     pub sample: Option<f64>,
 }
 
 impl InputArgs {
-    /// The first flag that says something about contours, if there is one; a run without contours must not pass over it.
+    /// The first flag that applies to contours, if one is given; a run without contours must not ignore it.
     pub fn about_contours(&self) -> Option<&'static str> {
         let own = [(self.fit.is_some(), "--fit"), (self.sample.is_some(), "--sample")];
         first_given(self.map.flags().chain(own))
@@ -49,16 +49,16 @@ impl InputArgs {
 fn describe_fit(fitted: &Fitted, console: &Console) {
     let [half, quarter, eighth] = fitted.narrowed;
     console.say(&format!(
-        "fitted     {} vertices with {} control points, {} vertices out, off by {:.3} at most; tolerance halved for {half} \
-         lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
+        "fitted     {} vertices by {} control points, {} new vertices, deviation at most {:.3}; tolerance halved for \
+         {half} lines, quartered for {quarter}, an eighth for {eighth}; {} lines unchanged",
         fitted.vertices_before, fitted.control_points, fitted.vertices_after, fitted.deviation, fitted.unchanged
     ));
 }
 
 fn describe_sample(sampled: &Sampled, console: &Console) {
     console.say(&format!(
-        "sampled    {} vertices added; {} pieces kept longer by the lower limit of {:.3}, {} segments left whole lest lines \
-         meet",
+        "sampled    {} vertices added; {} pieces stay longer because the lower limit is {:.3}, {} segments stay whole \
+         because lines would meet",
         sampled.added, sampled.held, sampled.least, sampled.whole
     ));
 }

@@ -4,12 +4,11 @@ use std::io;
 
 use tokosen::io::discard_unfinished;
 
-/// The exit status of a program that was stopped, as shells have it for Ctrl-C.
+/// The exit status of a program that was stopped, as shells give it for Ctrl-C: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// From here on a program that is stopped (Ctrl-C, or politely by the system) leaves no unfinished files behind, and a file
-/// that grows beyond what the system lets it is an error like that of a full disk. A terminal that hangs up stops it too,
-/// unless it was started to outlive the terminal, as `nohup` does.
+/// Installs the signal handlers: SIGINT (Ctrl-C), SIGTERM and SIGHUP then leave no unfinished files. SIGHUP stays
+/// ignored if it was so, as with `nohup`. A file above the size limit of the process (SIGXFSZ) is a write error.
 #[cfg(unix)]
 pub fn prepare() -> io::Result<()> {
     use std::sync::Arc;
@@ -18,7 +17,7 @@ pub fn prepare() -> io::Result<()> {
     use signal_hook::iterator::Signals;
 
     let mut signals = Signals::new([SIGINT, SIGTERM])?;
-    if minds_hang_up() {
+    if is_hang_up_heeded() {
         signals.add_signal(SIGHUP)?;
     }
     std::thread::Builder::new().name("signals".into()).spawn(move || {
@@ -26,14 +25,14 @@ pub fn prepare() -> io::Result<()> {
             stop();
         }
     })?;
-    // The signal for it kills a program that does not mind it. One that does is told by the write that failed.
+    // Without a handler, SIGXFSZ kills the program. With one, the write that caused it fails.
     signal_hook::flag::register(SIGXFSZ, Arc::default())?;
     Ok(())
 }
 
-/// Whether the signal of a terminal that hangs up is not ignored. Where the system does not tell, the signal is left to it.
+/// Whether SIGHUP is not ignored. Where the system does not say, no handler is installed for it.
 #[cfg(unix)]
-fn minds_hang_up() -> bool {
+fn is_hang_up_heeded() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     // A hexadecimal number whose lowest bit is the first signal.
@@ -41,7 +40,7 @@ fn minds_hang_up() -> bool {
     ignored.is_some_and(|mask| mask >> (signal_hook::consts::SIGHUP - 1) & 1 == 0)
 }
 
-/// From here on a program that is stopped with Ctrl-C leaves no unfinished files behind.
+/// Installs the signal handler. From then on Ctrl-C leaves no unfinished files.
 #[cfg(not(unix))]
 pub fn prepare() -> io::Result<()> {
     ctrlc::set_handler(stop).map_err(io::Error::other)

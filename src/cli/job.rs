@@ -1,5 +1,5 @@
-//! What every verb does around its own work: paths are checked and outputs opened before it; findings, summary and the
-//! files' final names come after it.
+//! What the verbs share. Before the work, paths are checked and outputs are opened. After it, findings and summary are
+//! printed, and the files get their final names.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use super::input::InputArgs;
 use super::surface::{SurfaceArgs, WaterArgs};
 use super::{output, summary};
 
-/// A run of a verb that makes something of contours.
+/// One run of a verb that reads contours.
 pub struct Job<'a> {
     console: &'a Console,
     args: &'a InputArgs,
@@ -25,7 +25,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Checks the paths of all files, and opens the picture's, if one is asked for. `inputs` are those beside the contours.
+    /// Checks the paths of all files, and opens the picture, if one is asked for. `inputs`: besides contours.
     pub fn start<'p>(
         args: &'a InputArgs,
         inputs: impl IntoIterator<Item = &'p Path>,
@@ -37,9 +37,7 @@ impl<'a> Job<'a> {
         inputs.extend(args.map.files());
         let outputs: Vec<&Path> = outputs.into_iter().chain(picture).collect();
         check_paths(&inputs, &outputs)?;
-        if let Some(path) = picture.filter(|path| output::extension(path) != "png") {
-            return Err(Failure::Usage(format!("{}: pictures are written as .png", path.display())));
-        }
+        picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
@@ -68,8 +66,8 @@ impl<'a> Job<'a> {
         Ok(written?)
     }
 
-    /// Tells what was noticed about the input, and what it is.
-    pub fn tell(&self, findings: &[Finding], map: &ContourMap) {
+    /// Prints the findings and the lines that describe the input.
+    pub fn report(&self, findings: &[Finding], map: &ContourMap) {
         summary::findings(findings, self.console);
         self.args.map.describe(map, self.console);
     }
@@ -82,7 +80,7 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Puts the picture in its place, and tells the end of the summary.
+    /// Puts the picture in its place, and prints the end of the summary.
     pub fn close(self, findings: usize) -> Result<(), Failure> {
         let console = self.console;
         self.commit_picture()?;
@@ -91,7 +89,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Builds the surface of an input. Tells the findings when the building ended in an error: what was left out may be why.
+/// Builds the surface of an input. If that fails, prints the findings: lines that were left out may be the cause.
 pub fn build(
     input: &mut Input,
     surface: &SurfaceArgs,
@@ -100,7 +98,7 @@ pub fn build(
 ) -> Result<Terrain, Failure> {
     surface.add_to(input)?;
     let built = Terrain::build_with(input, options, console);
-    // As long as the map is there, nothing was made of it.
+    // A map that is still there was not used yet: the error is not about its lines.
     built.map_err(|error| match input.map.contours.is_empty() {
         true => summary::after_findings(error, &input.findings, console).into(),
         false => error.into(),

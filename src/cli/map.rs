@@ -15,8 +15,8 @@ use super::{memory, plane};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
-    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf), or
-    /// 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
+    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf),
+    /// or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
     pub contours: PathBuf,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
@@ -27,27 +27,25 @@ pub struct MapArgs {
     /// Spot heights: points with an elevation, which the surface then passes through
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Unit of the elevations of contours, spot heights and lakes; on output they are metres
+    /// Unit of the elevations of contours, spot heights and lakes; outputs are in metres
     #[arg(long, value_enum, default_value_t = UnitArg::M)]
     pub unit: UnitArg,
-    /// Coordinate reference system of the contours, where the file names none or a wrong one: EPSG:6668, or a WKT
+    /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
-    /// Projected system in metres to work in [default: the input's own; for degrees and feet the Japanese plane rectangular
-    /// zone or the UTM zone of the data, or a transverse Mercator about them]
+    /// Projected system in metres to work in, the working CRS [default: the input's own; for degrees and feet the
+    /// Japanese plane rectangular zone or the UTM zone of the data, or a transverse Mercator about them]
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub work_crs: Option<Crs>,
-    /// Join ends of one elevation that are at most so far apart, and close rings with such a gap [units of the working CRS]
+    /// Join line ends of one elevation up to this distance, and close rings with such a gap [units of the working CRS]
     #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true)]
     pub snap: f64,
-    /// How far to repair the contours: not at all, which stops where lines must be cut or joined; only what cannot change
-    /// their meaning (repeated points, duplicates, ends within --snap, vertices that stray across another line, else the
-    /// smallest piece where lines cross); or also elevations, gaps and stray vertices that cross nothing, as
-    /// 'tokosen check' proposes
+    /// How far to repair the contours. Safe repairs, also made without this option, are those of repeated points,
+    /// duplicates, line ends within --snap and crossings. At a crossing, vertices that stray across the other line are
+    /// removed; otherwise the shorter crossing part is removed
     #[arg(long, value_enum, value_name = "HOW")]
     pub repair: Option<RepairArg>,
-    /// Stop with exit status 1 when anything is wrong with the input (notes are not), instead of going on without the
-    /// smallest piece
+    /// Stop with exit status 1 if there is an error or a warning about the input, instead of going on with safe repairs
     #[arg(long)]
     pub strict: bool,
 }
@@ -63,7 +61,7 @@ pub enum UnitArg {
 }
 
 impl UnitArg {
-    /// The library's word.
+    /// The library's unit.
     pub fn unit(self) -> ElevationUnit {
         match self {
             Self::M => ElevationUnit::Metre,
@@ -75,16 +73,16 @@ impl UnitArg {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum RepairArg {
-    /// Nothing is repaired; what needs it stops the work
+    /// No repair; stop where lines must be cut or joined
     None,
-    /// Only what cannot change the meaning
+    /// Only what cannot change the meaning of the contours
     Safe,
-    /// Also elevations, gaps and stray vertices, as proposed
+    /// Also elevations, gaps and stray vertices that cross nothing, as 'tokosen check' proposes
     All,
 }
 
 impl RepairArg {
-    /// The library's word.
+    /// The library's setting.
     fn repair(self) -> Repair {
         match self {
             Self::None => Repair::None,
@@ -103,7 +101,7 @@ impl MapArgs {
         std::iter::once(&self.contours).chain(&self.points).map(PathBuf::as_path)
     }
 
-    /// The flags that say something about contours, and whether they are given.
+    /// The flags that apply to contours, and whether they are given.
     pub fn flags(&self) -> impl Iterator<Item = (bool, &'static str)> {
         [
             (self.elevation_field.is_some(), "--elevation-field"),

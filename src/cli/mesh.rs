@@ -18,9 +18,9 @@ use super::{output, summary};
 
 /// A 3-D model (triangle mesh) from contour lines
 ///
-/// The triangles of the surface inside the frame, contours among their edges. Coordinates are relative to an offset,
-/// which is recorded in the file; heights are not changed. A model is always in the working CRS, in metres, whatever the
-/// contours are in.
+/// The model holds the triangles of the surface inside the frame; the contours are among their edges. Coordinates are
+/// relative to an offset, which is recorded in the file; heights are not changed. The model is always in the working
+/// CRS, in metres, whatever the CRS of the contours.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MeshArgs {
@@ -29,10 +29,10 @@ pub struct MeshArgs {
     /// Model to write: PLY (.ply), Wavefront OBJ (.obj) or binary glTF (.glb)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Close the model to a solid with walls and a flat bottom at this height, as 3-D printing needs [m]
+    /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
     #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true, help_heading = "Output")]
     base: Option<f64>,
-    /// Also draw the model in space with its contours, ridge and canyon lines (.png)
+    /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
     #[command(flatten)]
@@ -47,13 +47,7 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
-    if !MESH_EXTENSIONS.contains(&output::extension(&args.output).as_str()) {
-        return Err(Failure::Usage(format!(
-            "{}: models are written as {}",
-            args.output.display(),
-            MESH_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
-        )));
-    }
+    output::check_extension(&args.output, "models", &MESH_EXTENSIONS)?;
     args.surface.check()?;
     let job = Job::start(&args.input, args.surface.files(), [args.output.as_path()], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
@@ -68,7 +62,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
         render_model(&Model { mesh: &model, contours, break_lines, title: None })
     })?;
 
-    job.tell(&terrain.findings, &terrain.surface.map);
+    job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     describe(&staged.commit()?, &model, console);
     job.close(terrain.findings.len())

@@ -1,4 +1,4 @@
-//! The command line: arguments in, the library's parameter structs out. Nothing in the library knows of it.
+//! The command line. It turns arguments into the library's parameters, and prints. The library does not depend on it.
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
@@ -54,7 +54,7 @@ Examples:
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
-'tokosen help VERB' or 'tokosen VERB --help' tells all about a verb.";
+'tokosen help VERB' or 'tokosen VERB --help' shows all options of a verb.";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -86,7 +86,7 @@ struct Common {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Err(e) = interrupt::prepare() {
-        console::error(&format!("cannot ask the system for its signals: {e}"));
+        console::error(&format!("cannot install the signal handlers: {e}"));
         return ExitCode::from(1);
     }
     if let Some(threads) = cli.common.threads

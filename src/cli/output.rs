@@ -24,61 +24,54 @@ pub struct GridArgs {
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
     #[arg(long, value_name = "SIZE", value_parser = degrees, allow_negative_numbers = true, conflicts_with = "cell")]
     pub cell_degrees: Option<f64>,
-    /// Take the grid of this height map (.tif, .asc, .exr, .png): size, place and cells, square or not, in any coordinate
-    /// reference system
+    /// Use the grid of this height map (.tif, .asc, .exr, .png): its extent, its cells, square or not, and its
+    /// coordinate reference system
     #[arg(long, value_name = "RASTER", conflicts_with_all = ["cell", "cell_degrees"])]
     pub like: Option<PathBuf>,
 }
 
-/// A height map that is written: where its cells are, and how they are kept.
+/// A height map to write: where its cells are, and how heights are stored.
 #[derive(Debug, Clone, Args)]
 pub struct HeightMapArgs {
     #[command(flatten)]
     pub grid: GridArgs,
-    /// How a .png keeps heights
+    /// How heights are stored in a .png
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
-    /// Also tell how far heights are expected to be off: a second band 'standard error' (.tif) or channel (.exr), in metres,
-    /// learnt by hiding contours. New contours get the attributes err_v and err_h [metres] and inferred
+    /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
+    /// band (.tif) or channel (.exr) 'standard error' [metres], new contours the attributes err_v, err_h and inferred
     #[arg(long)]
     pub uncertainty: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PngArg {
-    /// 16-bit grey with scale and offset beside it, which GDAL and QGIS read as heights
+    /// 16-bit grey, with scale and offset in a file beside it; GDAL and QGIS read heights from it
     Gray16,
-    /// Colours of GSI elevation tiles (地理院 標高タイル), steps of 1 cm; QGIS shows these as colours, not as heights
+    /// Colours of GSI elevation tiles (地理院 標高タイル), steps of 1 cm; QGIS shows colours, not heights
     Gsi,
 }
 
-/// An angle in degrees or, with an s behind it, in seconds.
+/// An angle in degrees or, if an s follows, in seconds.
 fn degrees(text: &str) -> Result<f64, String> {
     let (number, parts) = text.strip_suffix('s').map_or((text, 1.0), |number| (number, 3600.0));
     number.parse().map(|angle: f64| angle / parts).map_err(|e| e.to_string())
 }
 
 impl GridArgs {
-    /// Whether a grid is asked for.
-    pub fn is_given(&self) -> bool {
-        self.given().is_some()
-    }
-
     /// The flag that asks for a grid.
     pub fn given(&self) -> Option<&'static str> {
-        let given = [
+        first_given([
             (self.cell.is_some(), "--cell"),
             (self.cell_degrees.is_some(), "--cell-degrees"),
             (self.like.is_some(), "--like"),
-        ];
-        first_given(given)
+        ])
     }
 
     /// Checks what can be checked before anything is read.
     pub fn check(&self) -> Result<(), Failure> {
-        if !self.is_given() {
-            let message = "a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER";
-            return Err(Failure::Usage(message.into()));
+        if self.given().is_none() {
+            return Err(Failure::Usage("a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER".into()));
         }
         let sizes = self.cell.map(GridSpec::Cell).into_iter().chain(self.cell_degrees.map(GridSpec::Degrees));
         Ok(sizes.into_iter().try_for_each(|size| size.check())?)
@@ -96,12 +89,12 @@ impl GridArgs {
 }
 
 impl HeightMapArgs {
-    /// The first flag that is given; a run without a height map must not pass over it.
+    /// The first flag that is given; a run without a height map must not ignore it.
     pub fn given(&self) -> Option<&'static str> {
         self.grid.given().or((self.png_encoding != PngArg::Gray16).then_some("--png-encoding"))
     }
 
-    /// Whether the expected errors are to be found.
+    /// Whether to estimate standard errors.
     pub fn uncertainty(&self) -> Uncertainty {
         if self.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown }
     }
@@ -116,29 +109,31 @@ impl HeightMapArgs {
     }
 }
 
-/// A height map on its way: the file was opened before the work.
+/// A height map to write, with its file, which was opened before the work.
 pub struct DemOutput {
     staged: StagedOutput,
     pub grid: GridSpec,
     raster: RasterParams,
 }
 
-/// Refuses a file whose extension is that of no vector format; `kinds` says which are.
+/// Refuses a file whose extension is not that of a vector format; `kinds` names those that are.
 pub fn check_vector(path: &Path, kinds: &str) -> Result<(), Failure> {
     VectorFormat::from_path(path).map_err(|_| Failure::Usage(format!("{}: {kinds}", path.display())))?;
     Ok(())
 }
 
+/// Refuses a file whose extension is not one of `known`. `what` names its contents.
+pub fn check_extension(path: &Path, what: &str, known: &[&str]) -> Result<(), Failure> {
+    if known.contains(&extension(path).as_str()) {
+        return Ok(());
+    }
+    let known: Vec<String> = known.iter().map(|e| format!(".{e}")).collect();
+    Err(Failure::Usage(format!("{}: {what} are written as {}", path.display(), known.join(", "))))
+}
+
 /// Opens the file of a raster.
 pub fn open_raster(path: &Path) -> Result<StagedOutput, Failure> {
-    let extension = extension(path);
-    if !DEM_EXTENSIONS.contains(&extension.as_str()) {
-        return Err(Failure::Usage(format!(
-            "{}: height maps are written as {}",
-            path.display(),
-            DEM_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
-        )));
-    }
+    check_extension(path, "height maps", &DEM_EXTENSIONS)?;
     Ok(StagedOutput::create(path)?)
 }
 
@@ -152,16 +147,11 @@ impl DemOutput {
     pub fn open(path: &Path, wanted: &HeightMapArgs) -> Result<Self, Failure> {
         wanted.grid.check()?;
         if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
-            let message = format!("{}: --png-encoding is about height maps in .png", path.display());
+            let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
             return Err(Failure::Usage(message));
         }
-        if wanted.uncertainty && !TWO_BAND_EXTENSIONS.contains(&extension(path).as_str()) {
-            let message = format!(
-                "{}: this format has no room for --uncertainty; write {}",
-                path.display(),
-                TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ")
-            );
-            return Err(Failure::Usage(message));
+        if wanted.uncertainty {
+            check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
         let staged = open_raster(path)?;
         Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster() })
@@ -179,7 +169,7 @@ impl DemOutput {
         Ok(dem)
     }
 
-    /// Puts the file in its place, and tells what is in it.
+    /// Puts the file in its place, and prints what is in it.
     pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
         describe(&self.staged.commit()?, dem, console);
         Ok(())

@@ -9,13 +9,13 @@ use super::failure::Failure;
 /// The coordinates that vector files are written in.
 #[derive(Debug, Clone, Args)]
 pub struct ToCrsArgs {
-    /// Coordinate reference system to write lines and areas in [default: the input's, its vertices bit for bit]
+    /// Coordinate reference system to write lines and areas in [default: the input's; its vertices stay bit for bit]
     #[arg(long, value_name = "CRS", value_parser = crs)]
     pub to_crs: Option<Crs>,
 }
 
 impl ToCrsArgs {
-    /// The way from the plane to the output.
+    /// The conversion from the working plane to the output.
     pub fn way(&self, reprojection: &Reprojection) -> Result<FromWorking, Failure> {
         Ok(reprojection.from_working(self.to_crs.as_ref())?)
     }
@@ -27,9 +27,7 @@ pub fn crs(text: &str) -> Result<Crs, String> {
     let crs = code.map(Crs::from_epsg).or_else(|| Crs::from_name(text));
     let crs = crs.ok_or("it must be an EPSG code such as EPSG:6668, or a WKT")?;
     if crs.kind().is_none() {
-        return Err(
-            "it is neither projected nor in degrees, as far as the built-in table tells; name it by its WKT".into()
-        );
+        return Err("the built-in table does not list it as projected or in degrees; give its WKT".into());
     }
     Ok(crs)
 }
@@ -42,7 +40,7 @@ pub fn describe(map: &ContourMap, reprojection: Option<&Reprojection>) -> String
         (None, _) => "unknown".to_owned(),
     };
     match reprojection.filter(|reprojection| !reprojection.are_unmoved()) {
-        Some(places) => format!("{}, worked on in {}", label(places.input_crs()), label(places.working_crs())),
+        Some(known) => format!("{}, working CRS {}", label(known.input_crs()), label(known.working_crs())),
         None => label(map.crs.as_ref()),
     }
 }

@@ -16,12 +16,12 @@ use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
 
-/// The areas between contour lines, with their landform and what encloses them
+/// The areas between contour lines, with their landforms and nesting
 ///
-/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope,
-/// water or branching), is_open (cut by the frame), band_lo and band_hi (the levels that it lies between), n_ib (number of contours
-/// inside), mixture (what a branching one consists of), parent (id of the area that encloses it), depth (how many do) and
-/// area (in units of the working CRS). Depressions are found from the contours around them.
+/// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope, water
+/// or branching), is_open (cut by the frame), band_lo and band_hi (the levels below and above it), n_ib (number of
+/// contours inside), mixture (the landforms of a branching one), parent (id of the enclosing area), depth (number of
+/// enclosing areas) and area (in units of the working CRS). Depressions are found from the contours around them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RegionsArgs {
@@ -32,7 +32,7 @@ pub struct RegionsArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
-    /// Also draw a picture of areas and lines: .png
+    /// Also draw a picture of the areas and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Surface")]
@@ -64,7 +64,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
     job.draw(|| subdivision_picture(&subdivision, &[], Some(&landform_patches(&forms, &subdivision.tin))))?;
 
-    job.tell(&input.findings, &subdivision.map);
+    job.report(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = staged.commit()?;
     console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));

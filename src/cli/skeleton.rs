@@ -19,35 +19,35 @@ use super::surface::{FrameArgs, WaterArgs};
 
 /// Ridge and canyon lines with heights
 ///
-/// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one sub-domain
-/// (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its sub-domain),
-/// network (lines that meet have the same), length (in units of the working CRS), upper_end and lower_end (contour, junction, peak, bottom, saddle,
-/// frame, spot), upper_z and lower_z. They are the lines that the surface of the other verbs is made with.
+/// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one
+/// sub-domain (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its
+/// sub-domain), network (the same for lines that meet), length (in units of the working CRS), upper_end and lower_end
+/// (contour, junction, peak, bottom, saddle, frame, spot), upper_z and lower_z. The surface contains these lines.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SkeletonArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several layers a GeoPackage holds them all, the other
-    /// formats have a file each
+    /// Lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several layers, a GeoPackage holds all of them;
+    /// other formats get one file per layer
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Also write the layer triangles: the triangulation, with kind (terminal, sleeve, junction, eliminated), region, band
+    /// Also write the layer triangles: triangles with kind (terminal, sleeve, junction, eliminated), region, band
     #[arg(long, help_heading = "Output")]
     triangles: bool,
-    /// Also write the layer curve_mesh: contours, edges of the junction triangles that were kept, ridge and canyon lines
+    /// Also write the layer curve_mesh: contours, edges of kept junction triangles, ridge and canyon lines
     #[arg(long, help_heading = "Output")]
     curve_mesh: bool,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
-    /// Also draw a picture of ground and lines: .png
+    /// Also draw a picture of the ground and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Surface")]
     frame: FrameArgs,
     #[command(flatten, next_help_heading = "Surface")]
     water: WaterArgs,
-    /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
+    /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Surface")]
     resolution: f64,
 }
@@ -98,7 +98,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         subdivision_picture(&subdivision, &found.lines, patches.as_ref())
     })?;
 
-    job.tell(&input.findings, &subdivision.map);
+    job.report(&input.findings, &subdivision.map);
     describe(&found, args.resolution, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
@@ -133,7 +133,7 @@ fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
     }
     if skeleton.flow.moved > 0 {
         console.say(&format!(
-            "heights    {} points were moved, by {:.2} m at most, so that lines fall steadily",
+            "heights    {} points of lines changed, by {:.2} m at most, because lines must fall steadily",
             skeleton.flow.moved, skeleton.flow.most_moved
         ));
     }

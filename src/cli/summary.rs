@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
+use tokosen::spline::HyperParameters;
 use tokosen::surface::Surface;
 use tokosen::validate::{Chosen, Provenance, Reason};
 
@@ -12,27 +13,27 @@ use super::console::Console;
 /// Findings of one kind that are shown without `--verbose`.
 const SHOWN: usize = 3;
 
-/// Tells the findings: a count by kind, the first places of each.
+/// Prints the findings: the count of each kind and its first places.
 pub fn findings(findings: &[Finding], console: &Console) {
     for (kind, list) in by_kind(findings) {
-        told(kind.title(), &list, console, Console::warn);
+        print_kind(kind.title(), &list, console, Console::warn);
     }
 }
 
-/// The error, after the findings were reported: what was left out may be why.
+/// Prints the findings and returns the error: lines that were left out may be its cause.
 pub fn after_findings(error: Error, findings: &[Finding], console: &Console) -> Error {
     console.clear();
     self::findings(findings, console);
     error
 }
 
-/// Tells the findings as what was asked for, the worst first.
+/// Prints the findings as the result of the run, the worst first.
 pub fn findings_by_severity(findings: &[Finding], console: &Console) {
     let mut kinds: Vec<(FindingKind, Vec<&Finding>)> = by_kind(findings).into_iter().collect();
     kinds.sort_by_key(|(kind, _)| std::cmp::Reverse(kind.severity()));
     for (kind, list) in kinds {
         let title = format!("{:<8} {:<20} {}", kind.severity().name(), kind.code(), kind.title());
-        told(&title, &list, console, Console::say);
+        print_kind(&title, &list, console, Console::say);
     }
 }
 
@@ -44,21 +45,21 @@ fn by_kind(findings: &[Finding]) -> BTreeMap<FindingKind, Vec<&Finding>> {
     kinds
 }
 
-fn told(title: &str, list: &[&Finding], console: &Console, tell: fn(&Console, &str)) {
-    tell(console, &format!("{title}: {}", list.len()));
+fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Console, &str)) {
+    print(console, &format!("{title}: {}", list.len()));
     let shown = if console.verbose { list.len() } else { SHOWN };
     for finding in list.iter().take(shown) {
-        tell(console, &format!("    {}", console.told(finding)));
+        print(console, &format!("    {}", console.text_of(finding)));
         if let (true, Some(proposal)) = (console.verbose, &finding.proposal) {
-            tell(console, &format!("        proposed: {proposal}"));
+            print(console, &format!("        proposed: {proposal}"));
         }
     }
     if list.len() > shown {
-        tell(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
+        print(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
     }
 }
 
-/// Tells how many findings of each severity there were and how long each step took.
+/// Prints the number of findings of each severity and the time of each step.
 pub fn close_severities(findings: &[Finding], console: &Console) {
     let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
     let [errors, warnings, notes] = [Severity::Error, Severity::Warning, Severity::Note].map(count);
@@ -66,7 +67,7 @@ pub fn close_severities(findings: &[Finding], console: &Console) {
     times(console);
 }
 
-/// Tells what the surface is made of.
+/// Prints what the surface consists of.
 pub fn surface(surface: &Surface, console: &Console) {
     let lines = |kind| surface.break_lines.iter().filter(|l| l.kind == kind).count();
     let inside = (0..surface.tin.len() as u32).filter(|&t| surface.tin.is_inside(t)).count();
@@ -90,63 +91,57 @@ pub fn surface(surface: &Surface, console: &Console) {
     }
     if let Some(errors) = &surface.errors {
         let model = &errors.model;
-        let lesson = match model.provenance {
+        let provenance = match model.provenance {
             Provenance::Hidden { places } => format!("from {places} places on hidden contours"),
-            Provenance::Usual => {
-                "that of usual terrain: there are too few levels to hide some and learn from them".into()
-            }
+            Provenance::Usual => "that of usual terrain: there are too few levels to hide some".into(),
         };
         let valid: Vec<f64> = errors.errors.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
-        console.say(&format!("errors     standard error {} (root mean square), {lesson}", metres(mean)));
+        console.say(&format!("errors     standard error {} (root mean square), {provenance}", metres(mean)));
     }
 }
 
-/// Tells how the smooth surface was drawn, and how far it may be off.
+/// Prints the hyper-parameters of the smooth surface and its estimated accuracy.
 fn chosen(chosen: &Chosen, console: &Console) {
     let why = match chosen.reason {
         Reason::Given => "as given",
-        Reason::Hidden if chosen.is_mended => "chosen by hiding every second level, with the wrong elevations mended",
-        Reason::Hidden => "chosen by hiding every second level",
-        Reason::FellBack => "the usual one: there are too few levels to hide some and choose by them",
+        Reason::Hidden if chosen.is_mended => "chosen by cross-validation on hidden levels, wrong elevations corrected",
+        Reason::Hidden => "chosen by cross-validation on hidden levels",
+        Reason::FellBack => "the default: there are too few levels to choose by hiding some",
     };
-    let noise = match chosen.hyper_parameters.noise {
-        noise if noise > 0.0 => format!("; noise {noise}: contours jitter and are smoothed before they are met"),
+    let HyperParameters { tension, noise, crease_threshold, curvature_gain, .. } = chosen.hyper_parameters;
+    let smoothed = match noise {
+        noise if noise > 0.0 => format!("; noise {noise}: the jitter of the contours is smoothed first"),
         _ => String::new(),
     };
     let others = match chosen.reason {
-        Reason::Hidden => {
-            format!(
-                ", crease knee {:.2} and relief {:.2}",
-                chosen.hyper_parameters.crease_threshold, chosen.hyper_parameters.curvature_gain
-            )
-        }
+        Reason::Hidden => format!(", crease threshold {crease_threshold:.2}, curvature gain {curvature_gain:.2}"),
         _ => String::new(),
     };
-    console.say(&format!("tension    {:.2}{others}, {why}{noise}", chosen.hyper_parameters.tension));
+    console.say(&format!("tension    {tension:.2}{others}, {why}{smoothed}"));
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
-        "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, drawn from an interval of {} m",
+        "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, from those at an interval of {} m",
         metres(hidden.rmse),
         metres(hidden.le90),
         hidden.count,
         hidden.interval
     ));
     console.say(&format!(
-        "           which implies about RMSE {}, LE90 {} with all contours, {} m apart",
+        "           estimate: RMSE {}, LE90 {} with all contours, {} m apart",
         metres(implied.rmse),
         metres(implied.le90),
         implied.interval
     ));
 }
 
-/// A length with two digits that tell something.
+/// A length with two significant digits.
 fn metres(value: f64) -> String {
     let decimals = if value > 0.0 { (1.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
     format!("{value:.decimals$} m")
 }
 
-/// Tells how many findings there were and how long each step took.
+/// Prints the number of findings and the time of each step.
 pub fn close(findings: usize, console: &Console) {
     console.say(&format!("findings   {}", if findings == 0 { "none".into() } else { findings.to_string() }));
     times(console);

@@ -15,22 +15,22 @@ use super::memory;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
-    /// How heights between contours are found
+    /// How heights between contours are interpolated
     #[arg(long, value_enum, default_value_t = KindArg::Spline)]
     pub surface: KindArg,
     #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
     pub water: WaterArgs,
-    /// Resolution parameter w of the method: more of it, fewer ridge and canyon lines
+    /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true)]
     pub resolution: f64,
-    /// Tension of the smooth surface: 0 bends least, 10 and more is near the one with ridge and canyon lines. Chosen from
-    /// the contours if not given
+    /// Tension of the smooth surface: 0 is minimum curvature, 10 and more is close to the surface with ridge and canyon
+    /// lines [default: chosen from the contours]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub tension: Option<f64>,
-    /// Noise of the contours: 0 for smooth ones, 1 for those of unsmoothed lidar, which jitter. Seen from the contours if
-    /// not given
+    /// Noise of the contours: 0 for smooth ones, 1 for those with jitter, as from unsmoothed lidar [default: chosen
+    /// from the contours]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub noise: Option<f64>,
     /// Another value of a tuned number, for scripts/sweep.py
@@ -44,23 +44,23 @@ const RESOLUTION: f64 = 1.0;
 /// Where the ground ends.
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
-    /// Outermost border: the convex hull of the contours, the box around them, or a polygon in a vector file
+    /// Outer border: the convex hull of the contours, their bounding box, or a polygon in a vector file
     #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
     pub frame: String,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum KindArg {
-    /// The triangulated contours as they stand
+    /// The triangulated contours alone
     Linear,
     /// With ridge and canyon lines, without flat triangles
     Skeleton,
-    /// Smooth: of minimum curvature through the contours
+    /// Smooth: minimum curvature through the contours
     Spline,
 }
 
 impl KindArg {
-    /// The library's word.
+    /// The library's kind.
     pub fn kind(self) -> SurfaceKind {
         match self {
             Self::Linear => SurfaceKind::Linear,
@@ -76,9 +76,9 @@ impl SurfaceArgs {
         self.frame.file().into_iter().chain(self.water.file())
     }
 
-    /// The first flag that is given; a run without contours makes no surface and must not pass over it.
+    /// The first flag that is given; a run without contours makes no surface and must not ignore it.
     pub fn given(&self) -> Option<&'static str> {
-        let given = [
+        first_given([
             (self.surface != KindArg::Spline, "--surface"),
             (self.frame.frame != "hull", "--frame"),
             (self.water.water.is_some(), "--water"),
@@ -87,12 +87,11 @@ impl SurfaceArgs {
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
             (!self.tune.is_empty(), "--tune"),
-        ];
-        first_given(given)
+        ])
     }
 
-    /// The first flag that is given and says nothing about this kind of surface.
-    fn idle(&self) -> Option<&'static str> {
+    /// The first flag that is given and has no meaning for this kind of surface.
+    fn unused(&self) -> Option<&'static str> {
         let is_smooth = self.surface == KindArg::Spline;
         first_given([
             (self.resolution != RESOLUTION && self.surface == KindArg::Linear, "--resolution"),
@@ -101,9 +100,9 @@ impl SurfaceArgs {
         ])
     }
 
-    /// Refuses flags that say nothing about this kind of surface.
+    /// Refuses flags that have no meaning for this kind of surface.
     pub fn check(&self) -> Result<(), Failure> {
-        match self.idle() {
+        match self.unused() {
             Some(flag) => {
                 let kind = self.surface.kind().name();
                 Err(Failure::Usage(format!("{flag} has no meaning for --surface {kind}")))
@@ -163,12 +162,12 @@ impl FrameArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct WaterArgs {
-    /// Lakes: polygons that are level, at their elevation attribute or z, else at the height of their shore. Holes are
-    /// islands
+    /// Lakes: polygons that are level, at their elevation attribute or z, otherwise at the height of their shore; holes
+    /// are islands
     #[arg(long, value_name = "FILE")]
     pub water: Option<PathBuf>,
-    /// The level of the coast [metres], one that the input has contours at: ground that reaches only down to it is the sea,
-    /// level there
+    /// Level of the sea [metres]; the input must have contours at it. Ground that reaches down only to contours of this
+    /// level becomes level sea
     #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
     pub sea: Option<f64>,
 }

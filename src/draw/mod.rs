@@ -1,4 +1,4 @@
-//! Pictures and pages for people: the preview of a result and the report of a comparison.
+//! Pictures and reports: the preview of a result and the report of a comparison.
 
 pub mod preview;
 pub mod report;

@@ -23,10 +23,10 @@ pub struct RaggedLines {
 }
 
 impl RaggedLines {
-    /// Whether the arrays fit each other.
+    /// Checks that the arrays fit each other.
     ///
     /// # Errors
-    /// [`Error::Arrays`] with the first thing that does not.
+    /// [`Error::Arrays`] with the first fault.
     pub fn validate(&self) -> Result<()> {
         validate(self.coords.len(), &self.offsets, self.elevations.len())
     }
@@ -46,7 +46,7 @@ impl RaggedLines {
         &self.coords[self.offsets[k]..self.offsets[k + 1]]
     }
 
-    /// Lines whose vertices are brought somewhere by `place`.
+    /// Lines whose vertices are converted by `place`.
     fn of(lines: &[ContourLine], mut place: impl FnMut(&ContourLine, DVec2) -> Result<DVec2>) -> Result<Self> {
         let vertices = lines.iter().map(|line| line.points.len()).sum();
         let mut coords = Vec::with_capacity(vertices);
@@ -68,7 +68,7 @@ impl ContourLayer {
         RaggedLines::of(&self.lines, |_, p| Ok(p)).unwrap_or_default()
     }
 
-    /// The same in the coordinates of an output. Vertices of the input get the very numbers that they had there.
+    /// The same in the coordinates of an output. Vertices of the input get their original coordinates, bit for bit.
     ///
     /// # Errors
     /// [`Error::Data`] if a vertex has no place in the output's coordinate reference system.
@@ -88,12 +88,13 @@ impl ContourLayer {
 pub struct TriangleArrays {
     /// x (east), y (north) and z (up, metres) of the vertices, map coordinates.
     pub vertices: Vec<[f64; 3]>,
-    /// Corners of the triangles, as numbers of vertices.
+    /// Corners of the triangles, as indices of vertices.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// The vertices and triangles as arrays. Vertices are copied once, as the origin is added to them; triangles are moved.
+    /// The vertices and triangles as arrays. Vertices are copied once, as the origin is added to them; triangles are
+    /// moved.
     pub fn into_arrays(self) -> TriangleArrays {
         let vertices = self.vertices.iter().map(|v| (*v + self.origin).to_array()).collect();
         TriangleArrays { vertices, triangles: self.triangles }

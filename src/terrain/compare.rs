@@ -15,10 +15,10 @@ use crate::dem::compare::{height_at, heights_between};
 use crate::dem::{Dem, looks_like_degrees};
 use crate::surface::{Surface, SurfaceKind, heights, heights_on};
 
-/// One side.
+/// One side of a comparison.
 #[derive(Debug)]
 pub struct Side {
-    /// What it is, for people.
+    /// Its description.
     pub source: SideSource,
     /// What its heights come from.
     pub kind: Kind,
@@ -35,7 +35,7 @@ pub enum Kind {
     Surface(Box<Surface>),
 }
 
-/// What a side is, for people and for JSON.
+/// The description of a side, for reports and for JSON.
 #[derive(Debug, Clone, Serialize)]
 pub struct SideSource {
     /// The file.
@@ -44,12 +44,12 @@ pub struct SideSource {
     pub kind: &'static str,
     /// Name of the coordinate reference system.
     pub crs: Option<String>,
-    /// What it is made of.
+    /// Its contents, in words.
     pub about: String,
 }
 
 impl SideSource {
-    /// In one line.
+    /// The description in one line.
     pub fn title(&self) -> String {
         let crs = self.crs.as_deref().unwrap_or("unknown coordinate reference system");
         format!("{}: {}, {crs}", self.file.display(), self.about)
@@ -59,15 +59,15 @@ impl SideSource {
 /// Both sides with their heights on one grid.
 #[derive(Debug)]
 pub struct Pair {
-    /// What is measured.
+    /// The side that is compared.
     pub a: Side,
-    /// What it is measured against.
+    /// The reference.
     pub b: Side,
     /// The heights of A.
     pub a_heights: Dem,
     /// The heights of B, on the same grid.
     pub b_heights: Dem,
-    /// How they came onto it, in sentences.
+    /// How they were brought onto it, in sentences.
     pub notes: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ pub struct Pair {
 pub type Nodes = (Grid, Option<Crs>);
 
 impl Pair {
-    /// Refuses cells in degrees of which neither side says so.
+    /// Refuses cells that look like degrees if neither side names a coordinate reference system.
     ///
     /// # Errors
     /// If the coordinates look like degrees and no system is named. The error names `path`.
@@ -83,15 +83,15 @@ impl Pair {
         if !looks_like_degrees(grid, crs.as_ref()) {
             return Ok(());
         }
-        let message = "the coordinates look like degrees, and neither A nor B says so; name the system first, for example \
-                       with 'gdal_translate -a_srs EPSG:6668'";
+        let message = "the coordinates look like degrees, but neither A nor B names a system; name it first, for \
+                       example with 'gdal_translate -a_srs EPSG:6668'";
         Err(Error::file(path, message))
     }
 
     /// Both at the cells of a grid in some system.
     ///
     /// # Errors
-    /// If there is no way from the grid's system to that of a side. The error names the side's file.
+    /// If the grid's system cannot be converted to that of a side. The error names the side's file.
     pub fn on(a: Side, b: Side, (grid, crs): Nodes, progress: &dyn Progress) -> Result<Self> {
         let mut notes = vec![note(&a, &b, &grid)];
         if let Some(name) = crs.as_ref().and_then(Crs::name) {
@@ -110,12 +110,12 @@ impl Pair {
         [&self.b, &self.a].into_iter().find_map(Side::surface)
     }
 
-    /// Metres on the ground in a unit of the grid's system.
+    /// Metres on the ground per unit of the grid's system, in x and y.
     pub fn metres_per_unit(&self) -> DVec2 {
         self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
     }
 
-    /// The vertical interval of the contours, if a side is made of some.
+    /// The vertical interval of the contours, if a side is made from contours.
     pub fn interval(&self) -> Option<Interval> {
         self.surface().map(|surface| surface.interval)
     }
@@ -136,21 +136,22 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
     }
 }
 
-/// The way from one system to another; none if a place is the same in both, or if one of them is not known. `path` is for
-/// the error.
+/// The conversion from one system to another; `None` if coordinates are the same in both, or if one is not known.
+/// `path` is named in the error.
 pub(super) fn way(path: &Path, from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Transform>> {
     let Some((from, to)) = from.zip(to) else { return Ok(None) };
     let way = Transform::between(from, to).map_err(|error| error.in_file(path))?;
     Ok(Some(way).filter(|way| !way.is_identity()))
 }
 
-/// A place after a way.
+/// A place after a conversion; unchanged if there is none.
 pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
     way.map_or(Some(p), |way| way.forward(p))
 }
 
 impl Side {
-    /// A height map from a file. `product` is its name and its stated accuracy (a standard deviation, metres), if it is a known one.
+    /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard
+    /// deviation, metres).
     pub fn of_dem(path: &Path, dem: Dem, product: Option<(&str, f64)>) -> Self {
         let name = product.map_or("height map", |(name, _)| name);
         let Grid { cols, rows, cell, .. } = dem.grid;
@@ -195,7 +196,7 @@ impl Side {
         }
     }
 
-    /// The system that the heights are in: for contours the one that they were worked on in.
+    /// The system that the heights are in: for contours the working one.
     pub fn crs(&self) -> Option<&Crs> {
         match &self.kind {
             Kind::Dem(dem) => dem.crs.as_ref(),
@@ -225,7 +226,7 @@ impl Side {
                 (0..checks.points.len()).map(|k| place(k).map_or(f64::NAN, |p| height_at(dem, p))).collect()
             }
             Kind::Surface(surface) => {
-                // The points one after the other are the cells of a row.
+                // Each point is treated as a cell of one row.
                 let row = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: checks.points.len(), rows: 1 };
                 let heights = heights_on(surface, &row, &|p: DVec2| place(p.x as usize), &());
                 heights.into_iter().map(f64::from).collect()
@@ -234,7 +235,7 @@ impl Side {
     }
 }
 
-/// A size to nine digits: what dividing left behind them says nothing.
+/// A size to nine digits, because later digits are rounding errors of a division.
 fn plain(size: f64) -> f64 {
     format!("{size:.8e}").parse().unwrap_or(size)
 }

@@ -13,16 +13,16 @@ use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
 use crate::surface::{Surface, build};
 
-/// The ground between contours, and what was noticed about them.
+/// The ground between contours, and the findings about them.
 ///
-/// Coordinates are those of the working plane, also in what its methods return; [`Terrain::to_output`] is the way back.
+/// All coordinates, also of results, are on the working plane. [`Terrain::to_output`] gives the conversion back.
 #[derive(Debug, Clone)]
 pub struct Terrain {
     /// The surface: triangles, sub-domains, ridge and canyon lines, the smooth surface.
     pub surface: Surface,
-    /// What was noticed about the input, each fault once; places are on the working plane.
+    /// The findings about the input, one per fault; places are on the working plane.
     pub findings: Vec<Finding>,
-    /// How the working plane lies to the coordinates of the input.
+    /// The conversion between the working plane and the coordinates of the input.
     pub reprojection: Reprojection,
     memory: Option<u64>,
 }
@@ -31,14 +31,14 @@ impl Terrain {
     /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
     ///
     /// # Errors
-    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or the
-    /// surface needs more memory than the options allow.
+    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or
+    /// the surface needs more memory than the options allow.
     pub fn build(mut input: Input, options: &Options) -> Result<Self> {
         Self::build_with(&mut input, options, &())
     }
 
-    /// [`Terrain::build`] that shows its progress. The map and the findings are moved out of the input; when it fails, the
-    /// findings stay there. Lines that were prepared already are not prepared again.
+    /// [`Terrain::build`] that shows its progress. The map and the findings are moved out of the input; when it fails,
+    /// the findings stay there. Lines that were prepared already are not prepared again.
     ///
     /// # Errors
     /// As [`Terrain::build`].
@@ -68,7 +68,7 @@ impl Terrain {
         self.contours_with(targets, LayerParams::default().index_every, &())
     }
 
-    /// [`Terrain::contours`] with an index contour every so many levels (0 for none), which shows its progress.
+    /// [`Terrain::contours`] that shows its progress; every `index_every`-th level is an index contour (0 for none).
     ///
     /// # Errors
     /// As [`contour_layers`].
@@ -93,8 +93,9 @@ impl Terrain {
     /// The height map at the centres of cells.
     ///
     /// # Errors
-    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that were
-    /// given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system.
+    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that
+    /// were given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown
+    /// system.
     pub fn dem(&self, grid: &GridSpec) -> Result<Dem> {
         self.dem_with(grid, &())
     }
@@ -114,8 +115,8 @@ impl Terrain {
         }
     }
 
-    /// How far the heights of [`Terrain::dem`] are expected to be off: their standard errors, metres, as a raster. `None`
-    /// if the options did not ask for them.
+    /// Standard errors of the heights of [`Terrain::dem`], metres, as a raster. `None` if the options did not ask for
+    /// them.
     ///
     /// # Errors
     /// As [`Terrain::dem`].
@@ -153,7 +154,7 @@ impl Terrain {
         mesh(&self.surface, params)
     }
 
-    /// The way from the working plane to the coordinates of the input, or to those of another system.
+    /// The conversion from the working plane to the coordinates of the input, or to those of another system.
     ///
     /// # Errors
     /// As [`Reprojection::from_working`].

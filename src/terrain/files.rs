@@ -1,4 +1,4 @@
-//! What the facade reads from files.
+//! Reading of the facade's inputs from files.
 
 use std::path::Path;
 
@@ -100,8 +100,8 @@ impl Side {
     }
 }
 
-/// Adds the figures at the check points of a file, whose heights are in `unit`. What was noticed about the points goes to
-/// `findings`. `memory` is what reading may take, bytes; no limit if `None`.
+/// Adds the figures at the check points of a file, whose heights are in `unit`. Findings about the points are added to
+/// `findings`. `memory` is the memory that reading may take, bytes; no limit if `None`.
 ///
 /// # Errors
 /// As [`read_spot_heights`] and [`add_check_points`].

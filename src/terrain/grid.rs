@@ -20,7 +20,8 @@ use crate::surface::{Surface, heights, heights_on, standard_errors, standard_err
 pub enum GridSpec {
     /// Square cells of this size, units of the working coordinate reference system, on multiples of it over the frame.
     Cell(f64),
-    /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the frame.
+    /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the
+    /// frame.
     Degrees(f64),
     /// These cells.
     Cells {
@@ -35,9 +36,9 @@ pub enum GridSpec {
 
 /// Cells that a height map may have, whatever the memory.
 const MOST_CELLS: f64 = 4e9;
-/// Bytes that a cell takes while it is found and written: its height, its triangle, its part of the file.
+/// Bytes per cell while the height map is computed and written: the height, the triangle, the share of the file.
 const BYTES_PER_CELL: f64 = 12.0;
-/// Points on each edge of the frame whose places in another system are looked at: edges are curves there.
+/// Points per edge of the frame that are converted to another system, because a straight edge is a curve there.
 const POINTS_PER_EDGE: u32 = 16;
 
 impl GridSpec {
@@ -54,7 +55,7 @@ impl GridSpec {
         if size.is_finite() && size > 0.0 { Ok(()) } else { Err(Error::out_of_range(name, size, "more than 0")) }
     }
 
-    /// The cells over contours whose places are these.
+    /// The cells over contours with this reprojection.
     ///
     /// # Errors
     /// As [`GridSpec::check`]. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system. As
@@ -71,7 +72,7 @@ impl GridSpec {
             }
             Self::Cells { grid, crs, file } => {
                 let size = Size::Given(*grid);
-                // A raster that names no system is taken for one in that of the contours.
+                // A raster without a system is assumed to be in that of the contours.
                 let known = crs.as_ref().or(reprojection.input_crs()).zip(reprojection.working_crs());
                 let Some((crs, working)) = known else { return Ok(Cells { size, apart: None }) };
                 let way = Transform::between(crs, working).map_err(|error| match file {
@@ -88,7 +89,7 @@ impl GridSpec {
 /// The cells of a height map over contours, before the extent of the surface is known.
 pub(crate) struct Cells {
     size: Size,
-    /// The system that the cells are in, where it is not the working one.
+    /// The system of the cells, if it is not the working one.
     apart: Option<Apart>,
 }
 
@@ -100,7 +101,7 @@ enum Size {
     Given(Grid),
 }
 
-/// A system that is not the working one, and the way from it to that.
+/// A system that is not the working one, and the conversion from it to the working one.
 struct Apart {
     crs: Crs,
     way: Transform,
@@ -128,7 +129,7 @@ impl Cells {
         Ok(Grid::on_multiples(lo, hi, cell))
     }
 
-    /// Refuses, before the surface is found, a height map that there is no room for.
+    /// Refuses a height map that does not fit into memory, before the surface is built.
     pub fn check_room(&self, map: &ContourMap, frame: &Frame, memory: Option<u64>) -> Result<()> {
         let Grid { cols, rows, .. } = self.grid(&frame_ring(map, frame))?;
         let what = format!("a height map of {cols} x {rows} cells");
@@ -141,7 +142,7 @@ impl Cells {
         self.apart.as_ref().map_or(working, |apart| Some(&apart.crs))
     }
 
-    /// What the smooth surface needs to know about the cells: nothing if its nodes cannot be their centres.
+    /// What the smooth surface needs to know about the cells; `None` if its nodes cannot be at their centres.
     pub fn wanted(&self) -> Option<Wanted> {
         match (&self.apart, &self.size) {
             (Some(_), _) => None,
@@ -162,7 +163,7 @@ impl Cells {
         })
     }
 
-    /// The standard errors of such heights; `None` if the surface does not know them.
+    /// The standard errors of such heights; `None` if the surface has none.
     pub fn standard_errors(&self, surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
         match &self.apart {
             Some(Apart { way, .. }) => standard_errors_on(surface, dem, &|p| way.forward(p)),
@@ -171,7 +172,7 @@ impl Cells {
     }
 }
 
-/// The corners of the box around the frame in the system that `way` comes from.
+/// The corners of the bounding box of the frame, in the system that `way` converts from.
 fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
     let along =
         |[a, b]: [DVec2; 2]| (0..POINTS_PER_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_PER_EDGE)));

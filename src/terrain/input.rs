@@ -1,8 +1,8 @@
-//! What a terrain is built from: [`Input`], a map on its working plane with all that was noticed about it.
+//! What a terrain is built from: [`Input`], a map on its working plane with the findings about it.
 //!
-//! An input reads a file, or takes lines in memory; names their coordinate reference system; converts elevations to
-//! metres; and brings the lines to the plane that they are worked on in. Spot heights, lakes and a frame are added to it,
-//! each in a coordinate reference system of its own.
+//! An input reads a file or takes lines in memory. It names their coordinate reference system, converts elevations to
+//! metres and reprojects the lines to the working plane. Spot heights, lakes and a frame can be added, each in a
+//! coordinate reference system of its own.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
 use crate::subdomains::Frame;
 
-/// How contours are taken in.
+/// How contours are read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct InputOptions {
     /// The attribute of a file that holds the elevation, by its name.
@@ -27,39 +27,39 @@ pub struct InputOptions {
     pub layer: Option<String>,
     /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres.
     pub unit: ElevationUnit,
-    /// The coordinate reference system of the contours, where none is named or a wrong one.
+    /// The coordinate reference system of the contours, if the file names none or a wrong one.
     pub crs: Option<Crs>,
-    /// The projected system in metres to work in. Without it the contours' own, or for degrees and feet the one that
+    /// The projected system in metres to work in. If `None`: the contours' own or, for degrees and feet, the one that
     /// [`working_crs`](crate::crs::working_crs) chooses.
     pub work_crs: Option<Crs>,
     /// Memory that reading may take, bytes. No limit if `None`.
     pub memory: Option<u64>,
 }
 
-/// A map on its working plane, and what was noticed about it.
+/// A map on its working plane, and the findings about it.
 ///
-/// When a step fails, the findings up to then stay here: what was left out of the input may be why.
+/// When a step fails, the findings up to then stay here: lines that were left out may be the cause.
 #[derive(Debug, Clone, Default)]
 pub struct Input {
     /// Contours and spot heights, in the working coordinate reference system. Empty once a terrain was made of it.
     pub map: ContourMap,
-    /// What was noticed, in a fixed order; places are in the working coordinate reference system.
+    /// The findings, in a fixed order; places are in the working coordinate reference system.
     pub findings: Vec<Finding>,
-    /// How the working plane lies to the coordinates of the contours.
+    /// The conversion between the working plane and the coordinates of the contours.
     pub reprojection: Reprojection,
     /// Where the ground ends.
     pub frame: Frame,
     /// Lakes, on the working plane.
     pub lakes: Vec<Lake>,
-    /// Figures of the fit, if one was made; its map is empty.
+    /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
-    /// Figures of the sampling, if it was done; its map is empty.
+    /// Figures of the sampling, if the lines were sampled; its map is empty.
     pub sampled: Option<Sampled>,
     /// The file of the contours.
     pub(super) file: Option<PathBuf>,
     pub(super) unit: ElevationUnit,
     /// Memory that reading may take, bytes.
-    #[cfg_attr(not(feature = "io"), expect(dead_code, reason = "only what reads files asks for it"))]
+    #[cfg_attr(not(feature = "io"), expect(dead_code, reason = "used only when files are read"))]
     pub(super) memory: Option<u64>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
@@ -71,8 +71,8 @@ impl Input {
     /// # Errors
     /// [`LooksLikeDegrees`](crate::base::error::Error::LooksLikeDegrees) if the coordinates do and no system is named.
     /// [`NotProjectedInMetres`](crate::base::error::Error::NotProjectedInMetres) and
-    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Reprojection::project`] if a coordinate has no
-    /// place on the plane.
+    /// [`UnknownCrs`](crate::base::error::Error::UnknownCrs) for a system to work in. As [`Reprojection::project`] if a
+    /// coordinate has no place on the plane.
     pub fn from_map(map: ContourMap, options: &InputOptions) -> Result<Self> {
         Self::from_report(Report { value: map, findings: Vec::new() }, options)
     }
@@ -107,7 +107,7 @@ impl Input {
         self.file.as_deref()
     }
 
-    /// What messages call the input.
+    /// The name of the input in messages.
     pub fn name(&self) -> Cow<'_, str> {
         self.file.as_ref().map_or("the contours".into(), |file| file.display().to_string().into())
     }
@@ -116,7 +116,7 @@ impl Input {
     /// the contours' coordinate reference system if `crs` is `None`.
     ///
     /// # Errors
-    /// If there is no way from their system to the working plane, or one has no place on it.
+    /// If their system cannot be converted to the working one, or a point has no place on the working plane.
     pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         for spot in spots {
@@ -126,8 +126,8 @@ impl Input {
         Ok(())
     }
 
-    /// Adds lakes: level ground at their height (in the unit of the contours), else at that of their shore. They are in
-    /// the contours' coordinate reference system if `crs` is `None`.
+    /// Adds lakes: level ground at their height (in the unit of the contours), otherwise at the height of their shore.
+    /// They are in the contours' coordinate reference system if `crs` is `None`.
     ///
     /// # Errors
     /// As [`Input::add_spots`].

@@ -14,8 +14,8 @@ use crate::contour::{ContourMap, distinct_levels, find_interval};
 use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 
-/// What an input is, counts of its findings, and each of them; places are in the input's coordinates. `map` is the map
-/// that [`Input::judge`] gave.
+/// A description of the input, the counts of its findings, and each finding; places are in the input's coordinates.
+/// `map` is the map that [`Input::judge`] gave.
 pub fn check_json(input: &Input, map: &ContourMap) -> Value {
     let Input { findings, reprojection, .. } = input;
     let place = |p: DVec2| if reprojection.are_unmoved() { Some(p) } else { reprojection.in_input(p) };
@@ -65,7 +65,7 @@ pub fn check_json(input: &Input, map: &ContourMap) -> Value {
 struct Json<'a> {
     /// What A and B are.
     sources: [&'a SideSource; 2],
-    /// How they came onto one grid.
+    /// How they were brought onto one grid.
     notes: &'a [String],
     /// Columns and rows.
     size: [usize; 2],
@@ -80,7 +80,7 @@ struct Json<'a> {
 /// All figures as JSON, with what A and B are and the findings about them.
 ///
 /// # Errors
-/// [`Error::Data`] if a figure cannot be told as JSON.
+/// [`Error::Data`] if a figure cannot be written as JSON.
 pub fn comparison_json(pair: &Pair, found: &Comparison, findings: &[Finding]) -> Result<String> {
     let grid = &pair.b_heights.grid;
     let json = Json {
@@ -91,5 +91,5 @@ pub fn comparison_json(pair: &Pair, found: &Comparison, findings: &[Finding]) ->
         found,
         findings,
     };
-    serde_json::to_string_pretty(&json).map_err(|e| Error::Data(format!("cannot be told as JSON: {e}")))
+    serde_json::to_string_pretty(&json).map_err(|e| Error::Data(format!("cannot be written as JSON: {e}")))
 }

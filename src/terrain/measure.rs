@@ -17,12 +17,12 @@ use crate::dem::compare::{
 use crate::dem::locate;
 use crate::tin::{NONE, Tin};
 
-/// What a comparison may be told besides the two sides.
+/// Optional parameters of a comparison.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MeasureOptions {
     /// Stated accuracy as a standard deviation, metres; that of the product if `None`.
     pub sigma: Option<f64>,
-    /// Contour interval at whose levels terraces are looked for, metres.
+    /// Contour interval at whose levels terraces are searched for, metres; that of the contours if `None`.
     pub interval: Option<f64>,
 }
 
@@ -43,13 +43,13 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
         None => None,
     };
     let interval = options.interval.map(|step| Interval { step, base: 0.0 }).or(pair.interval());
-    // The reference's own figure, else that of what is measured.
+    // The accuracy of the reference or, if it states none, that of A.
     let sigma = options.sigma.or(pair.b.sigma).or(pair.a.sigma);
     let params =
         CompareParams { metres_per_unit: pair.metres_per_unit(), sigma, interval, distances: distances.as_deref() };
     let mut found = step(progress, "comparing", || compare(a, b, &params))?;
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
-        // A height map that was interpolated has lost its decimals, and some of its terraces.
+        // Interpolation changes decimals and removes terraces, so the original heights are examined.
         if let Kind::Dem(dem) = &side.kind
             && (dem.grid != b.grid || dem.crs != b.crs)
         {
@@ -63,7 +63,7 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
 /// Adds the figures at check points, whose heights are in metres. `path` is their file, for errors.
 ///
 /// # Errors
-/// If no check point lies where a side has heights, or there is no way from their system to that of a side.
+/// If no check point lies where a side has heights, or their system cannot be converted to that of a side.
 pub fn add_check_points(found: &mut Comparison, pair: &Pair, checks: &SpotHeights, path: &Path) -> Result<()> {
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         figures.points = at_check_points(&side.at(path, checks)?, &checks.points);
@@ -74,7 +74,7 @@ pub fn add_check_points(found: &mut Comparison, pair: &Pair, checks: &SpotHeight
     Ok(())
 }
 
-/// How much of the height map is outside the contours' bands; of two surfaces nothing is asked, both keep within theirs.
+/// The share of the height map outside the contours' bands. `None` for two surfaces, which stay inside their bands.
 fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
     let (side, surface, dem) = match (&pair.a.kind, &pair.b.kind) {
         (Kind::Surface(surface), Kind::Dem(_)) => (&pair.a, surface, &pair.b_heights),
@@ -86,7 +86,7 @@ fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
         None => locate(&surface.tin, &dem.grid, progress),
         Some(way) => step(progress, "looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),
     };
-    // A height map that is a little off on water contradicts no contour.
+    // On water, a small difference of height does not contradict a contour.
     let band = |i: usize| {
         let t = Some(triangles[i]).filter(|&t| t != NONE)?;
         surface.regions.region(t).filter(|region| region.water.is_none()).map(|region| region.band)

@@ -1,7 +1,8 @@
-//! One way from contour lines to results: [`Input`] → [`Terrain`] → contours, height maps, errors, meshes.
+//! The entry to the library, from contour lines to results: [`Input`] → [`Terrain`] → contours, height maps, errors,
+//! meshes.
 //!
-//! Everything here is a call of the steps in the other modules, in the order that they need. What was noticed about the
-//! input is in [`Terrain::findings`].
+//! This module calls the steps of the other modules in the right order. The findings about the input are in
+//! [`Terrain::findings`].
 
 mod arrays;
 mod compare;

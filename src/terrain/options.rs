@@ -19,22 +19,22 @@ pub struct Options {
     pub preparation: Preparation,
     /// How heights between contours are found.
     pub kind: SurfaceKind,
-    /// The method's resolution parameter w: more of it, fewer ridge and canyon lines.
+    /// The method's resolution parameter w: larger values give fewer ridge and canyon lines.
     pub resolution: f64,
     /// Tension of the smooth surface, chosen from the contours if `None`; see [`SplineParams`].
     pub tension: Option<f64>,
-    /// Noise of the contours, 0 to 1, seen from them if `None`; see [`SplineParams`].
+    /// Noise of the contours, 0 to 1, chosen from the contours if `None`; see [`SplineParams`].
     pub noise: Option<f64>,
-    /// The level of the coast, metres: ground that reaches only down to it is the sea.
+    /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
-    /// The cells of the height map that will be asked for. Where it can, the smooth surface then has its nodes at their
+    /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
     /// Which triangles the smooth surface gets: [`Triangles::Reference`] is enough for height maps, and quicker.
     pub triangles: Triangles,
-    /// Whether the expected errors are found too, for [`Terrain::errors`](super::Terrain::errors) and in contours.
+    /// Whether standard errors are estimated, for [`Terrain::errors`](super::Terrain::errors) and for contours.
     pub uncertainty: Uncertainty,
-    /// Memory that each step may take, bytes: what needs more is refused. No limit if `None`.
+    /// Memory that each step may take, bytes. A step that needs more fails. No limit if `None`.
     pub memory: Option<u64>,
     /// The tuned numbers; only to try other values.
     pub tuning: Tuning,
@@ -59,7 +59,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The cells that are wanted, over contours whose places are these.
+    /// The cells that are wanted, over contours with this reprojection.
     pub(super) fn cells(&self, reprojection: &Reprojection) -> Result<Option<Cells>> {
         self.grid.as_ref().map(|grid| grid.over(reprojection)).transpose()
     }

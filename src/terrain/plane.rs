@@ -1,4 +1,4 @@
-//! From the coordinates of the contours to the plane that they are worked on in.
+//! Reprojection of the contours to the working plane.
 
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, reproject};
@@ -11,7 +11,7 @@ pub(super) fn named(map: ContourMap, crs: Option<&Crs>, findings: &mut Vec<Findi
     ContourMap { crs: Some(crs.clone()), ..map }
 }
 
-/// The map on the plane that it is worked on in, with the findings' places.
+/// Reprojects the map and the places of the findings to the working plane.
 pub(super) fn on_plane(
     map: ContourMap,
     work: Option<&Crs>,

@@ -1,4 +1,4 @@
-//! What is done to the lines before all else: they are examined, repaired, cleaned, fitted and sampled.
+//! Preparation of the lines: they are examined, repaired, cleaned, fitted and sampled.
 
 use super::input::Input;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
@@ -15,8 +15,8 @@ use crate::subdomains::Frame;
 pub enum Repair {
     /// Not at all: lines that must be cut or joined are an error.
     None,
-    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, pieces of lines
-    /// that cross.
+    /// Only what cannot change the meaning: repeated points, duplicates, ends within the snap distance, crossing parts
+    /// of lines.
     #[default]
     Safe,
     /// Also elevations, gaps and stray vertices, as the findings propose.
@@ -26,16 +26,16 @@ pub enum Repair {
 /// How the lines are prepared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preparation {
-    /// Ends of one elevation that are at most so far apart are joined, units of the working coordinate reference system.
+    /// Line ends of one elevation are joined up to this distance, units of the working coordinate reference system.
     pub snap: f64,
     /// How far the lines are repaired.
     pub repair: Repair,
-    /// Whether errors and warnings about the input end the work.
+    /// Whether an error or a warning about the input makes the preparation fail.
     pub strict: bool,
-    /// Tolerance of a fit with smooth curves, units of the working coordinate reference system; none is made if `None`.
+    /// Tolerance of a fit with smooth curves, units of the working coordinate reference system; no fit if `None`.
     pub fit: Option<f64>,
-    /// Vertices are added until their neighbours on the line are at most so many times as far away as the nearest other
-    /// contour; none are if `None`.
+    /// Vertices are added until the distance between neighbours on a line is at most this many times the distance to
+    /// the nearest other contour; none are added if `None`.
     pub sample: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Default for Preparation {
     }
 }
 
-/// The findings that tell of a change to the lines.
+/// The findings that report a change of the lines.
 const REPAIRS: &[FindingKind] = &[
     FindingKind::NonFinitePoint,
     FindingKind::RepeatedPoint,
@@ -62,19 +62,19 @@ const REPAIRS: &[FindingKind] = &[
     FindingKind::Straightened,
 ];
 
-/// How often a map is looked at again after its corrections: one can show the next.
+/// How often a map is examined again after corrections, because one correction can reveal another fault.
 const ROUNDS: usize = 3;
 
-/// Whether a finding tells of a change to the lines.
+/// Whether a finding reports a change of the lines.
 pub fn is_repair(finding: &Finding) -> bool {
     REPAIRS.contains(&finding.kind)
 }
 
 impl Preparation {
-    /// Checks the parameters. Every step does so itself; this is for callers who ask before they read.
+    /// Checks the parameters. Each step does so too; this is for callers that check before they read files.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the first parameter that is.
+    /// [`Error::OutOfRange`] with the first parameter that is out of its range.
     pub fn check(&self) -> Result<()> {
         if !(self.snap.is_finite() && self.snap >= 0.0) {
             return Err(Error::out_of_range("snap distance", self.snap, "0 or more"));
@@ -98,12 +98,12 @@ impl Preparation {
 }
 
 impl Input {
-    /// Examines, repairs and cleans the lines, and fits and samples them where that is asked for.
+    /// Examines, repairs and cleans the lines; fits and samples them if the parameters say so.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter. [`Error::NeedsRepair`] where repair is needed and not allowed, and
-    /// [`Error::Strict`] where anything is wrong and may not be. As [`clean`](fn@clean), [`fit`](fn@fit) and
-    /// [`sample`](fn@sample). The findings up to then stay in the input.
+    /// [`Error::OutOfRange`] for a parameter. [`Error::NeedsRepair`] if repair is needed but not allowed.
+    /// [`Error::Strict`] if the preparation is strict and there is an error or a warning. As [`clean`](fn@clean),
+    /// [`fit`](fn@fit) and [`sample`](fn@sample). The findings up to then stay in the input.
     pub fn prepare(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         self.clean(params, progress)?;
         let repairs = self.findings.iter().filter(|finding| is_repair(finding)).count();
@@ -145,12 +145,12 @@ impl Input {
         Ok(())
     }
 
-    /// Cleans the lines. Where an elevation jumps along a line, or a vertex stands out of it, that is mended first, if all
-    /// repairs are asked for.
+    /// Cleans the lines. With [`Repair::All`], sudden changes of elevation along a line and stray vertices are
+    /// corrected first.
     fn clean_lines(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         let (near, line_params) = (params.near(), LineParams { snap: params.snap });
         let mut map = std::mem::take(&mut self.map);
-        let (told, cleaned) = step(progress, "cleaning", || {
+        let (examined, cleaned) = step(progress, "cleaning", || {
             let mut judged = examine(&map, &line_params);
             if params.repair == Repair::All && !judged.corrections.is_empty() {
                 map = correct(std::mem::take(&mut map), &judged.corrections).collect(&mut self.findings);
@@ -161,20 +161,20 @@ impl Input {
         match cleaned {
             Ok(Report { value, findings: cleaning }) => {
                 self.map = value;
-                self.findings.extend(merged(told, cleaning, params.snap.max(near.separation)));
+                self.findings.extend(merged(examined, cleaning, params.snap.max(near.separation)));
                 Ok(())
             }
             Err(error) => {
-                self.findings.extend(told);
+                self.findings.extend(examined);
                 self.named(Err(error))
             }
         }
     }
 
-    /// Makes the corrections of elevations and the joins that the ground between the lines proposes.
+    /// Corrects elevations and joins lines, as the comparison of neighbouring lines proposes.
     fn correct_ground(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         for _ in 0..ROUNDS {
-            // A map that no surface can be made of is told by the step that makes it.
+            // If no surface can be made of the map, the step that makes it reports the error.
             let Ok(subdivision) = subdivide(self.map.clone(), &Frame::Hull, progress) else { break };
             let corrections = subdivision.value.corrections;
             if corrections.is_empty() {
@@ -187,9 +187,9 @@ impl Input {
         Ok(())
     }
 
-    /// Adds what the ground between contours shows of them to the findings, each fault once, and returns the map.
+    /// Compares neighbouring contours, adds the faults to the findings, each once, and returns the map.
     ///
-    /// A map of fewer than two levels has no such ground, which is a finding too.
+    /// With fewer than two levels nothing can be compared; that is a finding too.
     ///
     /// # Errors
     /// As [`subdivide`]. The findings stay in the input.
@@ -209,8 +209,8 @@ impl Input {
     /// The map is moved out of the input.
     ///
     /// # Errors
-    /// As [`subdivide_with_water`], and [`Error::Strict`] where anything is wrong and may not be. The findings stay in the
-    /// input.
+    /// As [`subdivide_with_water`]. [`Error::Strict`] if the preparation was strict and there is an error or a warning.
+    /// The findings stay in the input.
     pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Subdivision> {
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.lakes), sea };
@@ -219,20 +219,19 @@ impl Input {
         Ok(subdivision)
     }
 
-    /// Where anything is wrong with the input and may not be, that is an error.
+    /// Fails if the preparation was strict and there is an error or a warning about the input.
     pub(super) fn check_strict(&self) -> Result<()> {
         if self.is_strict { all_right(&self.name(), &self.findings) } else { Ok(()) }
     }
 
-    /// What was made of the ground between contours. What was noticed about it goes to the other findings, each fault
-    /// once.
+    /// The value of a report. Its findings are added to the others, each fault once.
     pub(super) fn found<T>(&mut self, result: Result<Report<T>>) -> Result<T> {
         let value = self.named(result)?.collect(&mut self.findings);
         self.findings = first_causes(std::mem::take(&mut self.findings));
         Ok(value)
     }
 
-    /// The result, with the file that the contours are from in its error.
+    /// The result; its error names the file of the contours.
     fn named<T>(&self, result: Result<T>) -> Result<T> {
         result.map_err(|error| match &self.file {
             Some(file) => error.in_file(file),
@@ -244,7 +243,7 @@ impl Input {
 /// Whether no finding is an error or a warning.
 ///
 /// # Errors
-/// [`Error::Strict`] with the number of those that are.
+/// [`Error::Strict`] with the number of errors and warnings.
 pub fn all_right(input: &str, findings: &[Finding]) -> Result<()> {
     match findings.iter().filter(|finding| finding.kind.severity() > Severity::Note).count() {
         0 => Ok(()),

@@ -246,7 +246,7 @@ fn wrong_usage_is_told() {
     for (arguments, word) in [
         ("check map.geojson -o findings.shp", "findings are written as .gpkg or .geojson"),
         ("check map.geojson --repair safe -o fixed.tif", "contours are written as"),
-        ("check map.geojson --repair none -o fixed.gpkg", "repairs nothing"),
+        ("check map.geojson --repair none -o fixed.gpkg", "changes nothing"),
         ("check map.geojson --to-crs EPSG:6668", "add -o FILE"),
         ("check map.geojson --repair much", "possible values: none, safe, all"),
     ] {

@@ -227,7 +227,7 @@ fn a_height_map_without_a_system_is_in_that_of_the_other_side() {
     let named = found["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().starts_with("A names no"));
     assert!(named, "{}", found["notes"]);
     folder.fails("compare degrees.asc degrees.asc", 1, "look like degrees");
-    // Contours in degrees are worked on in metres; the height map's numbers are those of the contours' file.
+    // Contours in degrees are processed in metres; the height map's numbers are those of the contours' file.
     fs::write(
         folder.path("degrees.geojson"),
         r#"{"type":"FeatureCollection","features":[
@@ -329,8 +329,8 @@ fn what_cannot_be_compared_is_told() {
     folder.fails("compare a.asc notes.txt", 1, "neither a height map");
     folder.fails("compare SAMPLE.gpkg SAMPLE.gpkg", 2, "--cell");
     folder.fails("compare a.asc a.asc --cell 5", 2, "--cell");
-    folder.fails("compare a.asc a.asc --surface linear", 2, "--surface is about contours");
-    folder.fails("compare a.asc a.asc --unit ft", 2, "--unit is about contours");
+    folder.fails("compare a.asc a.asc --surface linear", 2, "--surface applies to contours");
+    folder.fails("compare a.asc a.asc --unit ft", 2, "--unit applies to contours");
     folder.fails("compare a.asc a.asc -o d.png --png-encoding gsi", 2, "--png-encoding");
     folder.fails("compare a.asc a.asc --sigma 0", 2, "--sigma");
     folder.fails("compare a.asc a.asc --interval -1", 2, "--interval");

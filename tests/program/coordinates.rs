@@ -116,7 +116,7 @@ fn degrees_give_the_lines_of_the_plane_with_every_input_vertex_as_it_was() {
     folder.put("degrees.geojson", &degrees);
     folder.put("plane.gpkg", &plane);
     let said = folder.succeeds("densify degrees.geojson -i 10 -o out.geojson --surface skeleton --snap 0");
-    assert!(said.contains("WGS 84 (EPSG:4326), worked on in WGS 84 / UTM zone 16N (EPSG:32616)"), "{said}");
+    assert!(said.contains("WGS 84 (EPSG:4326), working CRS WGS 84 / UTM zone 16N (EPSG:32616)"), "{said}");
     folder.succeeds("densify plane.gpkg -i 10 -o plane.geojson --surface skeleton --snap 0");
 
     let out = folder.read("out.geojson");
@@ -145,7 +145,7 @@ fn coordinates_of_no_known_system_are_named_by_a_flag() {
     let (well, said) = folder.run("densify unnamed.shp -i 5 -o out.gpkg");
     assert!(!well && said.contains("--crs") && said.contains("degrees"), "{said}");
     let said = folder.succeeds("densify unnamed.shp -i 5 -o out.gpkg --crs EPSG:6668");
-    assert!(said.contains("worked on in JGD2011 / Japan Plane Rectangular CS VIII (EPSG:6676)"), "{said}");
+    assert!(said.contains("working CRS JGD2011 / Japan Plane Rectangular CS VIII (EPSG:6676)"), "{said}");
     assert!(!said.contains("unknown"), "{said}");
     let out = folder.read("out.gpkg");
     assert_eq!(out.crs.as_ref().and_then(|crs| crs.epsg), Some(6668));
@@ -187,7 +187,7 @@ fn other_verbs_go_back_to_degrees_too() {
     folder.succeeds("skeleton hill.geojson -o lines.gpkg --curve-mesh --triangles");
     // A model stays in metres.
     let said = folder.succeeds("mesh hill.geojson -o model.ply");
-    assert!(said.contains("worked on in ETRS89 / UTM zone 32N"), "{said}");
+    assert!(said.contains("working CRS ETRS89 / UTM zone 32N"), "{said}");
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn feet_on_the_map_and_in_the_heights() {
     let feet = hill(2229, DVec2::new(6_501_118.85, 1_858_834.33), 1500.0, 40.0);
     folder.put("feet.gpkg", &feet);
     let said = folder.succeeds("densify feet.gpkg -i 5 -o out.gpkg --unit ft --dem dem.tif --cell 10");
-    assert!(said.contains("worked on in NAD83 / UTM zone 11N (EPSG:26911)"), "{said}");
+    assert!(said.contains("working CRS NAD83 / UTM zone 11N (EPSG:26911)"), "{said}");
     assert!(said.contains("vertical interval 12.192 m"), "{said}");
     let out = folder.read("out.gpkg");
     assert_eq!(out.crs.as_ref().and_then(|crs| crs.epsg), Some(2229));

@@ -99,7 +99,7 @@ fn wrong_usage_is_told_before_the_work() {
     (lost.grid.corner, lost.grid.cell, lost.crs) = (DVec2::new(138.0, 36.0), DVec2::splat(1e-4), None);
     write_dem(&folder.path("degrees.tif"), &lost).unwrap();
     for (arguments, status, words) in [
-        ("derive dem.tif", 2, "name what to write"),
+        ("derive dem.tif", 2, "choose an output"),
         ("derive dem.tif --slope dem.tif", 2, "is an input"),
         ("derive dem.tif --slope a.tif --aspect a.tif", 2, "the name of two outputs"),
         ("derive dem.tif --slope a.jpg", 2, "height maps are written as"),
@@ -109,7 +109,7 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --slope a.tif --steep-angle 45", 2, "--steep <FILE>"),
         ("derive dem.tif --slope a.tif --steep-height 9", 2, "--steep <FILE>"),
         ("derive dem.tif --cell 5 --slope a.tif", 2, "the input is a height map"),
-        ("derive dem.tif --crs 6668 --slope a.tif", 2, "--crs is about contours"),
+        ("derive dem.tif --crs 6668 --slope a.tif", 2, "--crs applies to contours"),
         ("derive dem.doc --slope a.tif", 1, "dem.doc"),
         ("derive none.tif --slope a.tif", 1, "cannot read none.tif"),
         ("derive degrees.tif --slope a.tif", 1, "look like degrees"),

@@ -327,7 +327,7 @@ fn numbers_out_of_range() {
             "densify hill.geojson -i 5 -o out.gpkg --dem d.tif",
             "needs --cell SIZE, --cell-degrees SIZE or --like RASTER",
         ),
-        ("densify hill.geojson -i 5 -o out.gpkg --cell 5", "add --dem FILE"),
+        ("densify hill.geojson -i 5 -o out.gpkg --cell 5", "need --dem FILE"),
         ("dem hill.geojson -o d.tif", "needs --cell SIZE, --cell-degrees SIZE or --like RASTER"),
         ("dem hill.geojson --cell 0 -o d.tif", "--cell is 0, it must be more than 0"),
         ("dem hill.geojson --cell -5 -o d.tif", "--cell is -5, it must be more than 0"),
@@ -792,9 +792,9 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
     let (chosen, _) = folder.succeeds(&dem);
     for words in [
-        ", crease knee 0.",
-        " and relief 0.",
-        "chosen by hiding every second level",
+        ", crease threshold 0.",
+        ", curvature gain 0.",
+        "chosen by cross-validation on hidden levels",
         "LE90",
         "an interval of 40 m",
         "with all contours, 20 m apart",
@@ -815,7 +815,7 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let rings = [ring(0.0, 90.0), ring(10.0, 60.0), ring(20.0, 30.0)].join(",");
     folder.put("few.geojson", format!("{{\"type\":\"FeatureCollection\",{crs},\"features\":[{rings}]}}"));
     let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif");
-    assert!(few.contains("tension    3.50, the usual one: there are too few levels"), "{few}");
+    assert!(few.contains("tension    3.50, the default: there are too few levels"), "{few}");
 }
 
 #[test]

@@ -8,29 +8,29 @@ use crate::cli::input::InputArgs;
 use crate::cli::output::GridArgs;
 use crate::cli::surface::SurfaceArgs;
 
-/// How far a height map or the surface of contours is from another
+/// Differences between two height maps or surfaces of contours
 ///
-/// A is measured against B: differences are A − B. Each is a height map, or contours, whose surface is then evaluated at
-/// the other's own cell centres. Of two height maps on different grids B stays as it is.
+/// Differences are A − B. A and B are height maps or contours. The surface of contours is evaluated at the cell centres
+/// of the other side. If two height maps have different grids, A is interpolated at the cell centres of B.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).value_name("A").help(
-    "What is measured: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf), or a .xml, .zip or \
+    "What is compared: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("points", |arg| arg.help(
-    "Check points: points with an elevation, at which A and B are measured, too")))]
+    "Check points: points with an elevation, with which A and B are compared too")))]
 pub struct CompareArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// What it is measured against, the reference: a height map or contour lines
+    /// The reference: a height map or contour lines
     #[arg(index = 2, value_name = "B", help_heading = "Input")]
     pub b: PathBuf,
-    /// Stated accuracy of the height map that is measured against, as a standard deviation [m]; says how much of the
-    /// difference is significant [default: that of a product of 基盤地図情報]
+    /// Stated accuracy of the reference, as a standard deviation [m]; it decides which differences are significant
+    /// [default: that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true)]
     pub sigma: Option<f64>,
-    /// Contour interval at whose levels height maps are looked at for terraces [m] [default: that of the contours, else the
-    /// usual ones are tried]
+    /// Contour interval at whose levels height maps are searched for terraces [m] [default: that of the contours,
+    /// otherwise usual intervals are tried]
     #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true)]
     pub interval: Option<f64>,
     /// Also write the differences A − B: GeoTIFF (.tif), OpenEXR (.exr), 16-bit PNG (.png) and others
@@ -39,7 +39,7 @@ pub struct CompareArgs {
     /// Print the figures as JSON instead of a table
     #[arg(long, help_heading = "Output")]
     pub json: bool,
-    /// Also write a page with maps, charts and tables: .html
+    /// Also write a report with maps, charts and tables: .html
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub report: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -54,5 +54,6 @@ Examples:
   tokosen compare mine.tif published_dem.tif --sigma 5 -o difference.tif
   tokosen compare old.gpkg new.gpkg --cell 10 --json
 
-Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same about the bias; MAE, the mean of |d|;
-median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 % and 95 % of |d| do not exceed.";
+Figures, in metres: bias, the mean of the differences d; RMSE; RMSE-b, the same after subtracting the bias; MAE, the
+mean of |d|; median; NMAD, 1.4826 times the median of |d - median|; LE90 and LE95, which 90 % and 95 % of |d| do not
+exceed.";

@@ -1,4 +1,4 @@
-//! `tokosen compare`: how far a height map or a surface is from another, and where.
+//! `tokosen compare`: differences between two height maps or surfaces.
 
 mod args;
 mod side;
@@ -15,7 +15,6 @@ use tokosen::io::{Content, StagedOutput, check_paths, content};
 use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
 
 use super::console::Console;
-
 use super::failure::Failure;
 use super::output;
 use super::{memory, summary};
@@ -52,7 +51,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     if args.json {
         console.result(&comparison_json(&pair, &found, &findings)?);
     } else {
-        tell(&pair, &found, console);
+        summarise(&pair, &found, console);
     }
     for staged in [staged, page].into_iter().flatten() {
         let path = staged.commit()?;
@@ -66,7 +65,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the page, still under its temporary name.
+/// Writes the report, still under its temporary name.
 pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Console) -> Result<(), Failure> {
     let path = staged.path();
     let written =
@@ -74,7 +73,7 @@ pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Co
     Ok(written.map_err(|e| staged.with_final_name(e))?)
 }
 
-/// Checks what can be checked before anything is read, and tells what A and B are.
+/// Checks what can be checked before anything is read, and returns what A and B are.
 fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     let contents = [content(&args.input.map.contours)?, content(&args.b)?];
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
@@ -83,36 +82,32 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
         }
     }
     if contents == [Content::HeightMap; 2] {
-        // Check points have a unit, too.
+        // Check points have a unit too.
         let about_contours =
             args.input.about_contours().filter(|flag| !(*flag == "--unit" && args.input.map.points.is_some()));
         if let Some(flag) = about_contours.or_else(|| args.surface.given()) {
-            return Err(Failure::Usage(format!("{flag} is about contours, and both inputs are height maps")));
+            return Err(Failure::Usage(format!("{flag} applies to contours, but both inputs are height maps")));
         }
     }
     if contents == [Content::Contours; 2] {
-        if !args.grid.is_given() {
-            return Err(Failure::Usage(
-                "two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into(),
-            ));
+        if args.grid.given().is_none() {
+            return Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into()));
         }
         args.grid.check()?;
-    } else if args.grid.is_given() {
-        return Err(Failure::Usage(
-            "heights are compared at the cells of the height map: leave out --cell and --like".into(),
-        ));
+    } else if args.grid.given().is_some() {
+        return Err(Failure::Usage("the grid is that of the height map: leave out --cell and --like".into()));
     }
     if contents != [Content::HeightMap; 2] {
         args.surface.check()?;
     }
-    let others = [args.b.as_path()].into_iter().chain(args.grid.like.as_deref()).chain(args.surface.files());
-    let inputs: Vec<&Path> = args.input.map.files().chain(others).collect();
+    let files = args.input.map.files().chain([args.b.as_path()]);
+    let inputs: Vec<&Path> = files.chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<&Path> = args.output.iter().chain(&args.report).map(PathBuf::as_path).collect();
     check_paths(&inputs, &outputs)?;
     Ok(contents)
 }
 
-/// Opens the page's file.
+/// Opens the file of the report.
 pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
         return Err(Failure::Usage(format!("{}: the report is written as .html", path.display())));
@@ -120,8 +115,8 @@ pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
     Ok(StagedOutput::create(path)?)
 }
 
-/// The summary: what was compared, the table, what it means.
-pub fn tell(pair: &Pair, found: &Comparison, console: &Console) {
+/// Prints the summary: what was compared, the table, what it means.
+pub fn summarise(pair: &Pair, found: &Comparison, console: &Console) {
     console.say(&format!("A          {}", pair.a.source.title()));
     console.say(&format!("B          {}", pair.b.source.title()));
     let grid = &pair.b_heights.grid;

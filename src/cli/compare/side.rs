@@ -23,7 +23,7 @@ pub fn read(
     console: &Console,
 ) -> Result<Pair, Failure> {
     let (path_a, path_b) = (&args.input.map.contours, &args.b);
-    // Height maps come first: the surface is drawn for their cells.
+    // Height maps come first, because the surface is built for their cells.
     let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         match content {
             Content::Contours => Ok(None),
@@ -41,7 +41,7 @@ pub fn read(
     label("B", findings);
     let crs_of = |side: &Option<Side>| side.as_ref().and_then(Side::crs).cloned();
     let nodes_of = |side: &Option<Side>| side.as_ref().and_then(Side::nodes).map(|(grid, _)| grid);
-    // A height map that names no system is taken for one in that of the other side.
+    // A height map without a coordinate reference system is assumed to be in that of the other side.
     let crs = crs_of(&dem_b).or_else(|| crs_of(&dem_a));
     let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a)).map(|grid| (grid, crs));
     let b = match dem_b {
@@ -55,14 +55,14 @@ pub fn read(
     };
     label("A", findings);
     let Some(nodes) = nodes else {
-        return Err(Failure::Usage("two surfaces are compared on a grid: give --cell SIZE or --like RASTER".into()));
+        return Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into()));
     };
     Pair::refuse_degrees(&nodes, path_b)?;
     Ok(Pair::on(a, b, nodes, console)?)
 }
 
-/// Reads contours and builds their surface: for the cells that heights are compared at or, if these are not known yet, for
-/// those that are asked for, which are then the ones.
+/// Reads contours and builds their surface for `nodes`, the cells that heights are compared at. If these are not known
+/// yet, they become the cells that the arguments ask for.
 fn side_of_contours(
     args: &CompareArgs,
     path: &Path,
@@ -70,7 +70,7 @@ fn side_of_contours(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Side, Failure> {
-    // Check points must not be known to the surface that they check.
+    // The surface must not be built with the points that check it.
     let map = MapArgs { contours: path.to_owned(), points: None, ..args.input.map.clone() };
     let mut input = InputArgs { map, ..args.input.clone() }.read(console)?;
     if let Some((_, crs @ None)) = nodes {
@@ -82,7 +82,7 @@ fn side_of_contours(
     };
     let options = args.surface.options(Some(&grid), Triangles::Reference)?;
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
-    // Each side may have been worked on in a plane of its own.
+    // Each side may have a working plane of its own.
     for finding in &mut terrain.findings {
         finding.place = finding.place.and_then(|p| terrain.reprojection.in_input(p));
     }

@@ -9,8 +9,8 @@ use crate::dem::{Dem, looks_like_degrees};
 /// [`Error::Data`] if it has no height, or if its coordinates look like degrees and it names no coordinate reference system.
 pub fn check(dem: &Dem) -> Result<()> {
     if looks_like_degrees(&dem.grid, dem.crs.as_ref()) {
-        let message = "the coordinates look like degrees, and the height map does not say so; name its system first, for \
-                       example with 'gdal_translate -a_srs EPSG:6668'";
+        let message = "the coordinates look like degrees, but the height map names no system; name it first, for example \
+                       with 'gdal_translate -a_srs EPSG:6668'";
         return Err(Error::Data(message.into()));
     }
     if dem.values.iter().all(|height| height.is_nan()) {

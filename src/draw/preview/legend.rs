@@ -56,7 +56,7 @@ pub(super) fn blocks(
     for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
         let wide = Block::Keys { keys, rows };
         let (width, _) = wide.size(setter);
-        // Where two columns are too wide for the picture, one has to do.
+        // If two columns are too wide for the picture, there is one.
         blocks.push(match wide {
             Block::Keys { keys, .. } if width > room => Block::Keys { rows: keys.len(), keys },
             fits => fits,
@@ -201,7 +201,7 @@ fn draw_bar(pixmap: &mut Pixmap, setter: &Typesetter, bar: &scale::Bar, (x, base
     for white in [1.0, 3.0] {
         fill(pixmap, (x + cell * white, top + 1.2, cell - if white > 2.0 { 1.2 } else { 0.0 }, height - 2.4), PAPER);
     }
-    // The number alone stands over the end; the unit follows it.
+    // The number is centred on the end of the bar; the unit follows it.
     let number = setter.width(&bar.number, TEXT);
     setter.draw(pixmap, &bar.label, (x + bar.pixels - number / 2.0, base), TEXT, INK, Align::Left);
 }

@@ -1,9 +1,9 @@
-//! Which lines are drawn, how strong, and their strokes.
+//! The choice of the lines that are drawn, their strength and their strokes.
 //!
 //! Lines closer together than a few pixels would blacken the picture. The mean spacing of a set of lines is the map's
-//! area over their length. The narrower it is, the fainter the lines; if it is too narrow, only every second, fifth,
-//! tenth ... level is drawn. Of the interpolated levels only such a step is chosen that still divides the input's
-//! interval evenly, and none at all if there is no such step. The legend says what is drawn.
+//! area divided by their length. The narrower it is, the fainter the lines; if it is too narrow, only every second,
+//! fifth, tenth ... level is drawn. For interpolated levels the step must divide the input's interval evenly; if no
+//! such step exists, none of them is drawn. The legend says what is drawn.
 
 use glam::DVec2;
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
@@ -41,7 +41,7 @@ pub(super) struct Style {
     pub dashes: Option<[f32; 2]>,
 }
 
-/// Dashes of lines where the contours hardly tell the height.
+/// Dashes of inferred lines, where the contours say little about the height.
 const DASHES: [f32; 2] = [4.0, 3.0];
 
 pub(super) const RIDGE_STYLE: Style = Style { color: RIDGE, width: 1.7, alpha: 0.92, dashes: None };
@@ -52,7 +52,7 @@ pub(super) const CANYON_STYLE: Style = Style { color: CANYON, width: 1.7, alpha:
 pub(super) struct Class {
     /// How the levels follow each other, if there is more than one.
     spacing: Option<Spacing>,
-    /// Every how many levels one is drawn; `None`: too dense, nothing is drawn.
+    /// Every n-th level is drawn; `None` if the lines are too dense and none is drawn.
     pub every: Option<u32>,
     /// Whether any of the drawn lines is an index contour.
     pub has_index: bool,
@@ -130,7 +130,7 @@ impl Class {
     }
 }
 
-/// 0 at the narrowest spacing that is drawn, 1 from the easy one on.
+/// 0 at the narrowest spacing that is drawn, 1 from the spacing of full strength on.
 fn strength(spacing: f64, narrowest: f64) -> f32 {
     ((spacing - narrowest) / (EASY_SPACING - narrowest)).clamp(0.0, 1.0) as f32
 }
@@ -218,7 +218,7 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, contours: &[ContourLine], plan
     }
 }
 
-/// Whether a line lies where the contours hardly tell the height.
+/// Whether a line is inferred: the contours say little about the height there.
 pub(super) fn is_inferred(line: &ContourLine) -> bool {
     line.expected.is_some_and(|expected| expected.inferred)
 }

@@ -1,11 +1,11 @@
-//! A picture of the result to look at: the shaded surface with its contours and break lines, and a legend.
+//! A picture of the result: the shaded surface with its contours, ridge and canyon lines, and a legend.
 //!
-//! [`map_grid`] says on which cells to rasterise the surface, so that a cell becomes a pixel; [`render`] draws the map.
+//! [`map_grid`] gives the cells to rasterise the surface on: one cell per pixel. [`render`] draws the map.
 //! [`render_model`] draws a mesh in space.
 //!
-//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for; the
-//! interpolated contours, thin; the input's contours, bold; canyon and ridge lines. Cells without data stay white. Where contours would lie closer
-//! than a few pixels, only some levels are drawn, and the legend says which.
+//! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for;
+//! the interpolated contours, thin; the input's contours, bold; canyon and ridge lines. Cells without data stay white.
+//! Where contours would lie closer than a few pixels, only some levels are drawn, and the legend says which.
 
 mod canvas;
 mod color;

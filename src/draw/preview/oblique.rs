@@ -1,10 +1,10 @@
 //! A picture of the model in space: [`render_model`] looks down on it from the south-south-west along parallel rays.
 //!
-//! Parallel rays keep parallel lines parallel and equal heights equally long, so the picture can be read like a map. The
-//! triangles have the tint and the light of the map. Where there are few, each is of one brightness and its edges are
-//! drawn: the polyhedron shell (paper, figure 8). Where there are many, brightness varies evenly between the corners. On
-//! the model lie the contours and the ridge and canyon lines (the paper's curve mesh, figure 7b), hidden where the ground
-//! hides them.
+//! Parallel rays keep parallel lines parallel and equal heights equally long, so the picture can be read like a map.
+//! The triangles have the tint and the light of the map. Where there are few, each is of one brightness and its edges
+//! are drawn: the polyhedron shell (paper, figure 8). Where there are many, brightness varies evenly between the
+//! corners. On the model lie the contours and the ridge and canyon lines (the paper's curve mesh, figure 7b), hidden
+//! where the ground hides them.
 
 use glam::{DVec2, DVec3};
 use image::RgbImage;
@@ -26,15 +26,15 @@ use crate::dem::shade::{Lights, ShadeParams};
 use crate::mesh::Mesh;
 use crate::skeleton::{BreakKind, BreakLine};
 
-/// How far the eye stands west of south, degrees: the light of the map then comes from the left.
+/// Direction of the eye, degrees west of south; the light of the map then comes from the left.
 const TURN: f64 = 25.0;
 /// Height of the eye above the horizon, degrees.
 const ALTITUDE: f64 = 36.0;
-/// Ground reads well when its mean slope is about this steep; heights are scaled towards it ...
+/// Heights are scaled until the mean slope is about this steep, because such ground can be read well.
 const GOOD_SLOPE: f64 = 0.5;
-/// ... but so that the model is no flatter and no taller than these shares of its diagonal ...
+/// The least and the greatest height of the scaled model, as shares of its diagonal.
 const TALL: (f64, f64) = (0.06, 0.28);
-/// ... and never by less than this.
+/// The least factor on heights.
 const LEAST: f64 = 1.0;
 /// Edges are drawn where a triangle covers more than this on average, square pixels.
 const LARGE: f64 = 30.0;
@@ -114,7 +114,7 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         styles: &styles,
     });
     let size = IntSize::from_wh(view.size.0 as u32, view.size.1 as u32);
-    let picture = size.and_then(|size| Pixmap::from_vec(pixels, size)).expect("four bytes a pixel were drawn");
+    let picture = size.and_then(|size| Pixmap::from_vec(pixels, size)).expect("four bytes per pixel were drawn");
 
     let setter = Typesetter::new();
     let room = view.size.0.max(MIN_LEGEND);
@@ -127,7 +127,7 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     Ok(image_of(&sheet(&picture, &blocks, room, model.title, &setter)?.0))
 }
 
-/// What has to be known of the ground, which is the whole mesh less the walls and the bottom of a solid.
+/// Size and slope of the ground: of the mesh without the walls and the bottom of a solid.
 struct Ground {
     /// The box around it on the map, relative to the mesh's origin.
     corners: [DVec2; 2],
@@ -135,7 +135,7 @@ struct Ground {
     range: (f64, f64),
     /// Area on the map, map units squared.
     area: f64,
-    /// Mean rise over run, metres a map unit.
+    /// Mean rise over run, metres per map unit.
     slope: f64,
 }
 
@@ -155,12 +155,12 @@ impl Ground {
         Self { corners, range, area, slope: rise / area }
     }
 
-    /// The factor on the heights that makes the ground read well, to half a unit.
+    /// The factor on the heights that makes the ground easy to read, a multiple of one half.
     fn exaggeration(&self, metres: f64) -> f64 {
         let diagonal = self.corners[0].distance(self.corners[1]) * metres;
         let tall = |share: f64| share * diagonal / (self.range.1 - self.range.0);
         let wanted = (GOOD_SLOPE * metres / self.slope).max(tall(TALL.0)).min(tall(TALL.1));
-        // Level ground wants no finite factor.
+        // For level ground the factor would be infinite.
         let step = if wanted < 10.0 { 0.5 } else { 5.0 };
         let rounded = (wanted / step).round() * step;
         if rounded.is_finite() { rounded.max(LEAST) } else { LEAST }
@@ -180,12 +180,12 @@ impl Ground {
     }
 }
 
-/// The parallel rays, the size of the picture, and where the vertices come to lie on it.
+/// The parallel projection: the size of the picture, and the places of the vertices in it.
 struct View<'a> {
     mesh: &'a Mesh,
     /// Factor on the heights, which also turns metres into map units.
     rise: f64,
-    /// Pixels a map unit.
+    /// Pixels per map unit.
     scale: f64,
     /// Right, down and nearness, map units, of the upper left corner of the picture.
     corner: DVec3,
@@ -260,7 +260,7 @@ impl Brightness {
         all
     }
 
-    /// Brightness of ground with a normal; raising the heights lays normals down.
+    /// Brightness of ground with a normal; scaling the heights up tilts normals towards the horizontal.
     fn on(&self, normal: DVec3) -> f64 {
         let raised = DVec3::new(normal.x, normal.y, normal.z / self.rise);
         self.lights.on(raised.try_normalize().unwrap_or(DVec3::Z)) / self.level

@@ -8,13 +8,14 @@ use super::color::{INK, Rgb};
 use super::lines::{Style, stroke, to_pixels};
 use crate::base::Grid;
 
-/// How much of the fill's colour is seen, 0 to 1.
+/// Opacity of the fill, 0 to 1.
 const ALPHA: f32 = 0.6;
 /// The line around each area.
 const OUTLINE: Style = Style { color: INK, width: 0.6, alpha: 0.5, dashes: None };
 /// Vertices closer than this to the last one are left out, pixels.
 const FINE: f64 = 0.3;
-/// Coordinates further than this from the map's corner are drawn there, pixels: beyond, the rasteriser loses digits.
+/// Coordinates are clamped to this distance from the map's corner, pixels, because the rasteriser loses digits beyond
+/// it.
 const FAR: f64 = 1e5;
 
 /// A class of areas, as the legend names it.
@@ -45,7 +46,7 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// The names and colours, as they look on white paper, of the classes that occur.
+    /// The names of the classes that occur, and their colours as they look on white paper.
     pub(super) fn present(&self) -> Vec<(Rgb, String)> {
         let on_paper = |c: u8| (f32::from(c) * ALPHA + 255.0 * (1.0 - ALPHA)).round() as u8;
         let occurs = |class: usize| self.areas.iter().any(|area| area.class == class);

@@ -16,9 +16,9 @@ use crate::base::error::{Error, Result};
 use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade, steepness};
 
-/// Hillshade looks best when the usual slope is about this steep; heights are scaled towards it.
+/// Heights are scaled until the median slope is about this steep, because its hillshade has a good contrast.
 const GOOD_SLOPE: f64 = 0.42;
-/// ... but by no more than this.
+/// The greatest factor on heights.
 const EXAGGERATION: (f64, f64) = (0.6, 8.0);
 
 /// Draws the picture.
@@ -82,7 +82,7 @@ fn relief(dem: &Dem, range: Option<(f64, f64)>) -> Result<Pixmap> {
 
 /// The factor on the heights that gives the median slope a good contrast.
 fn exaggeration(steepness: &[f32]) -> f64 {
-    // Some thousand cells tell the median well enough.
+    // Some thousand cells are enough to estimate the median.
     let stride = (steepness.len() / 20_000).max(1) | 1;
     let mut some: Vec<f32> = steepness.iter().step_by(stride).copied().filter(|v| v.is_finite()).collect();
     let middle = some.len() / 2;

@@ -4,7 +4,7 @@ use crate::dem::Dem;
 
 /// The longest scale bar, as a share of the map's width and in pixels.
 const LONGEST: (f64, f64) = (0.4, 230.0);
-/// About as many numbers stand below the tint.
+/// Approximate number of labels below the tint.
 const TICKS: f64 = 4.0;
 
 /// A scale bar.

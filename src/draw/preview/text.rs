@@ -1,7 +1,7 @@
 //! Text as filled outlines.
 //!
-//! The font is Ubuntu Light, which the `epaint_default_fonts` crate embeds. The Ubuntu Font Licence 1.0 allows that, and
-//! says that pictures made with the font are free of it.
+//! The font is Ubuntu Light, which the `epaint_default_fonts` crate embeds. The Ubuntu Font Licence 1.0 allows that,
+//! and says that pictures made with the font are free of it.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point, PxScale, ScaleFont};
 use tiny_skia::{FillRule, PathBuilder, Pixmap, Stroke, Transform};
@@ -18,7 +18,7 @@ pub(super) enum Align {
     Center,
 }
 
-/// The light face is drawn this much bolder, pixels, because small light text is pale.
+/// Extra stroke width, pixels, because small text in a light face is pale.
 const EMBOLDEN: f32 = 0.35;
 
 /// Sets text.

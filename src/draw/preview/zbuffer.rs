@@ -1,10 +1,10 @@
-//! Triangles and lines with what is hidden hidden: a depth buffer of several samples a pixel.
+//! Hidden-surface removal for triangles and lines: a depth buffer with several samples per pixel.
 //!
-//! The picture is drawn in bands of rows, each with the triangles and lines that reach into it, so that bands can be
-//! drawn side by side and only their own samples are held. Within a band everything goes in by its number, and of equal
-//! depths the first one stays, so the picture does not depend on how many bands are drawn at once.
+//! The picture is drawn in bands of rows. Each band holds its own samples, so bands can be drawn in parallel. Within a
+//! band, triangles and lines are drawn in the order of their numbers, and of equal depths the first one stays. The
+//! picture therefore does not depend on the number of threads.
 //!
-//! A line only marks the samples that it covers; colours are mixed at the end. So lines that overlap are no darker there.
+//! A line only marks the samples that it covers. Colours are mixed at the end, so overlapping lines are not darker.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -17,7 +17,8 @@ use crate::base::rows::Rows;
 const FINE: usize = 3;
 /// Rows of pixels in a band.
 const BAND: usize = 32;
-/// Lines are seen this far, pixels, below the ground: they are drawn wider than the edge that they follow.
+/// Lines are visible down to this depth below the ground, pixels, because they are wider than the edge that they
+/// follow.
 const BIAS: f64 = 2.5;
 /// Spans reach this far beyond their ends, samples, so that rounding leaves no gap between neighbours.
 const OVERLAP: f64 = 1e-6;
@@ -44,7 +45,7 @@ pub(super) struct Piece {
     pub style: u8,
 }
 
-/// What is to be seen: numbered triangles and pieces of lines.
+/// The scene: numbered triangles and pieces of lines.
 pub(super) struct Scene<'a, C, P> {
     /// Width and height, pixels.
     pub size: (usize, usize),
@@ -60,7 +61,7 @@ pub(super) struct Scene<'a, C, P> {
     pub styles: &'a [Style],
 }
 
-/// Draws the scene as rows of RGBA bytes, paper where nothing is.
+/// Draws the scene as rows of RGBA bytes, with paper as the background.
 pub(super) fn draw<C, P>(scene: &Scene<'_, C, P>) -> Vec<u8>
 where
     C: Fn(u32) -> Option<[Corner; 3]> + Sync,
@@ -70,7 +71,7 @@ where
     let bands = height.div_ceil(BAND);
     let reached = |ys: &[f64], margin: f64| {
         let (lo, hi) = ys.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &y| (lo.min(y), hi.max(y)));
-        // Conversion to whole numbers saturates; not a number becomes zero.
+        // Conversion to whole numbers saturates; NaN becomes zero.
         let band = |y: f64| (y / BAND as f64).max(0.0) as usize;
         let outside = hi + margin < 0.0 || lo - margin > height as f64;
         let last = if outside { 0 } else { (band(hi + margin) + 1).min(bands) };
@@ -155,7 +156,7 @@ impl Samples {
         if !corners.iter().all(|c| c.at.is_finite()) || double_area.abs() < FLAT {
             return;
         }
-        // What varies evenly over the triangle: its value in the first corner and its steps to the right and down.
+        // A linear function on the triangle: its value in the first corner, and its steps to the right and down.
         let plane = |values: [f64; 3]| {
             let [u, v] = [values[1] - values[0], values[2] - values[0]];
             let right = (u * (c.y - a.y) - v * (b.y - a.y)) / double_area;
@@ -203,7 +204,7 @@ impl Samples {
         let length = along.length_squared();
         for row in self.rows_between(a.y.min(b.y) - reach, a.y.max(b.y) + reach) {
             let y = (self.top + row) as f64 + 0.5;
-            // The part of the piece that comes near enough to this row.
+            // The part of the piece within reach of this row.
             let share = |y: f64| if along.y == 0.0 { f64::INFINITY } else { (y - a.y) / along.y };
             let (s, e) = (share(y - reach), share(y + reach));
             let (s, e) = if along.y == 0.0 { (0.0, 1.0) } else { (s.min(e).clamp(0.0, 1.0), s.max(e).clamp(0.0, 1.0)) };

@@ -1,6 +1,6 @@
 //! The charts of the page, as SVG.
 //!
-//! They are drawn small with large letters, so that they can still be read on a phone.
+//! They are small and have large letters, so that they can be read on a phone.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -18,12 +18,12 @@ const LETTERS: f64 = 18.0;
 const A: RGBColor = RGBColor(178, 60, 30);
 const B: RGBColor = RGBColor(30, 80, 150);
 const BARS: RGBColor = RGBColor(112, 128, 144);
-/// Bars of the histogram of differences; odd, so that one is around 0.
+/// Bars of the histogram of differences; an odd number, so that one bar is centred on 0.
 const BARS_COUNT: usize = 51;
-/// Cells of the scatter on each side.
+/// Cells of the scatter plot along each axis.
 const SCATTER: usize = 72;
 
-/// The numbers of cells by difference. Those beyond three times LE90 are counted in the outermost bars.
+/// Histogram of the differences. Those beyond 1.5 times LE95 are counted in the outermost bars.
 pub(super) fn difference_histogram(difference: &Dem, found: &Comparison) -> Result<String> {
     let limit = (1.5 * found.overall.le95).max(1e-3);
     let width = 2.0 * limit / BARS_COUNT as f64;
@@ -49,7 +49,7 @@ pub(super) fn difference_histogram(difference: &Dem, found: &Comparison) -> Resu
     })
 }
 
-/// Heights of A against heights of B, the darker the more cells.
+/// Heights of A against heights of B; darker means more cells.
 pub(super) fn scatter(a: &Dem, b: &Dem) -> Result<String> {
     let pairs = || a.values.iter().zip(&b.values).filter(|(a, b)| a.is_finite() && b.is_finite());
     let all = || pairs().flat_map(|(a, b)| [f64::from(*a), f64::from(*b)]);
@@ -115,7 +115,7 @@ pub(super) fn levels(a: Option<&LevelHistogram>, b: Option<&LevelHistogram>) -> 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Lets `content` draw on white and gives the SVG.
+/// Calls `content` to draw on white, and returns the SVG.
 fn draw(content: impl FnOnce(Area<'_>) -> Drawn) -> Result<String> {
     let mut svg = String::new();
     let drawn = {
@@ -159,7 +159,7 @@ fn mesh(
     Ok(())
 }
 
-/// A label without the digits that adding up steps brought.
+/// A label without the rounding errors of a sum of steps.
 fn label(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded }).replace('-', "−")

@@ -16,15 +16,16 @@ use crate::dem::shade::{ShadeParams, hillshade};
 
 /// Longest side of a picture, pixels.
 const LONGEST: usize = 1000;
-/// Where there is no data.
+/// The colour of cells without data.
 const VOID: [u8; 3] = [205, 205, 200];
-/// Colours of differences from the lowest to the highest; the middle is 0. Blue and red are told apart by nearly everyone.
+/// Colours of differences from the lowest to the highest; the middle is 0. Most colour-blind people can distinguish
+/// blue and red.
 const STOPS: [[u8; 3]; 7] =
     [[24, 65, 130], [67, 130, 190], [160, 200, 224], [246, 246, 244], [245, 176, 142], [212, 94, 74], [130, 20, 40]];
 /// Share of the hillshade in the map of differences.
 const RELIEF: f64 = 0.35;
 
-/// How many cells on a side go into one pixel.
+/// Cells per pixel, along each side.
 pub(super) fn reduction(grid: &Grid) -> usize {
     grid.cols.max(grid.rows).div_ceil(LONGEST).max(1)
 }
@@ -36,11 +37,11 @@ pub(super) struct Window {
     pub rows: Range<usize>,
 }
 
-/// What is shown around cells with data, as a share of the longer side of the box around them.
+/// Width of the margin around the cells with data, as a share of the longer side of their bounding box.
 const MARGIN: f64 = 0.05;
 
 impl Window {
-    /// The box around the cells with data, with a margin: a small map in a large one would be a spot in its pictures.
+    /// The bounding box of the cells with data, with a margin. Otherwise a small map would be a spot in its pictures.
     pub fn around_data(dem: &Dem) -> Self {
         let Grid { cols, rows, .. } = dem.grid;
         let row_box = |row: usize| {
@@ -66,7 +67,7 @@ impl Window {
     }
 }
 
-/// The mean of the heights in blocks of cells of a window, so that no side has more than [`LONGEST`] of them.
+/// The mean heights of blocks of cells in a window; no side has more than [`LONGEST`] blocks.
 pub(super) fn reduced(dem: &Dem, window: &Window) -> Dem {
     let shown = window.of(&dem.grid);
     let Grid { corner, cell, cols, rows } = shown;

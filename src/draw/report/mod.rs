@@ -1,18 +1,17 @@
-//! What a comparison found, for people: sentences and tables ([`remarks`], [`groups`]) and a page of its own
-//! ([`comparison_page`]).
+//! The report of a comparison: sentences ([`remarks`]), tables ([`groups`]) and an HTML page ([`comparison_page`]).
 //!
-//! The page is one file of HTML that needs nothing else: charts are drawn by `plotters` as SVG, pictures are PNG inside the
-//! page, there is no script. It is laid out for a phone, a desk and paper.
+//! The page is one HTML file that needs no other file. Charts are SVG, drawn by `plotters`; pictures are embedded PNG;
+//! there is no script. The layout suits a phone, a desktop screen and paper.
 
 mod charts;
 mod maps;
 mod page;
+mod pair;
 mod profile;
 mod table;
-mod told;
 mod words;
 
 pub use page::{ComparisonPage, comparison_page};
+pub use pair::{page, sentences, table};
 pub use table::{Group, Row, decimals_for, groups};
-pub use told::{page, sentences, table};
 pub use words::{HeightSource, remarks};

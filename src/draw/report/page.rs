@@ -24,7 +24,7 @@ pub struct ComparisonPage<'a> {
     pub b_name: &'a str,
     /// What the heights of A and of B come from.
     pub sources: [HeightSource; 2],
-    /// How both came onto one grid, and whatever else is to be said; sentences.
+    /// Notes in sentences, such as how both were brought onto one grid.
     pub notes: &'a [String],
     /// Heights of A.
     pub a: &'a Dem,
@@ -32,11 +32,11 @@ pub struct ComparisonPage<'a> {
     pub b: &'a Dem,
     /// The figures.
     pub found: &'a Comparison,
-    /// Metres a map unit in x and y, as for the figures.
+    /// Metres per map unit in x and y, as for the figures.
     pub metres_per_unit: DVec2,
 }
 
-/// The page as HTML: one file that needs no other.
+/// The page as HTML: one file that needs no other file.
 ///
 /// # Errors
 /// If a chart or a picture cannot be made.

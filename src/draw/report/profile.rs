@@ -1,4 +1,4 @@
-//! Heights of both along a line through the largest difference, down the slope there: where a comparison is worth a look.
+//! The profile: heights of A and B along a line through the largest difference, in the direction of the slope there.
 
 use glam::DVec2;
 
@@ -7,16 +7,16 @@ use crate::dem::compare::{Comparison, height_at};
 
 /// Cells from the middle of the line to each end.
 const REACH: f64 = 60.0;
-/// Points a cell.
+/// Points per cell.
 const DENSITY: f64 = 2.0;
-/// Cells on each side that the direction of the slope is taken from.
+/// Distance on each side over which the direction of the slope is computed, cells.
 const LOOK: f64 = 3.0;
 
 /// A profile.
 pub(super) struct Profile {
     /// Ends of the line, map units.
     pub ends: [DVec2; 2],
-    /// Distance from the first end in metres, and the heights of A and B; NaN where there is none.
+    /// Distance from the first end, metres, and the heights of A and B; NaN where there is no height.
     pub points: Vec<(f64, [f64; 2])>,
 }
 

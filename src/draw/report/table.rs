@@ -11,10 +11,10 @@ pub struct Group {
     pub rows: Vec<Row>,
 }
 
-/// Figures with the name of the cells that they are of.
+/// Figures of a group of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// The name.
+    /// The name of the group.
     pub label: String,
     /// The figures; none if there were no such cells.
     pub statistics: Option<Statistics>,
@@ -49,7 +49,7 @@ fn classes(classes: &[Class], unit: &str) -> Vec<Row> {
     classes.iter().map(row).collect()
 }
 
-/// A bound without the digits that multiplying brought.
+/// A bound without the rounding errors of a multiplication.
 fn plain(bound: f64) -> String {
     let rounded = (bound * 1e6).round() / 1e6;
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
@@ -60,7 +60,7 @@ pub fn decimals_for(figure: f64) -> usize {
     if figure > 0.0 && figure.is_finite() { (2.0 - figure.log10().floor()).clamp(0.0, 4.0) as usize } else { 2 }
 }
 
-/// A whole number with its thousands apart.
+/// A whole number with a space between thousands.
 pub(super) fn thousands(count: usize) -> String {
     let digits = count.to_string();
     let mut out = String::new();

@@ -6,13 +6,13 @@ use crate::dem::compare::{Comparison, HeightFigures, Precision};
 /// What heights come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HeightSource {
-    /// A height map whose origin is not known.
+    /// A height map of unknown origin.
     HeightMap,
     /// The surface of contours.
     Surface,
 }
 
-/// What is to be said about a comparison beside its tables, in a fixed order. `sources` are those of A and of B.
+/// Sentences about a comparison in addition to its tables, in a fixed order. `sources` are those of A and of B.
 pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
     let mut out = Vec::new();
     let overall = &found.overall;
@@ -63,7 +63,7 @@ pub fn remarks(found: &Comparison, sources: [HeightSource; 2]) -> Vec<String> {
     }
     for (name, side, source) in [("A", &found.a, sources[0]), ("B", &found.b, sources[1])] {
         out.extend(terraces(name, side, source));
-        // What a surface was rounded to says nothing.
+        // The heights of a surface are computed, so their rounding means nothing.
         if source == HeightSource::HeightMap {
             out.extend(precision(name, side));
         }

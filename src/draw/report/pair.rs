@@ -1,4 +1,4 @@
-//! What a comparison of two sides found, for people: a table of text, sentences, a page.
+//! The report of a comparison of two sides: a table in text, sentences, a page.
 
 use super::page::{ComparisonPage, comparison_page};
 use super::table::{Group, decimals_for, groups};
@@ -44,7 +44,7 @@ fn row(s: &Statistics, decimals: usize) -> [String; 11] {
     std::array::from_fn(|i| if i == 0 { s.cells.to_string() } else { figures.next().unwrap_or_default() })
 }
 
-/// How the sides came onto one grid, and what the figures mean, in sentences.
+/// Sentences about how the sides were brought onto one grid and what the figures mean.
 pub fn sentences(pair: &Pair, found: &Comparison) -> Vec<String> {
     pair.notes.iter().cloned().chain(remarks(found, height_sources(pair))).collect()
 }
