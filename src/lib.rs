@@ -1,6 +1,6 @@
 //! Terrain from contour lines: denser contours, height maps, ridge and canyon lines, and comparison with height maps.
 //!
-//! The [guide](guide) explains the program by task, the file formats, the method, the accuracy and the limits.
+//! The [guide] explains the program by task, the file formats, the method, the accuracy and the limits.
 //!
 //! The method is that of Zhang, Konno and Tokuyama, "3D Terrain Reconstruction Based on Contours" (CAD/CG 2005). The
 //! contours are triangulated. The triangles show where spurs, gullies and tops are. Ridge and canyon lines with heights
