@@ -66,11 +66,11 @@ pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wr
     let vertex_of = vertices(ground, &wanted);
     let end_at: HashMap<u32, usize> = vertex_of.iter().map(|(&end, &v)| (v, end)).collect();
     let around = regions_around(ground, &end_at);
-    let mut unexplained: BTreeMap<usize, Unexplained> = BTreeMap::new();
-    for &end in &wanted {
+    let unexplained = |&end: &usize| {
         let around = around.get(&end).cloned().unwrap_or_default();
-        unexplained.insert(end, Unexplained { end, around, is_extended: far[end], is_reported: false });
-    }
+        (end, Unexplained { end, around, is_extended: far[end], is_reported: false })
+    };
+    let mut unexplained: BTreeMap<usize, Unexplained> = wanted.iter().map(unexplained).collect();
 
     let pair_of = |edge: &[u32; 2]| Some([*end_at.get(&edge[0])?, *end_at.get(&edge[1])?]);
     let mut closed: Vec<Pair> = ground.gaps.closures.iter().filter_map(pair_of).collect();
@@ -100,9 +100,20 @@ pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wr
         });
     }
 
+    report_pairs(ground, &mut unexplained, &barriers, judged);
+    report_open(ground, &unexplained, judged);
+}
+
+/// Reports gaps between pairs of ends, and takes those ends out of `unexplained`.
+fn report_pairs(
+    ground: &Ground,
+    unexplained: &mut BTreeMap<usize, Unexplained>,
+    barriers: &[Pair],
+    judged: &mut Judged,
+) {
     let sight = Sight::new(ground.map);
-    for pair in pairs(&unexplained, &barriers, ends, ground.frame.diagonal()) {
-        let [a, b] = pair.map(|i| &ends[i]);
+    for pair in pairs(unexplained, barriers, ground.ends, ground.frame.diagonal()) {
+        let [a, b] = pair.map(|i| &ground.ends[i]);
         // The line of sight stops a little before the other end, because the line of that end would block it.
         let before = b.position.lerp(a.position, 1e-6);
         report_gap(ground, pair, sight.sees(ground.map, a.position, before), judged);
@@ -110,7 +121,6 @@ pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wr
             unexplained.remove(end);
         });
     }
-    report_open(ground, &unexplained, judged);
 }
 
 /// The usual length of frame extensions, map units: the 90th percentile, with 0 for ends on the frame.

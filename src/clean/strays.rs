@@ -77,6 +77,8 @@ pub(super) struct Straightened {
 }
 
 /// Leaves out vertices if conflicts end without them; `None` if there are no such vertices.
+///
+/// Long because each stretch that is left out changes which others may be.
 pub(super) fn leave_out(segments: &Segments, conflicts: &[(u32, u32)], separation: f64) -> Option<Straightened> {
     if conflicts.is_empty() || conflicts.len() > FEW.max((SHARE * segments.len() as f64) as usize) {
         return None;

@@ -120,13 +120,7 @@ impl Reprojection {
             originals = in_order(originals);
             let before = originals.len();
             originals.dedup_by_key(|(k, _)| *k);
-            let lost = before - originals.len();
-            if lost > 0 {
-                let message = format!(
-                    "{lost} vertices coincide with another one after projection; they are written with its coordinates"
-                );
-                findings.push(Finding::general(FindingKind::RepeatedPoint, message));
-            }
+            findings.extend(coinciding(before - originals.len()));
         }
         let around = input.is_geographic().then(|| beyond(&originals)).flatten();
         if way.is_identity() {
@@ -363,6 +357,14 @@ impl FromWorking {
             },
         }
     }
+}
+
+/// The finding about vertices that coincide after projection; none if there are none.
+fn coinciding(count: usize) -> Option<Finding> {
+    let message = || {
+        format!("{count} vertices coincide with another one after projection; they are written with its coordinates")
+    };
+    (count > 0).then(|| Finding::general(FindingKind::RepeatedPoint, message()))
 }
 
 #[cfg(test)]

@@ -15,6 +15,8 @@ use crate::tin::{NONE, Tin, TriangleKind};
 const TRIALS: usize = 256;
 
 /// Adds side lines from arrivals at which no line beyond ends. `removed` are pieces that no longer count.
+///
+/// Long because each arrival must see the lines that earlier arrivals added.
 pub(super) fn attach(
     tin: &Tin,
     kinds: &[TriangleKind],

@@ -20,6 +20,8 @@ use crate::tin::{NONE, Tin};
 ///
 /// If no line arrives at the tip itself, the nearest arrival replaces the end at the tip. Further arrivals are joined
 /// by side lines. Arrivals up to `reach` times the width of the bend from the tip, along the axis, are joined.
+///
+/// Long because each walk from a tip must see what earlier walks removed and added.
 pub(super) fn join(
     tin: &Tin,
     regions: &Regions,

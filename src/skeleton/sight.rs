@@ -101,6 +101,8 @@ struct View {
 /// The view spreads from triangle to triangle. Each edge narrows it, and it ends at the nearest segment found so far.
 /// The time depends on the number of visible triangles, not on that of hidden segments. A view may be as narrow as a
 /// line between two vertices. What such a view shows is checked again with [`sees`].
+///
+/// Long because the view, its stack of edges and the nearest distance change together.
 pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Option<f64> {
     let mut best = f64::INFINITY;
     let ends = |t: u32, i: usize| tin.edge(t, i).map(|v| tin.positions[v as usize] - from);

@@ -45,6 +45,8 @@ impl Default for LayerParams {
 /// * Lines are ordered by elevation, input before interpolated.
 /// * Lines have an expected error if the surface has one.
 ///
+/// Long because all targets share one trace of their levels, and then take their own lines from it.
+///
 /// # Errors
 /// When the levels of a target are out of range (see [`Target::levels`]), when there is no target, or when the layers
 /// need more memory than they may take.

@@ -147,6 +147,8 @@ impl Energy<'_> {
     /// [`Energy::downhill`] for the rows from `first` on. Differences are formed once per row and kept while a row
     /// below needs them. Each row of differences has a 0 at both ends, for the differences beyond the lattice. So all
     /// nodes of a row are alike.
+    ///
+    /// Long because all differences of a row are formed in one pass over memory.
     #[inline(always)]
     fn downhill_block(&self, z: &[f64], first: usize, block: &mut [f64]) {
         let [cols, rows] = self.size;

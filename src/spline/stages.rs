@@ -210,6 +210,8 @@ impl Stage<'_> {
     }
 
     /// The energy with its first weights, and the second differences across ridge and canyon lines.
+    ///
+    /// Long because the weights of bending and tension share what is inside, on a crease, and the step ratio.
     fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());

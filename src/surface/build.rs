@@ -10,7 +10,7 @@ use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use super::skeleton_lines::{finer, with_skeleton};
 use super::trial_builder::TrialBuilder;
-use crate::base::error::{Error, Finding, Report, Result};
+use crate::base::error::{Finding, Report, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::contour::ContourMap;
@@ -28,16 +28,8 @@ use crate::validate::{Chosen, TrialParams, choose, error_field};
 /// Those of [`subdivide_with_water`](crate::subdivision::subdivide_with_water). An error also arises when a parameter
 /// is out of range, or when the smooth surface needs more memory than it may take.
 pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -> Result<Report<Surface>> {
-    if !params.resolution.is_finite() || params.resolution < 0.0 {
-        return Err(Error::out_of_range("resolution parameter w", params.resolution, "0 or more"));
-    }
-    for (name, value) in [("tension", params.spline.tension), ("noise of the contours", params.spline.noise)] {
-        if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {
-            return Err(Error::out_of_range(name, value, "0 or more"));
-        }
-    }
+    params.check()?;
     let tuning = &params.tuning;
-    tuning.validate().map_err(|e| Error::Parameter(e.to_string()))?;
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
     let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning };

@@ -1,5 +1,6 @@
 //! Parameters of a surface.
 
+use crate::base::error::{Error, Result};
 use crate::spline::SplineParams;
 use crate::subdivision::Water;
 use crate::subdomains::Frame;
@@ -86,5 +87,23 @@ impl Default for SurfaceParams {
             memory: None,
             tuning: Tuning::default(),
         }
+    }
+}
+
+impl SurfaceParams {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for the first number that is out of its range, [`Error::Parameter`] for a tuned number.
+    pub(super) fn check(&self) -> Result<()> {
+        if !self.resolution.is_finite() || self.resolution < 0.0 {
+            return Err(Error::out_of_range("resolution parameter w", self.resolution, "0 or more"));
+        }
+        for (name, value) in [("tension", self.spline.tension), ("noise of the contours", self.spline.noise)] {
+            if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {
+                return Err(Error::out_of_range(name, value, "0 or more"));
+            }
+        }
+        self.tuning.validate().map_err(|e| Error::Parameter(e.to_string()))
     }
 }

@@ -163,6 +163,8 @@ struct Part<'a, F> {
 
 impl<F: Fn(u32) -> bool> Part<'_, F> {
     /// The part's triangles with the additional points: those of `points` with these numbers, ascending.
+    ///
+    /// Long because the local numbers of vertices and points, which all steps use, are closures here.
     fn triangulated(&self, numbers: &[u32], points: &[InnerPoint]) -> Result<Vec<Face>> {
         let tin = self.tin;
         let mut vertices: Vec<u32> = self.triangles.iter().flat_map(|&t| tin.triangles[t as usize]).collect();

@@ -58,6 +58,8 @@ pub struct Model<'a> {
 
 /// Draws the model with a legend below it; no side is longer than [`MAX_SIDE`](super::MAX_SIDE).
 ///
+/// Long because the parts of the picture are placed relative to each other.
+///
 /// # Errors
 /// A model without extent, or with coordinates that are not finite.
 pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {

@@ -38,6 +38,8 @@ pub struct ComparisonPage<'a> {
 
 /// The page as HTML: one file that needs no other file.
 ///
+/// Long because the template of the page is one piece.
+///
 /// # Errors
 /// If a chart or a picture cannot be made.
 pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {

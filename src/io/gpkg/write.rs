@@ -114,6 +114,9 @@ fn add_system(db: &Connection, id: i32, crs: &Crs) -> rusqlite::Result<()> {
     Ok(())
 }
 
+/// Adds a layer with its entries in the GeoPackage tables.
+///
+/// Long because it lists the SQL of all tables that know of a layer.
 fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Result<()> {
     let table = quoted(layer.name);
     let index = quoted(&format!("rtree_{}_geom", layer.name));

@@ -95,6 +95,8 @@ impl<'a, 's> Xml<'a, 's> {
     }
 
     /// Goes to the next event that matters.
+    ///
+    /// Long because it has one arm per kind of XML event.
     pub fn next(&mut self) -> Result<Step> {
         loop {
             self.reader.get_mut().next_item();

@@ -91,6 +91,8 @@ pub(super) fn read_errors(path: &Path) -> Result<Option<Dem>> {
 }
 
 /// Reads the first channel whose name is wanted.
+///
+/// Long because each attribute of the header is checked before the pixels are read.
 fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<Report<Dem>>> {
     let wrong = |error: exr::error::Error| match error {
         exr::error::Error::Io(e) if e.raw_os_error().is_some() => Error::io("read", path, e),

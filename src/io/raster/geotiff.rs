@@ -74,6 +74,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
     })
 }
 
+/// Long because it lists all tags of the file.
 fn write_kind<K: TiffKind>(
     out: impl Write + Seek,
     dem: &Dem,

@@ -111,16 +111,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
         let wanted: Vec<f64> = states.iter().map(|s| tolerance(s.halvings)).collect();
         refine(&map, &mut states, &wanted, sampling, near)?;
     }
-    let deviation = states
-        .par_iter()
-        .zip(&map.contours)
-        .filter(|(s, _)| s.control_points > 0)
-        .map(|(s, c)| {
-            let t = tolerance(s.halvings);
-            let there = largest_distance(&c.points, &s.line.points, t);
-            there.max(largest_distance(&s.line.points, &c.points, t))
-        })
-        .reduce(|| 0.0, f64::max);
+    let deviation = deviation(&states, &map.contours, tolerance);
     let fitted = |s: &&State| s.control_points > 0;
     let narrowed =
         std::array::from_fn(|k| states.iter().filter(fitted).filter(|s| usize::from(s.halvings) == k + 1).count());
@@ -134,6 +125,17 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     let vertices_after = map.vertex_count();
     let value = Fitted { map, control_points, deviation, vertices_before, vertices_after, narrowed, unchanged };
     Ok(Report { value, findings })
+}
+
+/// The largest distance between a contour and its fitted line, there and back, map units.
+fn deviation(states: &[State], contours: &[Contour], tolerance: impl Fn(u8) -> f64 + Sync) -> f64 {
+    let fitted = states.par_iter().zip(contours).filter(|(s, _)| s.control_points > 0);
+    let of_line = |(s, c): (&State, &Contour)| {
+        let t = tolerance(s.halvings);
+        let there = largest_distance(&c.points, &s.line.points, t);
+        there.max(largest_distance(&s.line.points, &c.points, t))
+    };
+    fitted.map(of_line).reduce(|| 0.0, f64::max)
 }
 
 /// Lines that meet others; if there are none, those that have passed over others or were passed over.

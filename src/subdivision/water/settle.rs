@@ -36,6 +36,8 @@ const NARROW: &str = "is too narrow beside a contour of its level";
 /// Gives every lake a height, and a shore that meets contours only in common vertices. Gives the frame a vertex
 /// wherever a shore meets it.
 ///
+/// Long because the lakes are settled one after the other: each step needs those that were settled before.
+///
 /// # Errors
 /// When the height of a lake is not a possible height.
 pub(crate) fn settle(

@@ -84,21 +84,15 @@ pub fn error_field(
             && (place.climb.is_some() || distances[0] + distances[1] > tuning.inferred_spacings * spacing);
         (error as f32, reach as f32, inferred)
     };
-    let mut all = ErrorField {
-        model: model.clone(),
+    let nodes: Vec<(f32, f32, bool)> = (0..grid.len()).into_par_iter().map(at).collect();
+    ErrorField {
         slopes: slopes(heights, &grid),
         grid,
-        errors: Vec::with_capacity(grid.len()),
-        reaches: Vec::with_capacity(grid.len()),
-        inferred: Vec::with_capacity(grid.len()),
-    };
-    let nodes: Vec<(f32, f32, bool)> = (0..grid.len()).into_par_iter().map(at).collect();
-    for (error, reach, inferred) in nodes {
-        all.errors.push(error);
-        all.reaches.push(reach);
-        all.inferred.push(inferred);
+        errors: nodes.iter().map(|(error, _, _)| *error).collect(),
+        reaches: nodes.iter().map(|(_, reach, _)| *reach).collect(),
+        inferred: nodes.iter().map(|(_, _, inferred)| *inferred).collect(),
+        model,
     }
-    all
 }
 
 /// Height above the only level of a sub-domain, metres (below 0 for below), and whether the ground is above this level.
