@@ -1,10 +1,11 @@
 //! The tuned numbers of the surface and of its standard error, in one place.
 //!
-//! A tuned number has its value because results were best with it on maps with known heights, or because it is a fair trade
-//! of accuracy against time. It could be a little different. Numbers with a reason of their own stand where they are used:
-//! closed forms, tolerances of rounding, sizes of blocks, limits of memory.
+//! A tuned number has its value because results were best with it on maps with known heights, or because it is a fair
+//! trade of accuracy against time. It could be a little different. Numbers with a reason of their own stand where they
+//! are used: closed forms, tolerances of rounding, sizes of blocks, limits of memory.
 //!
-//! Each number is documented with its meaning, its unit, the values that were tried with their effect, and what refits it:
+//! Each number is documented with its meaning, its unit, the values that were tried with their effect, and what refits
+//! it:
 //!
 //! | refit | what is wanted | how it is measured |
 //! |---|---|---|

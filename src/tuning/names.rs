@@ -41,7 +41,8 @@ impl Tuning {
         found
     }
 
-    /// Sets a number by its name. Text of a whole number suits all of them, that of a fraction those that are no counts.
+    /// Sets a number by its name. Text of a whole number suits all of them, that of a fraction those that are no
+    /// counts.
     ///
     /// # Errors
     /// When no number has that name, or the value does not suit it. The numbers then stay as they are.
