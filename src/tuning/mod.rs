@@ -4,7 +4,8 @@
 //! a good balance of accuracy and time. A slightly different value would do as well. Numbers with another reason stand
 //! where they are used: closed forms, tolerances of rounding, sizes of blocks, limits of memory.
 //!
-//! Each number is documented with its meaning, its unit, and the measure that refits it:
+//! Each number is documented with its meaning, its unit, the values that were tried with their effect, and the measure
+//! that refits it:
 //!
 //! | refit | what is wanted | how it is measured |
 //! |---|---|---|
@@ -13,7 +14,7 @@
 //! | time | the least time for an RMSE that hardly rises | `scripts/sweep.py` and `scripts/benchmark_speed.py` |
 //! | contours | the smallest distance of new contours from true ones | `scripts/score_contours.py` |
 //!
-//! The values that were tried, and their effect, are on [the guide's page](crate::guide::tuning). A *spacing* is the
+//! [The guide's page](crate::guide::tuning) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
 mod errors;

@@ -8,22 +8,37 @@ tuned! {
     RoughnessTuning {
         /// Half the length of the chords, a short one and a long one, spacings.
         ///
+        /// Tried one by one: the RMSE of two maps (in brackets the share of errors within one standard error) changes
+        /// by +0.19 % and +1.89 % (+0.8 and +5.2 points) with element 0 at 0.125 and 0.5; +1.89 % and +0.02 % (+5.2
+        /// and +0.1 points) with element 1 at 0.25 and 1.
+        ///
         /// Refit: RMSE.
         chords: [f64; 2] = [0.25, 0.5],
         /// Least number of chords of each length; with fewer the exponent is unknown.
+        ///
+        /// Tried 100 and 400: no effect on the RMSE or the shares of two maps.
         ///
         /// Refit: RMSE, on small maps.
         min_chords: usize = 200,
         /// Contours with a smaller exponent are noisy. A spline is the best guess for lines whose exponent is 3/2
         /// (integrated random walks).
         ///
+        /// Tried 0.75 and 3: the RMSE of four maps (in brackets the share of errors within one standard error) changes
+        /// by -4.50 % and +6.62 % (+1.3 and -2.0 points).
+        ///
         /// Refit: RMSE, on contours of unsmoothed lidar and on smooth ones.
         noisy_below: f64 = 1.5,
         /// The exponent of contours that are too few to estimate it.
         ///
+        /// Tried 0.75 and 3: no effect on the RMSE or the shares of two maps.
+        ///
         /// Refit: shares, on small maps.
         usual_exponent: f64 = 1.5,
         /// Limits of the power with which the error grows with the contour interval.
+        ///
+        /// Tried one by one: the RMSE of two to four maps (in brackets the share of errors within one standard error)
+        /// changes by 0 with element 0 at 0.25 and 1; +4.19 % and 0 % (+8.5 and -0.1 points) with element 1 at 1 and
+        /// 4.
         ///
         /// Refit: shares.
         exponent_limits: [f64; 2] = [0.5, 2.0],

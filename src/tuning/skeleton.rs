@@ -7,19 +7,27 @@ tuned! {
     SkeletonTuning {
         /// Share of the band that a top without a spot height may use. Corners of the frame keep the default.
         ///
+        /// Tried 0.45 and 1.8: the RMSE of two maps changes by +0.13 % and +0.42 %.
+        ///
         /// Refit: RMSE of tops and pits.
         top_reach: f64 = 0.9,
         /// Least depth of a separate hollow below the pass to a deeper one, as a share of the band.
+        ///
+        /// Tried 0.05 and 0.2: the RMSE of two maps changes by +0.01 % and +0.06 %.
         ///
         /// Refit: RMSE.
         hollow_depth: f64 = 0.1,
         /// Slope of a level stretch of a line without a point above or below, as a share of the way to the edge of the
         /// band.
         ///
+        /// Tried 0.005 and 0.02: no effect on the RMSE of two maps.
+        ///
         /// Refit: RMSE.
         plateau_spread: f64 = 0.01,
         /// Largest distance from the tip of a bend, along the axis, in widths of the bend. Within it, a line from the
         /// other side of the contour is joined.
+        ///
+        /// Tried 1 and 4: the RMSE of two maps changes by -0.19 % and -0.15 %.
         ///
         /// Refit: RMSE.
         join_reach: f64 = 2.0,
