@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
 
-/// Rows that one task works on.
+/// Rows that one task works on: enough to be worth a task.
 const BLOCK: usize = 32;
-/// So many nodes lie between those whose places among the terms are known.
+/// Every node of this number has its place among the terms stored: a trade of memory against a short search.
 const STRIDE: usize = 32;
 
 /// Weight of a crossing against a second difference.

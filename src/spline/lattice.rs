@@ -7,7 +7,8 @@ use crate::base::Grid;
 /// Nearer than this to a node, as a share of the edge, a crossing is at the node: a tolerance of rounding.
 const AT_NODE: f64 = 1e-7;
 
-/// Nearer than this to an edge, in steps between nodes, a vertex is on it.
+/// Nearer than this to an edge, in steps between nodes, a vertex is on it: vertices that were cut from a raster
+/// are rounded.
 const AT_VERTEX: f64 = 1e-3;
 
 /// A place on an edge between two neighbouring nodes.

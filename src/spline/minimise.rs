@@ -10,13 +10,13 @@ use rayon::prelude::*;
 use super::energy::Energy;
 use super::tile::{Tile, Whole};
 
-/// Rows and columns of a tile.
+/// Rows and columns of a tile: it fits into a processor's cache.
 const TILE: usize = 96;
 /// How far the tiles of a sweep lie beyond those of the one before.
 const SHIFT: usize = TILE / 3;
-/// A lattice with at most so many nodes is one tile.
+/// A lattice with at most this many nodes is one tile, because it fits into a processor's cache as a whole.
 const ONE_TILE: usize = 20_000;
-/// Steps that a tile takes in a sweep.
+/// Steps that a tile takes in a sweep: enough to be worth reading its coefficients.
 const SWEEP: usize = 20;
 
 /// When to stop.

@@ -11,7 +11,7 @@ use crate::subdivision::Subdivision;
 use crate::subdomains::Band;
 use crate::tin::NONE;
 
-/// Rounds of four sweeps: more than one where sub-domains wind.
+/// Rounds of four sweeps, at most: more than one where sub-domains wind. A limit of time.
 const ROUNDS: usize = 4;
 /// No place.
 const NOWHERE: [f32; 2] = [f32::INFINITY; 2];
