@@ -17,9 +17,9 @@ use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
 
-/// Rows per task.
+/// Rows per task: enough to be worth a task.
 const BLOCK: usize = 32;
-/// Every so many nodes, the position of the node's first term is stored.
+/// The position of the first term is stored for every node of this number: a balance of memory and a short search.
 const STRIDE: usize = 32;
 
 /// Weight of the square at a crossing, against that of a second difference.

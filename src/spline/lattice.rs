@@ -7,7 +7,8 @@ use crate::base::Grid;
 /// A crossing nearer to a node than this is at the node, as a share of the edge: a tolerance of rounding.
 const AT_NODE: f64 = 1e-7;
 
-/// A vertex nearer to an edge than this is on the edge, in steps between nodes.
+/// A vertex nearer to an edge than this is on the edge, in steps between nodes: vertices that were cut from a raster are
+/// rounded.
 const AT_VERTEX: f64 = 1e-3;
 
 /// A point on an edge between two neighbouring nodes.

@@ -11,13 +11,13 @@ use rayon::prelude::*;
 use super::energy::Energy;
 use super::tile::{Tile, Whole};
 
-/// Rows and columns of a tile.
+/// Rows and columns of a tile: it fits into a processor's cache.
 const TILE: usize = 96;
 /// Shift of the tiles from one sweep to the next, nodes.
 const SHIFT: usize = TILE / 3;
-/// A lattice with at most this many nodes is one tile.
+/// A lattice with at most this many nodes is one tile, because it fits into the cache as a whole.
 const ONE_TILE: usize = 20_000;
-/// Steps per tile and sweep.
+/// Steps per tile and sweep: enough to be worth reading its coefficients.
 const SWEEP: usize = 20;
 
 /// When to stop.

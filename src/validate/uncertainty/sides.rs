@@ -11,7 +11,8 @@ use crate::subdivision::Subdivision;
 use crate::subdomains::Band;
 use crate::tin::NONE;
 
-/// Largest number of rounds, each with four sweeps. Sub-domains that wind need more than one.
+/// Largest number of rounds, each with four sweeps. Sub-domains that wind need more than one. It limits the
+/// time.
 const ROUNDS: usize = 4;
 /// Marks nodes without a known place.
 const NOWHERE: [f32; 2] = [f32::INFINITY; 2];
