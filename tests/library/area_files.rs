@@ -150,7 +150,7 @@ fn files_without_a_polygon_are_refused() {
     refused(&dir.path().join("none.gpkg"), "cannot read");
     refused(&geopackage(&dir, &[("a", "LINESTRING")]), "there is no layer of polygons");
     fs::remove_file(dir.path().join("frame.gpkg")).unwrap();
-    refused(&geopackage(&dir, &[("a", "POLYGON"), ("b", "MULTIPOLYGON")]), "ogr2ogr");
+    refused(&geopackage(&dir, &[("a", "POLYGON"), ("b", "MULTIPOLYGON")]), "several layers of polygons: \"a\", \"b\"");
     let options = ReadOptions { layer: Some("b".into()), ..ReadOptions::default() };
     assert_eq!(read_area(&dir.path().join("frame.gpkg"), &options).unwrap().0, expected());
 }

@@ -506,7 +506,7 @@ fn broken_features_are_errors_with_their_document_and_identifier() {
         (contour("K7", "一般等高線", "1", "36.35 x"), "Cntr K7: its positions hold \"x\""),
         (
             contour("K7", "一般等高線", "1", "137.70 36.35 137.70 36.36"),
-            "Cntr K7: its position 137.7 36.35 is no latitude",
+            "Cntr K7: its position 137.7 36.35 is not a latitude",
         ),
         (contour("K7", "", "1", good).replace("jgd2011", "jgd3000"), "\"fguuid:jgd3000.bl\" is not known"),
         (contour("K7", "", "1", good).replace("<gml:posList>", "<gml:posList srsDimension=\"3\">"), "3 numbers"),

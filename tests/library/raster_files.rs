@@ -207,7 +207,7 @@ fn ascii_grids_of_all_sorts() {
         (text.replace("NROWS 2", "NROWS 3"), "ends before the height of row 3, column 1"),
         (text.replace("CELLSIZE 1", "CELLSIZE 0"), "not a valid grid"),
         (text.replace("CELLSIZE 1", "CELLSIZE -1"), "not a valid grid"),
-        (text.replace("CELLSIZE", "SIZE"), "\"size\" is no word"),
+        (text.replace("CELLSIZE", "SIZE"), "\"size\" is not a header word"),
         (text.replace("YLLCENTER 20.5", ""), "no yllcorner"),
         ("<html>no grid here</html>".into(), "is not an ESRI ASCII grid"),
         ("x".repeat(5000), "is not an ESRI ASCII grid"),
