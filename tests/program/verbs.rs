@@ -368,7 +368,7 @@ fn rasters_whose_grid_cannot_be_taken() {
         ("empty.tif", "is not a TIFF file"),
         ("missing.tif", "cannot read"),
         ("hill.geojson", "not a height map format"),
-        ("elsewhere.tif", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a file"),
+        ("elsewhere.tif", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a grid file"),
     ] {
         folder.fails(&format!("dem hill.geojson --like {raster} -o d.tif"), FAILED, &[raster, words]);
         folder.fails(&format!("densify hill.geojson -i 5 -o o.gpkg --dem d.tif --like {raster}"), FAILED, &[words]);
@@ -402,7 +402,7 @@ fn frames() {
     for (frame, words) in [
         ("hill.geojson", "there is no polygon in it (found: 3 lines)"),
         ("bow.geojson", "crosses itself at 4.500 4.500"),
-        ("elsewhere.geojson", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a file"),
+        ("elsewhere.geojson", "the shift from the datum of NAD27 / UTM zone 18N (EPSG:26718) needs a grid file"),
         ("zone.geojson", "there is no contour line inside the frame polygon"),
         ("far.geojson", "there is no contour line inside the frame polygon"),
         ("missing.geojson", "cannot read"),
