@@ -23,7 +23,7 @@ use tokosen::surface::{SurfaceKind, SurfaceParams, build};
 /// Random terrain may have one contour or one level only; then there is no surface. Nothing else may go wrong.
 const ALLOWED: [Refusal; 3] = [Refusal::NoContour, Refusal::OneContour, Refusal::OneLevel];
 /// The share of the maps of which a surface must be made. Measured: all of them with the usual cases, 0.991 at least with
-/// others (12 cases of two other seeds). The new lines that each test asks for are about half of the measured ones.
+/// others (12 cases of another seed). The new lines that each test asks for are about half of the measured ones.
 const LEAST: f64 = 0.95;
 
 fn check_terrain(terrain: &Terrain, frame: &Frame, tally: &Tally) {
