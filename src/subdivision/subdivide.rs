@@ -5,14 +5,13 @@ use rayon::prelude::*;
 
 use super::constraints::{Constraints, Found};
 use super::frame_heights::with_frame_heights;
-use super::known::known_regions;
 use super::prepare::{Prepared, prepare};
 use super::water::{DrySubdivision, Water, settle};
 use crate::base::error::{Report, Result};
 use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge};
 use crate::contour::{ContourMap, Interval};
-use crate::subdomains::{Frame, FrameRing, GapEdges, KeptBands, MapExtent, Outline, Regions, sub_domains, with_water};
+use crate::subdomains::{CarriedRegions, Frame, FrameRing, GapEdges, MapExtent, Regions, loose_frame_edges};
 use crate::tin::{Tin, TinInput, Triangulation};
 
 /// Number of triangles per parallel task.
@@ -150,7 +149,7 @@ impl Subdivision {
         for &[u, v] in self.gaps.closures.iter().chain(&self.gaps.barriers) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
-        for [u, v] in Outline::new(&self.tin).loose_edges() {
+        for [u, v] in loose_frame_edges(&self.tin) {
             input.push_edge(self.tin.source[u as usize], self.tin.source[v as usize]);
         }
     }
@@ -165,27 +164,7 @@ impl Subdivision {
     /// `smooth` gives a height (metres) for a map position, or none. Corners of the frame take it where there is one.
     pub(crate) fn retriangulated(self, finer: Tin, smooth: &dyn Fn(DVec2) -> Option<f64>) -> Self {
         let Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, given, .. } = self;
-        let kept = KeptBands::new(&tin, regions);
-        let outline = Outline::new(&tin);
-        // The first triangulation uses much memory. It stays only with lakes, because it knows where they are.
-        let before = (!constraints.water_bodies.is_empty()).then_some(tin);
-        let tin = outline.applied(finer).with_gap_edges(&gaps.closures, &gaps.barriers);
-        let tin = match before {
-            Some(before) => tin.with_lakes_of(&before),
-            None => tin,
-        };
-        let is_dry = constraints.water_bodies.is_empty() && constraints.sea.is_none();
-        let known = is_dry.then(|| kept.applied(&tin, sub_domains(&tin, &interval)));
-        let (tin, regions) = match known {
-            Some((regions, true)) => (tin, regions),
-            // With water, and where parts of the frame without contours are inside the frame again.
-            _ => {
-                let (tin, Report { value: regions, .. }) = known_regions(tin, &interval);
-                let regions = with_water(regions, &tin, &constraints.water_bodies.heights(), constraints.sea);
-                let (regions, _) = kept.applied(&tin, regions);
-                (tin, regions)
-            }
-        };
+        let (tin, regions) = CarriedRegions::new(&tin, regions).on(finer);
         let tin = with_frame_heights(tin, &regions, smooth);
         let triangulation = Triangulation::default();
         Self { map, tin, regions, frame, interval, corrections, doubted, gaps, constraints, triangulation, given }

@@ -1,29 +1,27 @@
 //! The sub-domains between contours (paper, section 3.2): their bands, the frame around them, their nesting, and lakes.
 
 mod barriers;
+mod carried;
 mod extensions;
 mod extent;
 mod frame;
-mod kept;
 mod landforms;
 mod local;
 mod orient;
-mod outline;
 mod regions;
 mod touch;
 mod waters;
 
 pub use barriers::{GapEdges, close_gaps};
+pub use carried::{CarriedRegions, loose_frame_edges};
 pub use extensions::{FrameExtension, OpenEnd, extend_open_ends};
 pub(crate) use extensions::{Sight, extensions_at};
 pub(crate) use extent::MapExtent;
 pub use frame::{Frame, FrameRing, frame_ring};
-pub use kept::KeptBands;
 pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
 pub use local::local_bands;
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
-pub use outline::Outline;
-pub use regions::{Band, Region, Regions, Side, regions, sub_domains};
+pub use regions::{Band, Region, Regions, Side, regions};
 pub use touch::agreeing_at_corners;
 pub use waters::{contradicted_lakes, with_water};

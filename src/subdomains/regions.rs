@@ -113,12 +113,6 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
     }
 }
 
-/// Finds the sub-domains and the levels on their borders. The bands are left open: [`regions`] finds those too.
-pub fn sub_domains(tin: &Tin, interval: &Interval) -> Regions {
-    let (of_triangle, regions) = flood(tin);
-    Regions { of_triangle, regions, interval: *interval }
-}
-
 /// Finds the sub-domains and their bands.
 pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
     let (of_triangle, mut regions) = flood(tin);

@@ -16,6 +16,6 @@ mod walk;
 pub use build::{Triangulation, triangulate};
 pub use input::TinInput;
 pub use kinds::{TriangleKind, triangle_kinds};
-pub(crate) use network::{CONSTRAINT, CONTOUR};
+pub(crate) use network::EDGE_FLAGS;
 pub use network::{NONE, Tin, VertexKind};
 pub use refine::{InnerPoint, PartedEdge};

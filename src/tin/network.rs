@@ -12,6 +12,8 @@ pub const NONE: u32 = u32::MAX;
 pub(crate) const CONSTRAINT: u16 = 1;
 pub(crate) const BARRIER: u16 = 1 << 3;
 pub(crate) const CONTOUR: u16 = 1 << 6;
+/// All flags of the first edge.
+pub(crate) const EDGE_FLAGS: u16 = CONSTRAINT | BARRIER | CONTOUR;
 
 /// What a vertex stands for. It determines where the height comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -53,7 +55,7 @@ pub struct Tin {
     /// Whether the triangle lies inside the frame.
     pub(crate) inside: Vec<bool>,
     /// Number of the lake that the triangle lies in, [`NONE`] on land; empty without lakes.
-    pub(super) lakes: Vec<u32>,
+    pub(crate) lakes: Vec<u32>,
 }
 
 impl Tin {
@@ -95,6 +97,11 @@ impl Tin {
     /// break line.
     pub fn is_constraint(&self, t: u32, i: usize) -> bool {
         self.edges[t as usize] & (CONSTRAINT << i) != 0
+    }
+
+    /// The flags of edge `i` of triangle `t`, as those of a first edge.
+    pub(crate) fn edge_flags(&self, t: u32, i: usize) -> u16 {
+        (self.edges[t as usize] >> i) & EDGE_FLAGS
     }
 
     /// Whether edge `i` of triangle `t` is a barrier edge, which closes the opening between two ends of contours.
@@ -218,15 +225,6 @@ impl Tin {
         });
         self.lakes = lakes;
         self
-    }
-
-    /// The same triangulation with the lakes of another one that has the same shores.
-    pub fn with_lakes_of(self, other: &Self) -> Self {
-        let mut near = 0;
-        self.with_lakes(|p| {
-            near = other.locate(near, p - other.origin)?;
-            other.lake(near)
-        })
     }
 
     /// Calls `visit` for each part bounded by constraints and the frame, with its triangles and the middle of the
