@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::base::error::Finding;
 use tokosen::contour::ContourMap;
-use tokosen::io::layer::{holds_spots, of_findings, of_repaired};
-use tokosen::io::{StagedOutput, VectorFormat, check_paths, write_layers_back};
+use tokosen::io::layer::{FINDINGS_LAYER, REPAIRED_LAYERS, holds_spots, of_findings, of_repaired};
+use tokosen::io::{PlannedOutput, StagedOutput, VectorFormat, check_paths, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
 use super::console::Console;
@@ -52,7 +52,7 @@ Examples:
 pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let preparation = args.map.preparation();
     preparation.check()?;
-    let staged = args.open()?;
+    let staged = args.open(console)?;
     let mut input = args.map.read(console)?;
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
@@ -93,7 +93,7 @@ impl CheckArgs {
     }
 
     /// Opens the output, if there is one.
-    fn open(&self) -> Result<Option<StagedOutput>, Failure> {
+    fn open(&self, console: &Console) -> Result<Option<StagedOutput>, Failure> {
         let Some(path) = &self.output else {
             return match self.to_crs.to_crs {
                 Some(_) => Err(Failure::Usage("--to-crs needs a file to write: add -o FILE".into())),
@@ -118,7 +118,8 @@ impl CheckArgs {
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
         let inputs: Vec<&Path> = self.map.files().collect();
-        check_paths(&inputs, &[path.as_path()])?;
+        let layers: &[&str] = if self.writes_map() { &REPAIRED_LAYERS } else { &[FINDINGS_LAYER] };
+        check_paths(&inputs, &[PlannedOutput { path, layers }], console.overwrite)?;
         Ok(Some(StagedOutput::create(path)?))
     }
 }

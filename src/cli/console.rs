@@ -1,18 +1,23 @@
 //! What the user sees: progress bars on a terminal, findings, the summary. Nothing else prints.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use tokosen::base::error::Finding;
+use tokosen::base::error::{Error, Finding};
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
+
+use super::Common;
 
 /// The terminal, and how long each step took.
 pub struct Console {
     quiet: bool,
     pub verbose: bool,
+    /// Whether outputs may replace what other programs made.
+    pub overwrite: bool,
     started: Instant,
     reprojection: OnceLock<Reprojection>,
     state: Mutex<State>,
@@ -22,11 +27,14 @@ pub struct Console {
 struct State {
     running: Option<(&'static str, Instant, ProgressBar)>,
     times: Vec<(&'static str, Duration)>,
+    /// Why text could not be printed.
+    unprinted: Option<std::io::Error>,
 }
 
 impl Console {
-    pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, started: Instant::now(), reprojection: OnceLock::new(), state: Mutex::default() }
+    pub fn new(&Common { quiet, verbose, overwrite, .. }: &Common) -> Self {
+        let (reprojection, state) = (OnceLock::new(), Mutex::default());
+        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, state }
     }
 
     /// Sets the conversion of places in findings from the working plane to the input's coordinates.
@@ -52,16 +60,27 @@ impl Console {
         }
     }
 
-    /// One line of the summary, on standard output. A closed pipe is no error.
+    /// One line of the summary, on standard output.
     pub fn say(&self, line: &str) {
         if !self.quiet {
-            let _ = writeln!(std::io::stdout(), "{line}");
+            self.result(line);
         }
     }
 
     /// A result that the user asked for as text, on standard output. `--quiet` does not suppress it.
     pub fn result(&self, text: &str) {
-        let _ = writeln!(std::io::stdout(), "{text}");
+        if let Err(e) = writeln!(std::io::stdout(), "{text}") {
+            self.state().unprinted.get_or_insert(e);
+        }
+    }
+
+    /// Checks at the end of a run that all text was printed. A closed pipe is no error: its reader has seen enough.
+    pub fn printed(&self) -> Result<(), Error> {
+        let flushed = std::io::stdout().flush();
+        match self.state().unprinted.take().map_or(flushed, Err) {
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io("write", Path::new("standard output"), e)),
+            _ => Ok(()),
+        }
     }
 
     /// One line about a finding, on standard error.

@@ -7,7 +7,7 @@ use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
 use tokosen::io::layer::{Layer, of_contours};
-use tokosen::io::{Content, StagedOutput, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::Target;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
@@ -103,8 +103,9 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check()?;
     let targets = args.targets()?;
     let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
-    let files = contour_files(&args.output, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    let job = args.start(&files, console)?;
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let files = contour_files(&args.output, &names)?;
+    let job = args.start(&files, &names, console)?;
     let staged = StagedOutput::create(&args.output)?;
     let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map)).transpose()?;
     let mut findings = Vec::new();
@@ -189,10 +190,11 @@ impl DensifyArgs {
         self.surface.check()
     }
 
-    /// Checks the paths of all files; `files` are those of the contours.
-    fn start<'a>(&'a self, files: &[PathBuf], console: &'a Console) -> Result<Job<'a>, Failure> {
+    /// Checks the paths of all files; `files` and `layers` are those of the contours.
+    fn start<'a>(&'a self, files: &[PathBuf], layers: &[&str], console: &'a Console) -> Result<Job<'a>, Failure> {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
-        let outputs = files.iter().chain([&self.dem, &self.report].into_iter().flatten()).map(PathBuf::as_path);
+        let contours = files.iter().map(|path| PlannedOutput { path, layers });
+        let outputs = contours.chain([&self.dem, &self.report].into_iter().flatten().map(|path| path.as_path().into()));
         let inputs = others.chain(self.surface.files());
         Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)
     }

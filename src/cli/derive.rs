@@ -8,9 +8,9 @@ use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
 use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale};
-use tokosen::io::layer::steep_areas;
+use tokosen::io::layer::{STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
-use tokosen::io::{Content, StagedOutput, check_paths, content, write_layers};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
@@ -112,7 +112,7 @@ struct SourceDem {
 /// Runs the verb.
 pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let is_raster = content(&args.input.map.contours)? == Content::HeightMap;
-    args.check(is_raster)?;
+    args.check(is_raster, console)?;
     let outputs = args.open()?;
     let SourceDem { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
@@ -153,7 +153,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
 
 impl DeriveArgs {
     /// Checks what can be checked before anything is read.
-    fn check(&self, is_raster: bool) -> Result<(), Failure> {
+    fn check(&self, is_raster: bool, console: &Console) -> Result<(), Failure> {
         if self.outputs().next().is_none() {
             return Err(Failure::Usage("choose an output: --slope, --aspect, --hillshade or --steep FILE".into()));
         }
@@ -181,7 +181,8 @@ impl DeriveArgs {
         }
         let inputs: Vec<&Path> =
             self.input.map.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
-        Ok(check_paths(&inputs, &self.outputs().collect::<Vec<_>>())?)
+        let planned = |path| PlannedOutput { path, layers: &[STEEP_LAYER] };
+        Ok(check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>(), console.overwrite)?)
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {

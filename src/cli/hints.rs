@@ -36,6 +36,10 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::LayerAmbiguous { .. } => {
             "; copy the right one to a file of its own, for instance with 'ogr2ogr one.gpkg all.gpkg LAYER'".to_owned()
         }
+        Error::Exists { .. } => "; --overwrite replaces it, or choose another name".to_owned(),
+        Error::LayerExists { is_input: false, .. } => {
+            "; --overwrite replaces the layer, or choose another file".to_owned()
+        }
         root => return in_flags(root).unwrap_or(sentence),
     };
     sentence + &hint

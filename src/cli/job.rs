@@ -7,7 +7,7 @@ use image::RgbImage;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
-use tokosen::io::{StagedOutput, check_paths};
+use tokosen::io::{PlannedOutput, StagedOutput, check_paths};
 use tokosen::subdivision::Subdivision;
 use tokosen::{Input, Options, Terrain};
 
@@ -29,14 +29,15 @@ impl<'a> Job<'a> {
     pub fn start<'p>(
         args: &'a InputArgs,
         inputs: impl IntoIterator<Item = &'p Path>,
-        outputs: impl IntoIterator<Item = &'p Path>,
+        outputs: impl IntoIterator<Item = impl Into<PlannedOutput<'p>>>,
         picture: Option<&'p Path>,
         console: &'a Console,
     ) -> Result<Self, Failure> {
         let mut inputs: Vec<&Path> = inputs.into_iter().collect();
         inputs.extend(args.map.files());
-        let outputs: Vec<&Path> = outputs.into_iter().chain(picture).collect();
-        check_paths(&inputs, &outputs)?;
+        let mut outputs: Vec<PlannedOutput<'_>> = outputs.into_iter().map(Into::into).collect();
+        outputs.extend(picture.map(PlannedOutput::from));
+        check_paths(&inputs, &outputs, console.overwrite)?;
         picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }

@@ -77,6 +77,10 @@ struct Common {
     /// List every finding about the input, not just the first ones of each kind
     #[arg(short, long, global = true, conflicts_with = "quiet")]
     verbose: bool,
+    /// Replace files, and layers of a GeoPackage, that another program made. Without this option only those that tokosen
+    /// made are replaced; other layers of a GeoPackage always stay
+    #[arg(long, global = true)]
+    overwrite: bool,
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -95,7 +99,7 @@ pub fn main() -> ExitCode {
         console::error(&format!("cannot start {threads} threads: {e}"));
         return ExitCode::from(1);
     }
-    let console = Console::new(cli.common.quiet, cli.common.verbose);
+    let console = Console::new(&cli.common);
     let outcome = match &cli.verb {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
@@ -107,7 +111,7 @@ pub fn main() -> ExitCode {
         Verb::Skeleton(args) => skeleton::run(args, &console),
     };
     console.clear();
-    match outcome {
+    match outcome.and_then(|()| Ok(console.printed()?)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(message)) => {
             console::error(&format!("{message}\n\nFor more information, try '--help'."));

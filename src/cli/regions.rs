@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::draw::preview::{landform_patches, subdivision_picture};
-use tokosen::io::layer::of_landforms;
-use tokosen::io::{StagedOutput, write_layers_back};
+use tokosen::io::layer::{REGIONS_LAYER, of_landforms};
+use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 use tokosen::subdomains::{Landform, LandformClass, landforms};
 
 use super::console::Console;
@@ -51,7 +51,8 @@ Examples:
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
     let inputs = args.frame.file().into_iter().chain(args.water.file());
-    let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
+    let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };
+    let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;

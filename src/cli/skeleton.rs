@@ -1,11 +1,11 @@
 //! `tokosen skeleton`: contour lines in, ridge and canyon lines out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::draw::preview::{subdivision_picture, triangle_patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
-use tokosen::io::{StagedOutput, contour_files, write_layers_back};
+use tokosen::io::{PlannedOutput, StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
 use tokosen::tuning::SkeletonTuning;
 
@@ -69,7 +69,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
     let inputs = args.frame.file().into_iter().chain(args.water.file());
-    let outputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let outputs = files.iter().map(|path| PlannedOutput { path, layers: &names });
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 

@@ -9,6 +9,7 @@
 
 mod area;
 mod attributes;
+mod companions;
 mod content;
 mod depression;
 mod dxf;
@@ -19,6 +20,7 @@ mod geojson;
 mod gpkg;
 pub mod gsi;
 pub mod layer;
+mod maker;
 pub mod mesh;
 mod paths;
 pub mod raster;
@@ -42,7 +44,7 @@ use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
 pub use format::VectorFormat;
-pub use paths::check_paths;
+pub use paths::{PlannedOutput, check_paths};
 pub use staged::{StagedOutput, discard_unfinished};
 
 /// How to read a file.
@@ -203,14 +205,15 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
     }
     if format == VectorFormat::GeoPackage {
-        gpkg::write(&out.path(), layers, crs).map_err(|e| out.with_final_name(e))?;
+        let target = Some(out.target()).filter(|target| gpkg::is_there(target));
+        gpkg::write(&out.path(), layers, crs, target).map_err(|e| out.with_final_name(e))?;
         return Ok(files);
     }
     for (layer, file) in layers.iter().zip(&files) {
         let path = out.sibling(file.file_name().unwrap_or_default());
         let written = match format {
             VectorFormat::GeoJson => geojson::write(&path, layer, crs),
-            VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs),
+            VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
             VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
             VectorFormat::Dxf => dxf::write(&path, layer),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),

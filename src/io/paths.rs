@@ -1,19 +1,44 @@
-//! Checks that the files of a run do not overwrite each other.
+//! Checks before the work that no file is lost: no input, and no file that another program made.
 
 use std::path::{Path, PathBuf};
 
+use super::format::VectorFormat;
+use super::{gpkg, maker};
 use crate::base::error::{Error, Result};
 
-/// Refuses to write over an input, or to write two outputs into one file.
+/// A file to write.
+#[derive(Debug, Clone, Copy)]
+pub struct PlannedOutput<'a> {
+    /// Its path.
+    pub path: &'a Path,
+    /// The names of the layers that go into it, if it is a GeoPackage.
+    pub layers: &'a [&'a str],
+}
+
+impl<'a> From<&'a Path> for PlannedOutput<'a> {
+    fn from(path: &'a Path) -> Self {
+        Self { path, layers: &[] }
+    }
+}
+
+/// Refuses to write over an input, to write two outputs into one file, and to replace what another program made.
+///
+/// A GeoPackage that exists keeps its layers, and gets further ones. So an input may also be an output there, if no layer
+/// of it is replaced. Files and layers that this program made are replaced, so that a script can run twice. Where a
+/// format has no place to name the program (`.shp`, `.asc`, `.xyz`), a file counts as made by another one. `overwrite`
+/// allows replacing all files, and layers of a GeoPackage, except inputs.
 ///
 /// # Errors
-/// [`Error::Parameter`] names the first output that conflicts.
-pub fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<()> {
+/// [`Error::Parameter`] names the first output that conflicts with an input or another output, [`Error::Exists`] and
+/// [`Error::LayerExists`] the first that would be lost. [`Error::File`] if a GeoPackage cannot be read.
+pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: bool) -> Result<()> {
     let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
     let mut taken = Vec::new();
-    for path in outputs {
+    for PlannedOutput { path, layers } in outputs {
         let file = identity(path);
-        if inputs.contains(&file) {
+        let is_input = inputs.contains(&file);
+        let is_database = matches!(VectorFormat::from_path(path), Ok(VectorFormat::GeoPackage));
+        if is_input && !is_database {
             return Err(Error::Parameter(format!(
                 "{} is an input: choose another name for the output",
                 path.display()
@@ -22,9 +47,22 @@ pub fn check_paths(inputs: &[&Path], outputs: &[&Path]) -> Result<()> {
         if taken.contains(&file) {
             return Err(Error::Parameter(format!("{} is the name of two outputs", path.display())));
         }
+        if is_database {
+            gpkg::check_layers(path, layers, overwrite, is_input)?;
+        } else if !overwrite && let Some(path) = parts(path).find(|path| path.exists() && !maker::is_own(path)) {
+            return Err(Error::Exists { path });
+        }
         taken.push(file);
     }
     Ok(())
+}
+
+/// The files of an output that hold data.
+fn parts(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let is_shapefile = matches!(VectorFormat::from_path(path), Ok(VectorFormat::Shapefile));
+    let others =
+        ["shx", "dbf"].into_iter().filter(move |_| is_shapefile).map(|extension| path.with_extension(extension));
+    std::iter::once(path.to_owned()).chain(others)
 }
 
 /// A form of the path that is the same for all paths of one file, even if the file does not exist yet.

@@ -15,27 +15,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
+use super::companions::{foreign_prj, stale};
+use super::format::VectorFormat;
+use super::gpkg;
 use crate::base::error::{Error, Result};
-
-/// Files beside an output that describe its former content and would be wrong for the new one. The first column is the
-/// extension of the output. The second lists endings that replace that extension.
-const REPLACED_ENDINGS: &[(&str, &[&str])] = &[
-    ("shp", &["prj", "qpj", "cpg", "qix", "sbn", "sbx"]),
-    // A .prj may belong to a shapefile of the same name, therefore it is kept.
-    ("png", &["pgw"]),
-];
-
-/// The same, for endings that are appended to the whole name: statistics and overviews of rasters, and the files that a
-/// database engine leaves if a database was not closed.
-const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
-    ("gpkg", &["-journal", "-wal", "-shm"]),
-    ("tif", &[".aux.xml", ".ovr", ".msk"]),
-    ("tiff", &[".aux.xml", ".ovr", ".msk"]),
-    ("png", &[".aux.xml"]),
-    ("exr", &[".aux.xml"]),
-    ("asc", &[".aux.xml", ".ovr", ".msk"]),
-    ("xyz", &[".aux.xml"]),
-];
 
 /// The hidden folders of all unfinished outputs. The list is global because a signal is for the whole process. While
 /// this lock is held, no output is being moved into place.
@@ -146,12 +129,13 @@ impl StagedOutput {
     }
 
     /// Flushes all files to the disk and moves them to the target's folder, the main file last. Returns the target's
-    /// path.
+    /// path. Layers of a GeoPackage that exists are added to it instead, in one transaction.
     ///
     /// Files that belong to the former content of a target, such as a spatial index or a statistics file, are removed.
     ///
     /// # Errors
-    /// The disk is full, or a file of that name cannot be replaced. Files that were already moved stay.
+    /// The disk is full, a file of that name cannot be replaced, or a `.prj` would be wrong for another file of its name.
+    /// Files that were already moved stay.
     pub fn commit(self) -> Result<PathBuf> {
         // The lock makes a signal wait: either all files get their names, or none.
         let _unfinished = unfinished();
@@ -162,15 +146,20 @@ impl StagedOutput {
                 .and_then(|file| file.sync_all())
                 .map_err(|e| Error::io("write", &self.folder.join(name), e))?;
         }
-        for name in &names {
-            for stale in stale_companions(name).into_iter().filter(|stale| !names.contains(stale)) {
+        foreign_prj(self.staging.path(), &self.folder, &names)?;
+        let (added, moved): (Vec<&OsString>, Vec<&OsString>) = names.iter().partition(|name| self.is_added(name));
+        for name in &moved {
+            for stale in stale(name).into_iter().filter(|stale| !names.contains(stale)) {
                 let path = self.folder.join(stale);
                 if path.is_file() {
                     fs::remove_file(&path).map_err(|e| Error::io("remove the outdated", &path, e))?;
                 }
             }
         }
-        for name in &names {
+        for name in added {
+            gpkg::merge(&self.sibling(name), &self.folder.join(name))?;
+        }
+        for name in moved {
             let goal = self.folder.join(name);
             fs::rename(self.sibling(name), &goal).map_err(|e| Error::io("replace", &goal, e))?;
         }
@@ -181,6 +170,12 @@ impl StagedOutput {
         }
         self.staging.close().map_err(|e| Error::io("remove the temporary folder in", &self.folder, e))?;
         Ok(self.target)
+    }
+
+    /// Whether the file's layers are added to a GeoPackage that exists.
+    fn is_added(&self, name: &OsStr) -> bool {
+        let is_database = matches!(VectorFormat::from_path(Path::new(name)), Ok(VectorFormat::GeoPackage));
+        is_database && gpkg::is_there(&self.folder.join(name))
     }
 
     /// The names of the staged files in order, the main file last.
@@ -202,24 +197,6 @@ fn without_path(error: std::io::Error) -> std::io::Error {
         Some((words, _)) => std::io::Error::new(error.kind(), words),
         None => error,
     }
-}
-
-/// Files beside an output of this name that only fit its former content.
-fn stale_companions(name: &OsStr) -> Vec<OsString> {
-    let path = Path::new(name);
-    let Some(extension) = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase) else {
-        return Vec::new();
-    };
-    let endings = |table: &[(&str, &'static [&'static str])]| -> &'static [&'static str] {
-        table.iter().find(|(ext, _)| *ext == extension).map_or(&[], |(_, endings)| endings)
-    };
-    let replaced = endings(REPLACED_ENDINGS).iter().map(|ending| path.with_extension(ending).into_os_string());
-    let appended = endings(APPENDED_ENDINGS).iter().map(|ending| {
-        let mut whole = name.to_owned();
-        whole.push(ending);
-        whole
-    });
-    replaced.chain(appended).collect()
 }
 
 #[cfg(test)]
@@ -326,19 +303,5 @@ mod tests {
         staged.commit().unwrap();
         assert!(dir.path().join("link.tif").is_symlink());
         assert_eq!(fs::read_to_string(real.join("b.tif")).unwrap(), "new");
-    }
-
-    #[test]
-    fn companions_of_the_former_content_go_and_others_stay() {
-        let dir = tempfile::tempdir().unwrap();
-        for name in ["a.shp", "a.prj", "a.qix", "a.txt", "b.qix", "c.tif.ovr"] {
-            fs::write(dir.path().join(name), "old").unwrap();
-        }
-        let staged = StagedOutput::create(&dir.path().join("a.shp")).unwrap();
-        fs::write(staged.path(), "new").unwrap();
-        fs::write(staged.sibling("a.prj"), "new").unwrap();
-        staged.commit().unwrap();
-        assert_eq!(names_in(dir.path()), ["a.prj", "a.shp", "a.txt", "b.qix", "c.tif.ovr"]);
-        assert_eq!(fs::read_to_string(dir.path().join("a.prj")).unwrap(), "new");
     }
 }

@@ -74,7 +74,7 @@ fn more_cells_than_there_can_be_leave_the_earlier_file_and_nothing_else() {
         for cell in ["1e-5", "1e-300"] {
             fs::write(dir.path().join(target), "earlier").unwrap();
             let before = names(dir.path());
-            let output = run(dir.path(), &format!("{line} --cell {cell} -q"));
+            let output = run(dir.path(), &format!("{line} --cell {cell} -q --overwrite"));
             assert_eq!(output.status.code(), Some(2), "{line} {cell}: {}", said(&output));
             assert!(said(&output).contains("cells: choose a larger cell"), "{line} {cell}: {}", said(&output));
             assert_eq!(fs::read_to_string(dir.path().join(target)).unwrap(), "earlier", "{line}");

@@ -7,5 +7,6 @@ mod check;
 mod compare;
 mod coordinates;
 mod derive;
+mod existing_outputs;
 mod file_troubles;
 mod verbs;

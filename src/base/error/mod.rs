@@ -217,6 +217,22 @@ pub enum Error {
         /// What to do.
         remedy: &'static str,
     },
+    /// A file is there that another program made, and may not be replaced.
+    #[error("{} exists, and does not say that this program made it", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A GeoPackage has a layer of this name that may not be replaced.
+    #[error("{}: the layer {layer:?} exists, and {}", path.display(), why_kept(*is_input))]
+    LayerExists {
+        /// The GeoPackage.
+        path: PathBuf,
+        /// The layer.
+        layer: String,
+        /// Whether the GeoPackage is an input. Otherwise another program made the layer.
+        is_input: bool,
+    },
     /// The contours need repair, but repair is not allowed.
     #[error("{input}: {places} places need repair before a surface can be made, and no repair is allowed")]
     NeedsRepair {
@@ -308,6 +324,10 @@ fn needs_crs(need: CrsNeed) -> String {
     }
 }
 
+fn why_kept(is_input: bool) -> &'static str {
+    if is_input { "the file is an input: choose another file for the output" } else { "another program made it" }
+}
+
 fn count_of(findings: usize) -> String {
     if findings == 1 { "1 finding".to_owned() } else { format!("{findings} findings") }
 }
@@ -347,6 +367,8 @@ impl Error {
             | Self::TooManyPoints { .. }
             | Self::NeedsRepair { .. }
             | Self::Strict { .. }
+            | Self::Exists { .. }
+            | Self::LayerExists { .. }
             | Self::Arrays(_)
             | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees } => self,
             error => Self::InFile { path: path.to_owned(), error: Box::new(error) },

@@ -5,13 +5,13 @@ mod side;
 
 pub use args::CompareArgs;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, difference};
 use tokosen::draw::report::{page, sentences, table};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
-use tokosen::io::{Content, StagedOutput, check_paths, content};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content};
 use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
 
 use super::console::Console;
@@ -21,7 +21,7 @@ use super::{memory, summary};
 
 /// Runs the verb.
 pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
-    let contents = check(args)?;
+    let contents = check(args, console)?;
     let staged = args.output.as_deref().map(output::open_raster).transpose()?;
     let page = args.report.as_deref().map(open_page).transpose()?;
 
@@ -74,7 +74,7 @@ pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Co
 }
 
 /// Checks what can be checked before anything is read, and returns what A and B are.
-fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
+fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure> {
     let contents = [content(&args.input.map.contours)?, content(&args.b)?];
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
@@ -102,8 +102,8 @@ fn check(args: &CompareArgs) -> Result<[Content; 2], Failure> {
     }
     let files = args.input.map.files().chain([args.b.as_path()]);
     let inputs: Vec<&Path> = files.chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
-    let outputs: Vec<&Path> = args.output.iter().chain(&args.report).map(PathBuf::as_path).collect();
-    check_paths(&inputs, &outputs)?;
+    let outputs: Vec<PlannedOutput<'_>> = args.output.iter().chain(&args.report).map(|p| p.as_path().into()).collect();
+    check_paths(&inputs, &outputs, console.overwrite)?;
     Ok(contents)
 }
 

@@ -64,6 +64,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta name="generator" content="tokosen";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (a_name) " against " (b_name) }
                 style { (PreEscaped(STYLE)) }

@@ -14,9 +14,12 @@ use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use crate::io::maker::MADE_BY;
 
 /// Handles up to this one belong to the tables, larger ones to layers and entities.
 const FIRST_HANDLE: u64 = 0x100;
+/// The code of a comment.
+const COMMENT: i32 = 999;
 
 /// Writes one file.
 pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
@@ -30,6 +33,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
     let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
     let run = || -> Written<()> {
         let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
+        out.put(COMMENT, MADE_BY)?;
         write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
         tables::write(&mut out, &layers, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;

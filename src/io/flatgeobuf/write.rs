@@ -11,6 +11,7 @@ use ::flatgeobuf::{ColumnType, FgbCrs, FgbWriter, FgbWriterOptions, GeometryType
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::layer::{Cell, Geometry, Kind, Layer, Outer, Row, Shape};
+use crate::io::maker::MADE_BY;
 
 /// The largest number of vertices per feature: a feature's table ends at 2 GB, and a vertex takes 24 bytes.
 const MAX_VERTICES: usize = 80_000_000;
@@ -42,6 +43,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
             wkt: crs.and_then(|crs| crs.wkt1().or(crs.wkt())),
             ..FgbCrs::default()
         },
+        description: Some(MADE_BY),
         ..FgbWriterOptions::default()
     };
     let kind = match layer.geometry {

@@ -9,6 +9,7 @@ use glam::DVec2;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::layer::{Cell, Layer, Outer, Shape};
+use crate::io::maker::MADE_BY;
 
 /// Writes one file.
 ///
@@ -20,6 +21,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
         let mut out = BufWriter::with_capacity(1 << 16, File::create(path)?);
         out.write_all(b"{\"type\":\"FeatureCollection\",\"name\":")?;
         serde_json::to_writer(&mut out, layer.name)?;
+        write!(out, ",\"description\":\"{MADE_BY}\"")?;
         if let Some(member) = crs_member(crs) {
             write!(out, ",\"crs\":{member}")?;
         }

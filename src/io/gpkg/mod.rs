@@ -1,9 +1,11 @@
 //! GeoPackage (OGC 12-128r17, version 1.3): an SQLite file with agreed tables.
 
+mod merge;
 mod quoted;
 mod read;
 mod wkb;
 mod write;
 
+pub(super) use merge::{check_layers, is_there, merge};
 pub(super) use read::read;
 pub(super) use write::write;

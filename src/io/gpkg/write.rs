@@ -1,4 +1,4 @@
-//! Writes layers into a new GeoPackage.
+//! Writes layers into a new GeoPackage. [`merge`](super::merge) adds them to one that exists.
 //!
 //! The same layers give the same bytes. The format requires the time of the last change; a fixed date is written.
 
@@ -6,11 +6,13 @@ use std::path::Path;
 
 use rusqlite::{Connection, params, params_from_iter};
 
+use super::merge::srs_id_in;
 use super::quoted::quoted;
 use super::wkb;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::layer::{Cell, Geometry, Kind, Layer, NO_BOUNDS, joined};
+use crate::io::maker::MADE_BY;
 
 /// "GPKG" in ASCII.
 const APPLICATION_ID: i32 = 0x4750_4B47;
@@ -18,8 +20,10 @@ const APPLICATION_ID: i32 = 0x4750_4B47;
 const USER_VERSION: i32 = 10300;
 /// Written as the time of the last change.
 const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
-/// The id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
-const OWN_SRS_ID: i32 = 100_000;
+/// The smallest id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
+pub(super) const OWN_SRS_ID: i32 = 100_000;
+/// The id of WGS 84, which every file has.
+const WGS84_SRS_ID: i32 = 4326;
 /// The id that the format reserves for plane coordinates of an unknown system.
 const UNKNOWN_SRS_ID: i32 = -1;
 
@@ -54,7 +58,14 @@ CREATE TABLE gpkg_geometry_columns (
   CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents(table_name),
   CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys (srs_id)
 );
-CREATE TABLE gpkg_extensions (
+INSERT INTO gpkg_spatial_ref_sys VALUES
+  ('Undefined cartesian SRS', -1, 'NONE', -1, 'undefined', 'undefined cartesian coordinate reference system'),
+  ('Undefined geographic SRS', 0, 'NONE', 0, 'undefined', 'undefined geographic coordinate reference system');
+";
+
+/// The table of the extensions that layers use. A GeoPackage of another program may lack it.
+pub(super) const EXTENSIONS_TABLE: &str = "
+CREATE TABLE IF NOT EXISTS gpkg_extensions (
   table_name TEXT,
   column_name TEXT,
   extension_name TEXT NOT NULL,
@@ -62,14 +73,35 @@ CREATE TABLE gpkg_extensions (
   scope TEXT NOT NULL,
   CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name)
 );
-INSERT INTO gpkg_spatial_ref_sys VALUES
-  ('Undefined cartesian SRS', -1, 'NONE', -1, 'undefined', 'undefined cartesian coordinate reference system'),
-  ('Undefined geographic SRS', 0, 'NONE', 0, 'undefined', 'undefined geographic coordinate reference system');
 ";
 
-/// Writes all layers into one new file.
-pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
-    fill(path, layers, crs).map_err(|e| match e {
+/// A coordinate reference system as a GeoPackage stores it.
+pub(in crate::io) struct SrsRow {
+    name: String,
+    /// The EPSG code.
+    pub(super) code: Option<i32>,
+    pub(super) definition: String,
+}
+
+impl SrsRow {
+    fn new(crs: &Crs) -> Self {
+        Self {
+            name: crs.name().unwrap_or_else(|| "unnamed".to_owned()),
+            code: crs.epsg.and_then(|code| i32::try_from(code).ok()),
+            definition: crs.wkt1().or(crs.wkt()).unwrap_or("undefined").to_owned(),
+        }
+    }
+}
+
+/// Writes all layers into one new file. If they are to be added to the file `target`, the system has the same id as there.
+pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>, target: Option<&Path>) -> Result<()> {
+    let system = crs.map(SrsRow::new);
+    let srs_id = match (&system, target) {
+        (None, _) => UNKNOWN_SRS_ID,
+        (Some(system), Some(target)) => srs_id_in(target, system)?,
+        (Some(system), None) => system.code.unwrap_or(OWN_SRS_ID),
+    };
+    fill(path, layers, system.as_ref(), srs_id).map_err(|e| match e {
         rusqlite::Error::SqliteFailure(failure, _) if failure.code == rusqlite::ErrorCode::DiskFull => {
             Error::io("write", path, std::io::Error::from(std::io::ErrorKind::StorageFull))
         }
@@ -77,7 +109,7 @@ pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>)
     })
 }
 
-fn fill(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> rusqlite::Result<()> {
+fn fill(path: &Path, layers: &[Layer<'_>], system: Option<&SrsRow>, srs_id: i32) -> rusqlite::Result<()> {
     let mut db = Connection::open(path)?;
     // An unfinished file is discarded, and a finished one is flushed before it gets its name. The database engine
     // therefore needs no journal and need not wait for the disk.
@@ -86,16 +118,11 @@ fn fill(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> rusqlite::Resul
     db.pragma_update(None, "user_version", USER_VERSION)?;
     let transaction = db.transaction()?;
     transaction.execute_batch(TABLES)?;
-    add_system(&transaction, 4326, &Crs::wgs84())?;
-    let srs_id = match crs {
-        None => UNKNOWN_SRS_ID,
-        Some(Crs { epsg: Some(4326), .. }) => 4326,
-        Some(crs) => {
-            let id = crs.epsg.and_then(|code| i32::try_from(code).ok()).unwrap_or(OWN_SRS_ID);
-            add_system(&transaction, id, crs)?;
-            id
-        }
-    };
+    transaction.execute_batch(EXTENSIONS_TABLE)?;
+    add_system(&transaction, WGS84_SRS_ID, &SrsRow::new(&Crs::wgs84()))?;
+    if let Some(system) = system.filter(|_| srs_id != WGS84_SRS_ID) {
+        add_system(&transaction, srs_id, system)?;
+    }
     for layer in layers {
         add_layer(&transaction, layer, srs_id)?;
     }
@@ -103,13 +130,11 @@ fn fill(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> rusqlite::Resul
     db.close().map_err(|(_, e)| e)
 }
 
-fn add_system(db: &Connection, id: i32, crs: &Crs) -> rusqlite::Result<()> {
-    let organization = if crs.epsg.is_some() { "EPSG" } else { "NONE" };
-    let definition = crs.wkt1().or(crs.wkt()).unwrap_or("undefined");
-    let name = crs.name().unwrap_or_else(|| "unnamed".to_owned());
+fn add_system(db: &Connection, id: i32, system: &SrsRow) -> rusqlite::Result<()> {
+    let organization = if system.code.is_some() { "EPSG" } else { "NONE" };
     db.execute(
-        "INSERT INTO gpkg_spatial_ref_sys VALUES (?1, ?2, ?3, ?2, ?4, NULL)",
-        params![name, id, organization, definition],
+        "INSERT INTO gpkg_spatial_ref_sys VALUES (?1, ?2, ?3, ?4, ?5, NULL)",
+        params![system.name, id, organization, system.code.unwrap_or(id), system.definition],
     )?;
     Ok(())
 }
@@ -140,9 +165,9 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
          CREATE VIRTUAL TABLE {index} USING rtree(id, minx, maxx, miny, maxy);"
     ))?;
     db.execute(
-        "INSERT INTO gpkg_contents (table_name, data_type, identifier, last_change, srs_id)
-         VALUES (?1, 'features', ?1, ?2, ?3)",
-        params![layer.name, LAST_CHANGE, srs_id],
+        "INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, srs_id)
+         VALUES (?1, 'features', ?1, ?2, ?3, ?4)",
+        params![layer.name, MADE_BY, LAST_CHANGE, srs_id],
     )?;
     db.execute(
         "INSERT INTO gpkg_geometry_columns VALUES (?1, 'geom', ?2, ?3, ?4, 0)",

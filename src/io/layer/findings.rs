@@ -3,6 +3,9 @@
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::base::error::{Finding, Proposal};
 
+/// The name of the layer.
+pub const FINDINGS_LAYER: &str = "findings";
+
 const COLUMNS: &[Column] = &[
     Column { name: "code", kind: Kind::Text(24) },
     Column { name: "severity", kind: Kind::Text(8) },
@@ -44,7 +47,7 @@ pub fn of_findings(findings: &[Finding]) -> Layer<'_> {
             ],
         }
     });
-    Layer { name: "findings", geometry: Geometry::Points, columns: COLUMNS, rows: rows.collect() }
+    Layer { name: FINDINGS_LAYER, geometry: Geometry::Points, columns: COLUMNS, rows: rows.collect() }
 }
 
 fn listed<T: ToString>(values: &[T]) -> Cell<'static> {

@@ -7,6 +7,9 @@ use crate::tin::Tin;
 /// Name of the layer.
 pub(in crate::io) const NAME: &str = "regions";
 
+/// The name of the layer.
+pub const REGIONS_LAYER: &str = "regions";
+
 const COLUMNS: &[Column] = &[
     Column { name: "id", kind: Kind::Int },
     Column { name: "class", kind: Kind::Text(20) },

@@ -6,6 +6,9 @@ use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::contour::ContourMap;
 use crate::io::format::VectorFormat;
 
+/// The names of the layers: contours and spot heights.
+pub const REPAIRED_LAYERS: [&str; 2] = ["contours", "spot_heights"];
+
 const LINE_COLUMNS: &[Column] = &[
     Column { name: "elev", kind: Kind::Real },
     Column { name: "feature", kind: Kind::Int },
@@ -27,7 +30,7 @@ pub fn of_map(map: &ContourMap) -> Layer<'_> {
             map.depressions.get(&line.feature).map_or(Cell::Null, |&mark| Cell::Bool(mark)),
         ],
     });
-    Layer { name: "contours", geometry: Geometry::Lines, columns: LINE_COLUMNS, rows: rows.collect() }
+    Layer { name: REPAIRED_LAYERS[0], geometry: Geometry::Lines, columns: LINE_COLUMNS, rows: rows.collect() }
 }
 
 /// The spot heights of a map, as points with the attribute `elev`.
@@ -36,7 +39,7 @@ pub fn of_spots(map: &ContourMap) -> Layer<'_> {
         .spots
         .iter()
         .map(|spot| Row { shape: Shape::Point(Some(spot.truncate())), cells: vec![Cell::Real(spot.z)] });
-    Layer { name: "spot_heights", geometry: Geometry::Points, columns: SPOT_COLUMNS, rows: rows.collect() }
+    Layer { name: REPAIRED_LAYERS[1], geometry: Geometry::Points, columns: SPOT_COLUMNS, rows: rows.collect() }
 }
 
 /// The layers of a repaired map for a file: its contours and, where the format holds points beside lines, its spot heights.

@@ -6,6 +6,9 @@ use crate::dem::derive::Steeps;
 /// Longest note, bytes: the limit of a shapefile's attribute table.
 const NOTE_LENGTH: u8 = 254;
 
+/// The name of the layer.
+pub const STEEP_LAYER: &str = "steep";
+
 const COLUMNS: &[Column] = &[
     Column { name: "area_id", kind: Kind::Int },
     Column { name: "area_m2", kind: Kind::Real },
@@ -28,5 +31,5 @@ pub fn steep_areas<'a>(steeps: &'a Steeps, note: &'a str) -> Layer<'a> {
             Cell::Text(note.into()),
         ],
     });
-    Layer { name: "steep", geometry: Geometry::Areas, columns: COLUMNS, rows: rows.collect() }
+    Layer { name: STEEP_LAYER, geometry: Geometry::Areas, columns: COLUMNS, rows: rows.collect() }
 }

@@ -23,6 +23,7 @@ use super::sidecar;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
+use crate::io::maker::PROGRAM;
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";
@@ -44,7 +45,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
     let second = errors.map(|errors| AnyChannel::new(ERRORS, FlatSamples::F32(errors.to_vec())));
     let mut attributes = LayerAttributes {
         comments: Some(Text::from(format!("{}; NaN where there is no data", quantity.words()).as_str())),
-        software_name: Some(Text::from("tokosen")),
+        software_name: Some(Text::from(PROGRAM)),
         ..LayerAttributes::default()
     };
     if let Some(wkt) = dem.crs.as_ref().and_then(Crs::header_wkt) {

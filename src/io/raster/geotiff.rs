@@ -21,6 +21,7 @@ use super::quantity::{Quantity, STANDARD_ERROR};
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::dem::Dem;
+use crate::io::maker::PROGRAM;
 
 /// Side of a tile in cells. The format requires a multiple of 16.
 const TILE: usize = 256;
@@ -123,7 +124,7 @@ fn write_kind<K: TiffKind>(
     directory.write_tag(Tag::TileOffsets, K::convert_slice(&offsets))?;
     directory.write_tag(Tag::TileByteCounts, K::convert_slice(&lengths))?;
     directory.write_tag(Tag::SampleFormat, vec![SampleFormat::IEEEFP.to_u16(); bands.len()].as_slice())?;
-    directory.write_tag(Tag::Software, "tokosen")?;
+    directory.write_tag(Tag::Software, PROGRAM)?;
     directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
     directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
     directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;

@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError, RgbImage};
+use image::RgbImage;
+use png::{BitDepth, ColorType, Encoder};
 
-use super::output::{Filled, check, create};
+use super::output::{check, create};
 use super::pam;
+use super::png::filled;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;
+use crate::io::maker::PROGRAM;
 
 /// Writes a picture as PNG. The name must end in `.png`.
 ///
@@ -18,14 +20,7 @@ pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Error::file(path, "pictures are written as .png"));
     }
-    create(path, |out| {
-        PngEncoder::new(out)
-            .write_image(picture.as_raw(), picture.width(), picture.height(), ExtendedColorType::Rgb8)
-            .map_err(|error| match error {
-                ImageError::IoError(error) => Filled::Io(error),
-                other => Filled::Format(other.into()),
-            })
-    })
+    encode(path, picture.dimensions(), ColorType::Rgb, picture.as_raw())
 }
 
 /// Writes a hillshade as 8-bit grey PNG: brightness from 1 to 255, 0 for no data. `.pgw` and `.png.aux.xml` beside it
@@ -41,17 +36,22 @@ pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
     check(path, shade)?;
     let grey: Vec<u8> =
         shade.values.iter().map(|v| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 }).collect();
-    create(path, |out| {
-        PngEncoder::new(out)
-            // The check above ensures that both fit into 31 bits.
-            .write_image(&grey, shade.grid.cols as u32, shade.grid.rows as u32, ExtendedColorType::L8)
-            .map_err(|error| match error {
-                ImageError::IoError(error) => Filled::Io(error),
-                other => Filled::Format(other.into()),
-            })
-    })?;
+    // The check above ensures that both fit into 31 bits.
+    encode(path, (shade.grid.cols as u32, shade.grid.rows as u32), ColorType::Grayscale, &grey)?;
     pam::write_aux_placement(path, shade)?;
     pam::write_world(path, "pgw", shade)
+}
+
+fn encode(path: &Path, (width, height): (u32, u32), color: ColorType, bytes: &[u8]) -> Result<()> {
+    create(path, |out| {
+        let mut encoder = Encoder::new(out, width, height);
+        encoder.set_color(color);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.add_text_chunk("Software".to_owned(), PROGRAM.to_owned()).map_err(filled)?;
+        let mut writer = encoder.write_header().map_err(filled)?;
+        writer.write_image_data(bytes).map_err(filled)?;
+        writer.finish().map_err(filled)
+    })
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use super::pam::{self, Band};
 use super::quantity::Quantity;
 use crate::base::error::Result;
 use crate::dem::Dem;
+use crate::io::maker::PROGRAM;
 
 /// The finest step, metres. Finer steps would only reproduce the rounding of 32-bit heights.
 const FINEST_EXPONENT: i32 = -4;
@@ -80,7 +81,7 @@ pub(super) fn describe<W: Write>(
 ) -> std::result::Result<(), EncodingError> {
     encoder.set_compression(png::Compression::Balanced);
     let mut text = |key: &str, value: String| encoder.add_text_chunk(key.to_owned(), value);
-    text("Software", "tokosen".into())?;
+    text("Software", PROGRAM.into())?;
     text("Description", formula)?;
     text("GeoTransform", geo_transform(&dem.grid).map(|v| v.to_string()).join(", "))?;
     if let Some(crs) = &dem.crs {
