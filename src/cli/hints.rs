@@ -58,6 +58,14 @@ fn in_flags(error: &Error) -> Option<String> {
             let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };
             format!("{flag} {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell")
         }
+        Error::CellTooLarge { cell, width, height, in_degrees } => {
+            let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };
+            format!(
+                "{flag} {cell} is too large: no centre of a cell lies on the map, which is {} x {}; choose a smaller cell",
+                significant(*width),
+                significant(*height)
+            )
+        }
         Error::NeedsRepair { input, places } => format!(
             "{input}: {places} places need repair before a surface can be made, and --repair none is set; --repair safe \
              repairs them, 'tokosen check' lists them"
@@ -66,6 +74,12 @@ fn in_flags(error: &Error) -> Option<String> {
         Error::Strict { input, findings } => format!("{findings} findings about {input}, and --strict is set"),
         _ => return None,
     })
+}
+
+/// A length with three significant digits.
+fn significant(length: f64) -> String {
+    let decimals = if length > 0.0 { (2.0 - length.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
+    format!("{length:.decimals$}")
 }
 
 /// The flag of a parameter of the library.

@@ -2,12 +2,36 @@
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-/// Bytes that the process may still take, by the machine and by the limits of its control group; `None` where the system
-/// does not say.
+/// Bytes that the process may still take, by the machine, by the limits of its control group and by the limit of its
+/// address space (`ulimit -v`); `None` where the system does not say.
 pub fn available() -> Option<u64> {
     let memory = MemoryRefreshKind::nothing().with_ram();
     let system = System::new_with_specifics(RefreshKind::nothing().with_memory(memory)).ok()?;
     let free = system.available_memory();
     let limited = system.cgroup_limits().map_or(free, |limits| free.min(limits.free_memory));
+    let limited = left_of_address_space().map_or(limited, |left| limited.min(left));
     (limited > 0).then_some(limited)
+}
+
+/// Bytes that are left below the limit of the address space; `None` without a limit.
+///
+/// Each thread reserves an arena for its allocations, and uses little of it. These bytes cannot be used for others.
+#[cfg(target_os = "linux")]
+fn left_of_address_space() -> Option<u64> {
+    use rustix::param::page_size;
+    use rustix::process::{Resource, getrlimit};
+
+    /// Bytes of an arena of the GNU C library.
+    const ARENA: u64 = 64 << 20;
+
+    let limit = getrlimit(Resource::As).current?;
+    let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').next()?.parse::<u64>().ok()?;
+    let arenas = ARENA * (rayon::current_num_threads() as u64 + 1);
+    // What is left is at least one byte: no limit must not be taken for none left.
+    Some(limit.saturating_sub(pages * page_size() as u64 + arenas).max(1))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn left_of_address_space() -> Option<u64> {
+    None
 }

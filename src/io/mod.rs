@@ -7,10 +7,12 @@
 //!
 //! Outputs are written through [`StagedOutput`]: a file appears complete or not at all.
 
+mod abandoned;
 mod area;
 mod attributes;
 mod companions;
 mod content;
+mod crs_finding;
 mod depression;
 mod dxf;
 mod elevation;

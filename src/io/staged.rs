@@ -6,7 +6,7 @@
 //!
 //! Dropping the output without [`StagedOutput::commit`] removes everything. A process that is ended by a signal runs no
 //! destructors: a program that catches the signal calls [`discard_unfinished`]. A process that is killed leaves its
-//! hidden folder (`.tokosen-…`) behind. Nothing reads it, and it can be deleted.
+//! hidden folder (`.tokosen-…`) behind. Nothing reads it, and the next run that writes there removes it.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -15,6 +15,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::TempDir;
 
+use super::abandoned::{LOCK, PREFIX, lock, remove_abandoned};
 use super::companions::{foreign_prj, stale};
 use super::format::VectorFormat;
 use super::gpkg;
@@ -50,6 +51,8 @@ pub struct StagedOutput {
     /// The final path of the main file. Symbolic links are resolved: a link stays a link.
     target: PathBuf,
     folder: PathBuf,
+    /// Open as long as the output is unfinished. It is closed before the folder is removed.
+    lock: File,
     staging: TempDir,
 }
 
@@ -87,15 +90,17 @@ impl StagedOutput {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
+        remove_abandoned(&folder);
         let mut unfinished = unfinished();
         let staging = tempfile::Builder::new()
-            .prefix(".tokosen-")
+            .prefix(PREFIX)
             .tempdir_in(&folder)
             .map_err(|e| Error::io("create a file in", &folder, without_path(e)))?;
         // Finished or dropped outputs no longer have a folder on the disk.
         unfinished.retain(|folder| folder.exists());
         unfinished.push(staging.path().to_owned());
-        Ok(Self { target, folder, staging })
+        let lock = lock(staging.path()).map_err(|e| Error::io("create a file in", &folder, without_path(e)))?;
+        Ok(Self { target, folder, staging, lock })
     }
 
     /// The final path of the main file.
@@ -168,6 +173,7 @@ impl StagedOutput {
         if let Ok(folder) = File::open(&self.folder) {
             let _ = folder.sync_all();
         }
+        drop(self.lock);
         self.staging.close().map_err(|e| Error::io("remove the temporary folder in", &self.folder, e))?;
         Ok(self.target)
     }
@@ -184,6 +190,7 @@ impl StagedOutput {
             fs::read_dir(self.staging.path())?.map(|entry| entry.map(|e| e.file_name())).collect()
         };
         let mut names = list().map_err(|e| Error::io("read", self.staging.path(), e))?;
+        names.retain(|name| name != LOCK);
         let main = self.target.file_name();
         names.sort_by_key(|name| (Some(name.as_os_str()) == main, name.clone()));
         Ok(names)

@@ -103,6 +103,14 @@ impl Feature {
         self.lines.push(Line { points, z: widened(None, z) });
     }
 
+    /// Bytes of memory, without those of texts.
+    pub fn bytes(&self) -> usize {
+        let lines = self.lines.iter().map(|line| size_of::<Line>() + size_of::<DVec2>() * line.points.len());
+        let rings = self.polygons.iter().flatten().map(|ring| size_of_val(ring) + size_of::<DVec2>() * ring.len());
+        let spots = size_of::<Spot>() * self.spots.len() + size_of::<(usize, Value)>() * self.values.len();
+        size_of::<Self>() + spots + lines.chain(rings).sum::<usize>()
+    }
+
     /// Extends the z range of the feature's polygons by these vertices.
     pub fn note_polygon_z(&mut self, z: &[f64]) {
         self.polygon_z = widened(self.polygon_z, z);

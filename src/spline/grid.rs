@@ -11,6 +11,13 @@ use crate::tuning::GridTuning;
 /// Largest number of nodes. It limits memory. It is the same on all machines, because the surface must not depend on
 /// the machine.
 const MOST_NODES: f64 = 40e6;
+/// Nodes that every map may have.
+const FREE_NODES: f64 = 4e6;
+/// Further nodes per vertex of the contours. Real maps have 1 to 40 nodes per vertex. Only lines that are straight over
+/// thousands of times their spacing need more, and there more nodes add nothing.
+const NODES_PER_VERTEX: f64 = 1000.0;
+/// A divided grid is cut to the map again if that leaves less than one node in so many.
+const WASTE: usize = 4;
 /// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.
 const BYTES_PER_NODE: f64 = 120.0;
 /// Bytes of memory per further crossing of a contour with an edge between nodes, as measured.
@@ -42,7 +49,8 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     let cell = (spacing / tuning.nodes_per_spacing)
         .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
     let size = hi - lo;
-    let least = (size.x * size.y / MOST_NODES).sqrt();
+    let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64);
+    let least = (size.x * size.y / most).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());
     let wanted = match wanted {
         Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
@@ -55,8 +63,10 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     let is = (wanted.cell.x * wanted.cell.y).sqrt();
     let cut = clipped(&wanted, lo, hi);
     if is > tuning.max_spacings_per_cell * spacing {
-        divided(&cut, odd_above(is / spacing, cut.len() as f64))
-    } else if is >= cell / tuning.max_times_finer && (cut.len() as f64) <= MOST_NODES {
+        let whole = divided(&cut, odd_above(is / spacing.max(least), most / cut.len() as f64));
+        let on_map = clipped(&divided(&cut, odd_above(is / spacing.max(least), f64::INFINITY)), lo, hi);
+        if on_map.len() < whole.len() / WASTE { on_map } else { whole }
+    } else if is >= cell / tuning.max_times_finer && (cut.len() as f64) <= most {
         cut
     } else {
         thinned(&cut, (cell / is).ceil() as usize)
@@ -100,11 +110,10 @@ fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
     Grid { corner, cols: east - west, rows: south - north, ..*grid }
 }
 
-/// The least odd whole number that is not below `ratio`, unless there would be too many nodes.
-fn odd_above(ratio: f64, cells: f64) -> usize {
-    let most = (MOST_NODES / cells).sqrt().max(1.0);
-    let whole = ratio.min(most).ceil() as usize;
-    whole | 1
+/// The least odd whole number that is not below `ratio`, but at most the largest whose square is within `most`.
+fn odd_above(ratio: f64, most: f64) -> usize {
+    let largest = most.sqrt().min(MOST_NODES).max(1.0) as usize;
+    (ratio.min(MOST_NODES).ceil() as usize | 1).min((largest - 1) | 1)
 }
 
 /// Divides every cell into `by` times `by` cells. `by` is odd, so the centres stay nodes.

@@ -93,7 +93,8 @@ impl Terrain {
     /// The height map at the centres of cells.
     ///
     /// # Errors
-    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small. [`Error::NoOverlap`] if cells that
+    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small,
+    /// [`Error::CellTooLarge`] if no centre of a cell lies on the map. [`Error::NoOverlap`] if cells that
     /// were given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown
     /// system.
     pub fn dem(&self, grid: &GridSpec) -> Result<Dem> {

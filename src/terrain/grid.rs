@@ -126,7 +126,13 @@ impl Cells {
             let in_degrees = self.apart.is_some();
             return Err(Error::TooManyCells { cell, cols: count.x, rows: count.y, in_degrees });
         }
-        Ok(Grid::on_multiples(lo, hi, cell))
+        let grid = Grid::on_multiples(lo, hi, cell);
+        let (first, last) = (grid.place(DVec2::new(lo.x, hi.y)).ceil(), grid.place(DVec2::new(hi.x, lo.y)).floor());
+        if first.cmpgt(last).any() {
+            let [width, height] = (hi - lo).to_array();
+            return Err(Error::CellTooLarge { cell, width, height, in_degrees: self.apart.is_some() });
+        }
+        Ok(grid)
     }
 
     /// Refuses a height map that does not fit into memory, before the surface is built.

@@ -59,7 +59,6 @@ pub struct Input {
     pub(super) file: Option<PathBuf>,
     pub(super) unit: ElevationUnit,
     /// Memory that reading may take, bytes.
-    #[cfg_attr(not(feature = "io"), expect(dead_code, reason = "used only when files are read"))]
     pub(super) memory: Option<u64>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,

@@ -233,7 +233,7 @@ impl Trial {
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
         let asked = |place: &HiddenPlace| {
-            let (col, row) = node(grid, place.at);
+            let DVec2 { x: col, y: row } = grid.place(place.at);
             let (col, row) = (col.round(), row.round());
             if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
                 return None;
@@ -260,12 +260,6 @@ impl Trial {
     }
 }
 
-/// Column and row of a map position, with fractions.
-pub fn node(grid: &Grid, p: DVec2) -> (f64, f64) {
-    let first = grid.center(0, 0);
-    ((p.x - first.x) / grid.cell.x, (first.y - p.y) / grid.cell.y)
-}
-
 /// The height at a position, bilinear between four nodes; `None` off the grid.
 fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
     between(&surface.grid, &surface.heights, p)
@@ -273,7 +267,7 @@ fn bilinear(surface: &WorkingGrid, p: DVec2) -> Option<f32> {
 
 /// The value at a position, bilinear between four nodes; `None` off the grid.
 pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
-    let (x, y) = node(grid, p);
+    let DVec2 { x, y } = grid.place(p);
     if x < 0.0 || y < 0.0 || x >= grid.cols as f64 - 1.0 || y >= grid.rows as f64 - 1.0 {
         return None;
     }

@@ -162,7 +162,7 @@ mod unix {
             status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
         let hang_up = ignored.is_some_and(|mask| mask & 1 == 0).then_some("HUP");
         for signal in ["INT", "TERM"].into_iter().chain(hang_up) {
-            let line = "densify big.gpkg -i 1 -o out.gpkg --dem out.tif --cell 2 -q";
+            let line = "densify big.gpkg -i 1 -o out.gpkg --dem out.tif --cell 2 -q --overwrite";
             let mut child = tokosen().current_dir(dir.path()).args(line.split_whitespace()).spawn().unwrap();
             let start = Instant::now();
             // The hidden folders are made before anything is read.
@@ -213,7 +213,7 @@ mod unix {
         std::os::unix::fs::symlink("in.geojson", dir.path().join("link.geojson")).unwrap();
         fs::hard_link(dir.path().join("in.geojson"), dir.path().join("hard.geojson")).unwrap();
         for target in ["hard.geojson", "link.geojson", "./in.geojson"] {
-            let output = run(dir.path(), &format!("densify in.geojson -i 5 -o {target} -q"));
+            let output = run(dir.path(), &format!("densify in.geojson -i 5 -o {target} -q --overwrite"));
             // Either is right: a plain word, or the whole of it.
             if output.status.success() {
                 let text = fs::read_to_string(dir.path().join(target)).unwrap();

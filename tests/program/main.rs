@@ -9,4 +9,5 @@ mod coordinates;
 mod derive;
 mod existing_outputs;
 mod file_troubles;
+mod out_of_proportion;
 mod verbs;

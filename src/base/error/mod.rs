@@ -146,6 +146,18 @@ pub enum Error {
         /// Whether the size is in degrees.
         in_degrees: bool,
     },
+    /// Cells are so large that none of their centres lies on the map.
+    #[error("cells of {cell} are too large: none of their centres lies on the map, which is {width} x {height}")]
+    CellTooLarge {
+        /// Size of a cell, in the units of the grid's coordinate reference system.
+        cell: f64,
+        /// Extent of the map in x, in the same units.
+        width: f64,
+        /// Extent of the map in y.
+        height: f64,
+        /// Whether the size is in degrees.
+        in_degrees: bool,
+    },
     /// No cell of the grid lies in the area of the contours.
     #[error(
         "none of its cells lies in the area of the contours: do they overlap, and do the files name the right coordinate \
@@ -364,6 +376,7 @@ impl Error {
             | Self::OutOfRange { .. }
             | Self::NotProjectedInMetres { .. }
             | Self::TooManyCells { .. }
+            | Self::CellTooLarge { .. }
             | Self::TooManyPoints { .. }
             | Self::NeedsRepair { .. }
             | Self::Strict { .. }
@@ -391,6 +404,7 @@ impl Error {
                 | Self::OutOfRange { .. }
                 | Self::NotProjectedInMetres { .. }
                 | Self::TooManyCells { .. }
+                | Self::CellTooLarge { .. }
                 | Self::TooManyPoints { .. }
                 | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees }
         )

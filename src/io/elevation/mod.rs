@@ -10,6 +10,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::attributes::is_elevation_name;
+use super::crs_finding::crs_finding;
 use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
@@ -389,11 +390,9 @@ fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings:
 /// The findings of the reader, and those that all formats share.
 fn take_findings(table: &mut Table) -> Vec<Finding> {
     let mut findings = std::mem::take(&mut table.findings);
-    if table.crs.is_none() {
-        let problem = table.crs_problem.take();
-        let message = problem.unwrap_or_else(|| "the file does not name its coordinate reference system".to_owned());
-        findings.push(Finding::general(FindingKind::UnknownCrs, message));
-    }
+    let problem = table.crs_problem.take();
+    let missing = || problem.unwrap_or_else(|| "the file does not name its coordinate reference system".to_owned());
+    findings.extend(crs_finding(table.crs.as_ref(), missing));
     for (kind, count) in &table.left_out {
         let message = match kind.as_str() {
             NO_GEOMETRY => format!("{count} features without geometry left out"),

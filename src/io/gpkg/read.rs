@@ -9,8 +9,19 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 use super::quoted::quoted;
 use super::wkb;
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::base::memory;
 use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
+
+/// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
+/// ten seconds. A view that joins itself can go on for ever.
+const FREE_STEPS: u64 = 1_000_000_000;
+/// Further steps for each byte of the file.
+const STEPS_PER_BYTE: u64 = 1_000;
+/// Steps between two looks at their number.
+const LOOK: i32 = 1_000_000;
+/// Rows between two looks at the memory.
+const ROWS: u64 = 1 << 14;
 
 /// A layer with geometry.
 struct Layer {
@@ -35,7 +46,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     // SQLite does not report why it cannot open a file; the operating system does.
     File::open(path).map_err(|e| Error::io("read", path, e))?;
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let db = Connection::open_with_flags(path, flags)
+    let mut db = Connection::open_with_flags(path, flags)
         .map_err(|e| Error::file_cause(path, "the file cannot be opened as a GeoPackage", e))?;
     let broken = |e: rusqlite::Error| Error::file_cause(path, "the GeoPackage cannot be read", e);
     let has_layers: bool = db
@@ -44,6 +55,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     if !has_layers {
         return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
     }
+    limit_steps(path, &mut db).map_err(broken)?;
     let layers = list_layers(&db).map_err(broken)?;
     let mut table = Table::new(request);
     let chosen = choose(path, &layers, request, &mut table)?;
@@ -58,7 +70,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             continue;
         }
         (table.crs, table.crs_problem) = (crs, problem);
-        read_layer(path, &db, layer, &mut table)?;
+        read_layer(path, &db, layer, &mut table, request.memory)?;
     }
     Ok(table)
 }
@@ -180,8 +192,30 @@ fn crs_of(db: &Connection, srs_id: i64) -> rusqlite::Result<(Option<Crs>, Option
     })
 }
 
-fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) -> Result<()> {
+/// Stops the engine when reading takes more steps than the layers of this file can need. Only views need many.
+fn limit_steps(path: &Path, db: &mut Connection) -> rusqlite::Result<()> {
+    let views = "SELECT count(*) FROM sqlite_master WHERE type = 'view'";
+    if db.query_row(views, [], |row| row.get::<_, i64>(0))? == 0 {
+        return Ok(());
+    }
+    let bytes = path.metadata().map_or(0, |meta| meta.len());
+    let mut left = FREE_STEPS.saturating_add(STEPS_PER_BYTE.saturating_mul(bytes)) / LOOK as u64;
+    db.progress_handler(
+        LOOK,
+        Some(move || {
+            left = left.saturating_sub(1);
+            left == 0
+        }),
+    )
+}
+
+fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, budget: Option<u64>) -> Result<()> {
     let broken = |e: rusqlite::Error| {
+        if e.sqlite_error_code() == Some(rusqlite::ErrorCode::OperationInterrupted) {
+            let message =
+                format!("the layer {:?} is a view that does not come to an end; save it as a table", layer.table);
+            return Error::file(path, message);
+        }
         Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), e)
     };
     let (columns, key) = columns_of(db, layer).map_err(broken)?;
@@ -200,7 +234,7 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
         .collect();
 
     let mut rows = statement.query([]).map_err(broken)?;
-    let mut count = 0;
+    let (mut count, mut bytes) = (0, 0);
     while let Some(row) = rows.next().map_err(broken)? {
         let id = key.and_then(|key| row.get_ref(key).ok()?.as_i64().ok()).and_then(|id| u64::try_from(id).ok());
         let mut feature = Feature { number: id.unwrap_or(count), ..Feature::default() };
@@ -228,6 +262,11 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table) ->
                 wkb::read(bytes, &mut feature, table).map_err(|what| wrong(path, layer, number, &what))?;
             }
             None => table.leave_out(NO_GEOMETRY),
+        }
+        bytes += feature.bytes();
+        if count % ROWS == 0 {
+            let remedy = "choose a part of it, or close other programs";
+            memory::check(bytes as f64, budget, format!("the layer {:?} as far as row {count}", layer.table), remedy)?;
         }
         table.push(feature);
     }

@@ -7,9 +7,10 @@ use std::path::Path;
 
 use super::{asc, exr, geotiff_read, like, png_read};
 use crate::base::Grid;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::base::error::{Error, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
+use crate::io::crs_finding::crs_finding;
 use crate::io::gsi::{self, GsiDem, Product};
 
 /// The extensions that [`read_dem`] accepts, for messages and help texts.
@@ -52,10 +53,8 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     };
     check_file(path)?;
     let Report { value: dem, mut findings } = read(path)?;
-    if dem.crs.is_none() {
-        let message = "the height map does not name its coordinate reference system";
-        findings.push(Finding::general(FindingKind::UnknownCrs, message));
-    }
+    let missing = || "the height map does not name its coordinate reference system".to_owned();
+    findings.extend(crs_finding(dem.crs.as_ref(), missing));
     Ok(Report { value: DemFile { dem, product: None }, findings })
 }
 

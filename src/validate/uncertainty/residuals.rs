@@ -1,5 +1,6 @@
 //! Residuals at hidden contours of a surface from every second level, with the distances to the contours that are left.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::sides::sides;
@@ -8,7 +9,7 @@ use crate::spline::{HyperParameters, spline};
 use crate::subdomains::MapExtent;
 use crate::tin::NONE;
 use crate::validate::builder::TrialParams;
-use crate::validate::trial::{HiddenPlace, LevelSubset, Trial, between, cell, node, parts, trial};
+use crate::validate::trial::{HiddenPlace, LevelSubset, Trial, between, cell, parts, trial};
 
 /// The residual at a place on a hidden contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +60,7 @@ fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &T
         spline(&conditions, &HyperParameters { half_way_error: 0.0, ..hyper_parameters }, tuning, &()).heights
     });
     let ask = |place: &HiddenPlace| {
-        let (col, row) = node(grid, place.at);
+        let DVec2 { x: col, y: row } = grid.place(place.at);
         let (col, row) = (col.round(), row.round());
         if col < 0.0 || row < 0.0 || col >= grid.cols as f64 || row >= grid.rows as f64 {
             return None;
