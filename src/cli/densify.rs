@@ -8,7 +8,7 @@ use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
 use tokosen::io::layer::{Layer, of_contours};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
-use tokosen::slice::Target;
+use tokosen::slice::{LayerParams, Target};
 use tokosen::surface::Triangles;
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
 use tokosen::{Interval, Options, Terrain};
@@ -67,6 +67,10 @@ pub struct DensifyArgs {
     /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
     index: u32,
+    /// Leave out vertices of new contours where a straight piece stays within this distance of the line; 0 keeps all. No
+    /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
+    #[arg(long, value_name = "TOLERANCE", allow_negative_numbers = true, help_heading = "Output")]
+    simplify: Option<f64>,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like)
@@ -119,7 +123,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)?
     };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
-    let layers = terrain.contours_with(targets, args.index, console)?;
+    let params = LayerParams { targets, index_every: args.index, simplify: args.simplify, memory: None };
+    let layers = terrain.contours_with(params, console)?;
     let written = console.step("writing", || {
         let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
         write_layers_back(&staged, &layers, &back)
@@ -185,6 +190,9 @@ impl DensifyArgs {
     fn check(&self) -> Result<(), Failure> {
         if self.dem.is_none() && self.height_map.given().is_some() {
             return Err(Failure::Usage("--cell, --cell-degrees, --like and --png-encoding need --dem FILE".into()));
+        }
+        if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
+            return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
         output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
         self.surface.check()

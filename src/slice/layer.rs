@@ -6,15 +6,20 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::trace::as_given;
-use super::{Target, ascends_right, signed_area, slice};
+use super::{Simplification, Target, ascends_right, signed_area, slice};
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::contour::{ContourLayer, ContourLine, LineError, Source};
+use crate::subdomains::MapExtent;
 use crate::surface::Surface;
 use crate::tin::Tin;
 use crate::validate::line_error;
+
+/// Largest distance between a new contour and its simplified course, as a share of the mean spacing of the contours. A
+/// hundredth is far less than the error of the line: a tenth of the spacing or more.
+pub const SIMPLIFIED: f64 = 0.01;
 
 /// Bytes of memory per vertex of a new contour: while it is traced, in its layer, and while the layer is written.
 const BYTES_PER_VERTEX: f64 = 64.0;
@@ -26,14 +31,17 @@ pub struct LayerParams {
     pub targets: Vec<Target>,
     /// One level in so many is an index contour, counted from the base; 0 for none.
     pub index_every: u32,
+    /// Largest distance between a new contour and its simplified course, map units; 0 keeps all vertices. If `None`,
+    /// [`SIMPLIFIED`] times the mean spacing of the contours.
+    pub simplify: Option<f64>,
     /// Memory that the layers may take, bytes. Layers that need more are an error. No limit if `None`.
     pub memory: Option<u64>,
 }
 
 impl Default for LayerParams {
-    /// No targets, every fifth level an index contour, no limit of memory.
+    /// No targets, every fifth level an index contour, lines simplified, no limit of memory.
     fn default() -> Self {
-        Self { targets: Vec::new(), index_every: 5, memory: None }
+        Self { targets: Vec::new(), index_every: 5, simplify: None, memory: None }
     }
 }
 
@@ -48,7 +56,7 @@ impl Default for LayerParams {
 /// Long because all targets share one trace of their levels, and then take their own lines from it.
 ///
 /// # Errors
-/// When the levels of a target are out of range (see [`Target::levels`]), when there is no target, or when the layers
+/// When the levels of a target or the tolerance are out of range (see [`Target::levels`]), when there is no target, or when the layers
 /// need more memory than they may take.
 pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
     let map = &surface.map;
@@ -73,7 +81,12 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     let what = format!("new contours at {} levels with about {crossings:.0} vertices", levels.len());
     let remedy = "choose a larger interval, or fewer levels, or a smaller frame";
     memory::check(BYTES_PER_VERTEX * crossings, params.memory, what, remedy)?;
-    let traced = slice(&surface.tin, &surface.regions, &levels, progress);
+    let spacing = || MapExtent::new(map, &surface.frame, surface.interval).spacing;
+    let tolerance = params.simplify.unwrap_or_else(|| SIMPLIFIED * spacing());
+    if !(tolerance.is_finite() && tolerance >= 0.0) {
+        return Err(Error::out_of_range("tolerance of simplified lines", tolerance, "0 or more"));
+    }
+    let traced = slice(&surface.tin, &surface.regions, &levels, Simplification { tolerance }, progress);
     let mut rings: HashMap<u64, HashSet<[u64; 2]>> = HashMap::new();
     for ring in map.contours.iter().filter(|c| c.is_closed()) {
         let is_traced = |k: usize| !traced[k].lines.is_empty();

@@ -2,10 +2,12 @@
 //! contours.
 
 mod layer;
+mod simplify;
 mod target;
 mod trace;
 
 pub use crate::subdomains::{ascends_right, signed_area};
-pub use layer::{LayerParams, contour_layers};
+pub use layer::{LayerParams, SIMPLIFIED, contour_layers};
+pub use simplify::Simplification;
 pub use target::Target;
 pub use trace::{Traced, slice};

@@ -19,6 +19,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::simplify::{Simplification, simplified};
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;
 use crate::subdomains::{Regions, Side};
@@ -35,7 +36,15 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Higher ground lies on the right of each line. A closed line repeats its first point. The result has one entry per
 /// level, with lines in a fixed order. A ring around a single computed vertex between two contours is an artefact of
 /// the interpolation along a ridge or a gully. Such rings are only counted.
-pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progress) -> Vec<Traced> {
+///
+/// Lines lose vertices that `simplification` does not need.
+pub fn slice(
+    tin: &Tin,
+    regions: &Regions,
+    levels: &[f64],
+    simplification: Simplification,
+    progress: &dyn Progress,
+) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
     let ranges: Vec<(u32, u32)> =
         (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, heights, regions, levels, t)).collect();
@@ -76,6 +85,8 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
                 ranges: &ranges,
                 k: k as u32,
                 level,
+                gap: gap(levels, k),
+                simplification,
                 visited: &mut visited,
                 artefact_rings: 0,
             };
@@ -88,6 +99,12 @@ pub fn slice(tin: &Tin, regions: &Regions, levels: &[f64], progress: &dyn Progre
     }
     progress.finish();
     lines
+}
+
+/// Difference between a level and the nearest other one, metres; infinite if there is none.
+fn gap(levels: &[f64], k: usize) -> f64 {
+    let below = k.checked_sub(1).map_or(f64::INFINITY, |below| levels[k] - levels[below]);
+    levels.get(k + 1).map_or(f64::INFINITY, |above| above - levels[k]).min(below)
 }
 
 /// What was traced at one level.
@@ -137,6 +154,9 @@ struct Step {
     position: DVec2,
     /// The vertex, if the line passes exactly through one.
     vertex: Option<u32>,
+    /// Where a simplified line may cross this edge of the triangulation: the ends of that part of it, on the right of the
+    /// line and on its left. Both are the position itself at a vertex.
+    window: [DVec2; 2],
     /// Whether the piece before this point runs along the frame, or along a contour of the input at this level.
     on_border: bool,
 }
@@ -149,6 +169,9 @@ struct Trace<'a> {
     ranges: &'a [(u32, u32)],
     k: u32,
     level: f64,
+    /// Difference to the nearest other level, metres.
+    gap: f64,
+    simplification: Simplification,
     /// For each triangle, the last level that visited it.
     visited: &'a mut [u32],
     /// Number of rings left out because they are smaller than the detail of the contours.
@@ -201,12 +224,16 @@ impl Trace<'_> {
         let (u, v) = (u.min(v), u.max(v));
         let (zu, zv) = (self.heights[u as usize], self.heights[v as usize]);
         let (pu, pv) = (self.tin.positions[u as usize], self.tin.positions[v as usize]);
-        let exact = [u, v].into_iter().find(|&w| self.heights[w as usize] == self.level);
-        let local = match exact {
-            Some(w) => self.tin.positions[w as usize],
-            None => pu + (pv - pu) * ((self.level - zu) / (zv - zu)),
-        };
-        Step { position: local + self.tin.origin, vertex: exact, on_border }
+        if let Some(w) = [u, v].into_iter().find(|&w| self.heights[w as usize] == self.level) {
+            let position = self.tin.positions[w as usize] + self.tin.origin;
+            return Step { position, vertex: Some(w), window: [position; 2], on_border };
+        }
+        let share = (self.level - zu) / (zv - zu);
+        let at = |share: f64| pu + (pv - pu) * share + self.tin.origin;
+        let [low, high] = self.simplification.window([pu, pv], [zu, zv], share, self.gap).map(at);
+        // Higher ground is on the right.
+        let window = if zv > zu { [high, low] } else { [low, high] };
+        Step { position: pu + (pv - pu) * share + self.tin.origin, vertex: None, window, on_border }
     }
 
     fn walk(&mut self, first: u32, entry: usize, lines: &mut Vec<Vec<DVec2>>) {
@@ -318,47 +345,50 @@ fn is_one(a: DVec2, b: DVec2) -> bool {
 /// Takes the loops out of a run that passes a vertex more than once. Lines without length are dropped. Of points that
 /// differ only by rounding, vertices and ends are kept.
 fn untangle(run: &[Step], lines: &mut Vec<Vec<DVec2>>) {
-    let mut points: Vec<DVec2> = Vec::with_capacity(run.len());
-    let mut open: Vec<Option<u32>> = Vec::with_capacity(run.len());
+    let mut steps: Vec<Step> = Vec::with_capacity(run.len());
     let mut at: HashMap<u32, usize> = HashMap::new();
-    for (k, step) in run.iter().enumerate() {
-        if points.last() == Some(&step.position) {
-            continue;
-        }
-        if points.last().is_some_and(|last| is_one(*last, step.position)) {
-            let is_end = k + 1 == run.len();
-            if step.vertex.is_none() && !is_end {
+    for (k, &step) in run.iter().enumerate() {
+        if let Some(last) = steps.last() {
+            if last.position == step.position {
                 continue;
             }
-            if points.len() > 1 && open.last() == Some(&None) {
-                points.pop();
-                open.pop();
+            if is_one(last.position, step.position) {
+                let is_end = k + 1 == run.len();
+                if step.vertex.is_none() && !is_end {
+                    continue;
+                }
+                if steps.len() > 1 && last.vertex.is_none() {
+                    steps.pop();
+                }
             }
         }
         if let Some(v) = step.vertex {
             if let Some(&from) = at.get(&v) {
-                let mut ring: Vec<DVec2> = points[from..].to_vec();
-                ring.push(step.position);
-                push_line(ring, lines);
-                for w in open.drain(from + 1..).flatten() {
+                let mut ring = steps.split_off(from + 1);
+                ring.iter().filter_map(|step| step.vertex).for_each(|w| {
                     at.remove(&w);
-                }
-                points.truncate(from + 1);
+                });
+                ring.insert(0, steps[from]);
+                ring.push(step);
+                push_line(&ring, lines);
                 continue;
             }
-            at.insert(v, points.len());
+            at.insert(v, steps.len());
         }
-        points.push(step.position);
-        open.push(step.vertex);
+        steps.push(step);
     }
-    push_line(points, lines);
+    push_line(&steps, lines);
 }
 
-fn push_line(points: Vec<DVec2>, lines: &mut Vec<Vec<DVec2>>) {
-    let ring = points.first() == points.last();
-    if points.len() >= if ring { 4 } else { 2 } {
-        lines.push(points);
+fn push_line(steps: &[Step], lines: &mut Vec<Vec<DVec2>>) {
+    let is_ring = steps.first().map(|s| s.position) == steps.last().map(|s| s.position);
+    let least = if is_ring { 4 } else { 2 };
+    if steps.len() < least {
+        return;
     }
+    let kept = simplified(steps.len(), |k| (steps[k].position, steps[k].window));
+    let kept = if kept.len() < least { (0..steps.len()).collect() } else { kept };
+    lines.push(kept.into_iter().map(|k| steps[k].position).collect());
 }
 
 #[cfg(test)]
@@ -380,12 +410,15 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
-        slice(&tin, &regions, &[level], &()).remove(0).lines
+        slice(&tin, &regions, &[level], Simplification::NONE, &()).remove(0).lines
     }
 
     #[test]
     fn points_that_are_one_but_for_rounding_come_once() {
-        let step = |x: f64, y: f64, vertex| Step { position: DVec2::new(-1e7 + x, y), vertex, on_border: false };
+        let step = |x: f64, y: f64, vertex| {
+            let position = DVec2::new(-1e7 + x, y);
+            Step { position, vertex, window: [position; 2], on_border: false }
+        };
         let lines = |steps: &[Step]| {
             let mut lines = Vec::new();
             untangle(steps, &mut lines);
@@ -455,7 +488,7 @@ mod tests {
         input.push_line(&[DVec2::new(-8.0, 8.0), DVec2::new(8.0, 8.0)], 20.0, VertexKind::Contour);
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
-        let lines = slice(&tin, &regions, &[10.0], &()).remove(0).lines;
+        let lines = slice(&tin, &regions, &[10.0], Simplification::NONE, &()).remove(0).lines;
         assert!(!lines.is_empty());
         let on_ring = |p: &DVec2| p.abs().max_element() == 2.0;
         for line in lines {

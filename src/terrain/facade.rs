@@ -65,20 +65,15 @@ impl Terrain {
     /// As [`contour_layers`].
     pub fn contours<T: Clone + Into<Target>>(&self, targets: &[T]) -> Result<Vec<ContourLayer>> {
         let targets = targets.iter().cloned().map(Into::into).collect();
-        self.contours_with(targets, LayerParams::default().index_every, &())
+        self.contours_with(LayerParams { targets, ..LayerParams::default() }, &())
     }
 
-    /// [`Terrain::contours`] that shows its progress; every `index_every`-th level is an index contour (0 for none).
+    /// [`Terrain::contours`] with other parameters that shows its progress. The memory is that of the options.
     ///
     /// # Errors
     /// As [`contour_layers`].
-    pub fn contours_with(
-        &self,
-        targets: Vec<Target>,
-        index_every: u32,
-        progress: &dyn Progress,
-    ) -> Result<Vec<ContourLayer>> {
-        contour_layers(&self.surface, &LayerParams { targets, index_every, memory: self.memory }, progress)
+    pub fn contours_with(&self, params: LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
+        contour_layers(&self.surface, &LayerParams { memory: self.memory, ..params }, progress)
     }
 
     /// The contours of the input alone, as a layer.

@@ -20,6 +20,8 @@ const FREE_STEPS: u64 = 1_000_000_000;
 const STEPS_PER_BYTE: u64 = 1_000;
 /// Steps between two looks at their number.
 const LOOK: i32 = 1_000_000;
+/// A list that grows is copied to one of twice its length.
+const GROWTH: f64 = 3.0;
 /// Rows between two looks at the memory.
 const ROWS: u64 = 1 << 14;
 
@@ -266,7 +268,12 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, bu
         bytes += feature.bytes();
         if count % ROWS == 0 {
             let remedy = "choose a part of it, or close other programs";
-            memory::check(bytes as f64, budget, format!("the layer {:?} as far as row {count}", layer.table), remedy)?;
+            memory::check(
+                GROWTH * bytes as f64,
+                budget,
+                format!("the layer {:?} as far as row {count}", layer.table),
+                remedy,
+            )?;
         }
         table.push(feature);
     }
