@@ -34,57 +34,83 @@ impl Simplification {
     }
 }
 
-/// The numbers of the vertices that a line of `count` vertices keeps. `vertex` gives the position of one, and the ends of
-/// its window on the right and on the left. First and last stay.
-pub(super) fn simplified(count: usize, vertex: impl Fn(usize) -> (DVec2, [DVec2; 2])) -> Vec<usize> {
-    let mut kept = vec![0];
+/// A line of `count` vertices with fewer of them. `vertex` gives the position of one, and the ends of its window on the
+/// right and on the left. First and last stay, and those whose window is a point.
+pub(super) fn simplified(count: usize, vertex: impl Fn(usize) -> (DVec2, [DVec2; 2])) -> Vec<DVec2> {
+    let mut line = vec![vertex(0).0];
     let mut from = 0;
     while from + 1 < count {
-        from = farthest(from, count, &vertex);
-        kept.push(from);
+        let (to, position) = farthest(line[line.len() - 1], from, count, &vertex);
+        line.push(position);
+        from = to;
     }
-    kept
+    line
 }
 
-/// The last vertex that a straight piece from vertex `from` reaches through the windows of all vertices between.
-fn farthest(from: usize, count: usize, vertex: &impl Fn(usize) -> (DVec2, [DVec2; 2])) -> usize {
-    let origin = vertex(from).0;
-    let ahead = vertex(from + 1).0 - origin;
-    let mut reached = from + 1;
-    // The directions that pass through all windows so far, from the right to the left. All of them lie within a right
-    // angle of `ahead`, so the sign of the cross product orders them.
-    let [mut right, mut left] = vertex(from + 1).1.map(|end| end - origin);
-    if !is_ordered(right, left, ahead) {
-        return reached;
-    }
-    for k in from + 2..count.min(from + 2 + MOST) {
-        let (position, window) = vertex(k);
-        let [direction, window_right, window_left] = [position, window[0], window[1]].map(|p| p - origin);
-        if direction.dot(ahead) <= 0.0 {
-            break;
+/// How far a straight piece gets from `origin`, which is in the window of vertex `from`, through the windows of all
+/// vertices between: the last vertex, and the position in its window.
+fn farthest(
+    origin: DVec2,
+    from: usize,
+    count: usize,
+    vertex: &impl Fn(usize) -> (DVec2, [DVec2; 2]),
+) -> (usize, DVec2) {
+    let mut reached = (from + 1, vertex(from + 1).0);
+    let mut cone: Option<Cone> = None;
+    for k in from + 1..count.min(from + 1 + MOST) {
+        let (position, ends) = vertex(k);
+        let direction = position - origin;
+        if k + 1 == count || ends[0] == ends[1] {
+            let is_ahead = cone.is_none_or(|cone| cone.contains(direction));
+            return if is_ahead { (k, position) } else { reached };
         }
-        if right.perp_dot(direction) >= 0.0 && direction.perp_dot(left) >= 0.0 {
-            reached = k;
-        }
-        if !is_ordered(window_right, window_left, ahead) {
-            break;
-        }
-        if right.perp_dot(window_right) > 0.0 {
-            right = window_right;
-        }
-        if left.perp_dot(window_left) < 0.0 {
-            left = window_left;
-        }
-        if right.perp_dot(left) <= 0.0 {
-            break;
-        }
+        let window = Cone { right: ends[0] - origin, left: ends[1] - origin };
+        let common = match cone {
+            None => window.is_open().then_some(window),
+            Some(cone) => cone.common(&window),
+        };
+        let Some(common) = common else { break };
+        reached = (k, origin + common.middle_of(&window));
+        cone = Some(common);
     }
     reached
 }
 
-/// Whether two directions lie within a right angle of `ahead`, the first truly on the right of the second.
-fn is_ordered(right: DVec2, left: DVec2, ahead: DVec2) -> bool {
-    right.dot(ahead) > 0.0 && left.dot(ahead) > 0.0 && right.perp_dot(left) > 0.0
+/// The directions from one to another, counter-clockwise, less than half a turn.
+#[derive(Debug, Clone, Copy)]
+struct Cone {
+    right: DVec2,
+    left: DVec2,
+}
+
+impl Cone {
+    fn is_open(&self) -> bool {
+        self.right.perp_dot(self.left) > 0.0
+    }
+
+    fn contains(&self, direction: DVec2) -> bool {
+        self.right.perp_dot(direction) >= 0.0 && direction.perp_dot(self.left) >= 0.0
+    }
+
+    /// The directions of both; none if only one or no direction is common.
+    fn common(&self, other: &Self) -> Option<Self> {
+        if !other.is_open() {
+            return None;
+        }
+        let pick = |mine: DVec2, theirs: DVec2| {
+            if self.contains(theirs) { Some(theirs) } else { other.contains(mine).then_some(mine) }
+        };
+        let common = Self { right: pick(self.right, other.right)?, left: pick(self.left, other.left)? };
+        common.is_open().then_some(common)
+    }
+
+    /// Where the middle of these directions meets a window that holds all of them.
+    fn middle_of(&self, window: &Self) -> DVec2 {
+        let middle = self.right.normalize_or_zero() + self.left.normalize_or_zero();
+        let (right, left) = (window.right.perp_dot(middle), middle.perp_dot(window.left));
+        let share = if right + left > 0.0 { (right / (right + left)).clamp(0.0, 1.0) } else { 0.5 };
+        window.right.lerp(window.left, share)
+    }
 }
 
 #[cfg(test)]
@@ -92,7 +118,7 @@ mod tests {
     use super::*;
 
     /// Vertices on upright edges; windows reach by `free` up and down. The line runs to the east, so down is right.
-    fn kept(heights: &[f64], free: f64) -> Vec<usize> {
+    fn line(heights: &[f64], free: f64) -> Vec<DVec2> {
         let vertex = |k: usize| {
             let position = DVec2::new(k as f64, heights[k]);
             (position, [position - DVec2::Y * free, position + DVec2::Y * free])
@@ -101,28 +127,45 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_line_keeps_its_ends_and_a_bend_its_vertex() {
-        assert_eq!(kept(&[0.0; 9], 0.1), [0, 8]);
-        assert_eq!(kept(&[0.0, 0.05, -0.05, 0.05, 0.0], 0.1), [0, 4]);
-        assert_eq!(kept(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0], 0.1), [0, 2, 5]);
-        assert_eq!(kept(&[0.0, 0.05, -0.05, 0.05, 0.0], 0.0), [0, 1, 2, 3, 4], "nothing is free");
-        assert_eq!(kept(&[3.0], 1.0), [0]);
-        assert_eq!(kept(&[3.0, 4.0], 1.0), [0, 1]);
+    fn a_straight_line_keeps_its_ends_and_a_bend_a_vertex() {
+        let of = |heights: &[f64], free: f64| line(heights, free).iter().map(|p| p.x as usize).collect::<Vec<_>>();
+        assert_eq!(of(&[0.0; 9], 0.1), [0, 8]);
+        assert_eq!(of(&[0.0, 0.05, -0.05, 0.05, 0.0], 0.1), [0, 4]);
+        assert_eq!(of(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0], 0.1).len(), 3);
+        assert_eq!(of(&[0.0, 0.05, -0.05, 0.05, 0.0], 0.0), [0, 1, 2, 3, 4], "nothing is free");
+        assert_eq!(of(&[3.0], 1.0), [0]);
+        assert_eq!(of(&[3.0, 4.0], 1.0), [0, 1]);
     }
 
     #[test]
     fn every_window_is_passed() {
         let heights: Vec<f64> = (0..500).map(|k| (f64::from(k) * 0.1).sin() * 5.0 + f64::from(k % 3) * 0.02).collect();
-        for free in [0.01, 0.1, 1.0] {
-            let kept = kept(&heights, free);
-            for pair in kept.windows(2) {
-                for k in pair[0]..pair[1] {
-                    let share = (k - pair[0]) as f64 / (pair[1] - pair[0]) as f64;
-                    let on_piece = heights[pair[0]] + share * (heights[pair[1]] - heights[pair[0]]);
-                    assert!((on_piece - heights[k]).abs() <= free + 1e-12);
+        for (free, most) in [(0.011, 300), (0.1, 120), (1.0, 45)] {
+            let line = line(&heights, free);
+            assert_eq!((line[0].y, line[line.len() - 1].y), (heights[0], heights[499]));
+            for pair in line.windows(2) {
+                for k in pair[0].x as usize..=pair[1].x as usize {
+                    let share = (k as f64 - pair[0].x) / (pair[1].x - pair[0].x);
+                    let on_piece = pair[0].lerp(pair[1], share).y;
+                    assert!((on_piece - heights[k]).abs() <= free + 1e-9);
                 }
             }
-            assert!(kept.len() < 400, "{} of 500 vertices with {free}", kept.len());
+            assert!(line.len() < most, "{} of 500 vertices with {free}", line.len());
+        }
+    }
+
+    #[test]
+    fn a_line_that_turns_right_round_passes_its_windows_in_order() {
+        // A ring on spokes from its middle; right is outside.
+        let spoke = |k: usize| DVec2::from_angle(std::f64::consts::TAU * (k % 60) as f64 / 60.0);
+        let ring = simplified(61, |k| (spoke(k) * 10.0, [spoke(k) * 11.0, spoke(k) * 9.0]));
+        assert!((4..=9).contains(&ring.len()), "{ring:?}");
+        assert_eq!(ring[0], ring[ring.len() - 1]);
+        let turns: f64 = ring.windows(2).map(|pair| pair[0].angle_to(pair[1])).sum();
+        assert!((turns - std::f64::consts::TAU).abs() < 1e-9);
+        for pair in ring.windows(2) {
+            let length = pair[0].distance(pair[1]);
+            assert!(pair[0].perp_dot(pair[1]) / length > 8.99, "a piece leaves the windows");
         }
     }
 

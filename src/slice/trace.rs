@@ -386,9 +386,11 @@ fn push_line(steps: &[Step], lines: &mut Vec<Vec<DVec2>>) {
     if steps.len() < least {
         return;
     }
-    let kept = simplified(steps.len(), |k| (steps[k].position, steps[k].window));
-    let kept = if kept.len() < least { (0..steps.len()).collect() } else { kept };
-    lines.push(kept.into_iter().map(|k| steps[k].position).collect());
+    let mut line = simplified(steps.len(), |k| (steps[k].position, steps[k].window));
+    if line.len() < least {
+        line = steps.iter().map(|step| step.position).collect();
+    }
+    lines.push(line);
 }
 
 #[cfg(test)]

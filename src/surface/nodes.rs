@@ -275,14 +275,16 @@ impl Squares<'_> {
         corners.extend(on_grid.filter(|&k| self.regions[k] != NONE));
     }
 
-    /// Whether all nodes of a square exist, lie in one sub-domain, and are near the triangles between its corners,
-    /// whichever diagonal cuts the square.
+    /// Whether all nodes of a square have heights near the triangles between its corners, whichever diagonal cuts the
+    /// square.
+    ///
+    /// Contours may run through the square. Their vertices lie on the surface too, so triangles between them and the
+    /// corners are as near to it.
     fn is_straight(&self, [col, row]: [usize; 2], side: usize) -> bool {
         let cols = self.nodes.cols();
         if col + side >= cols || row + side >= self.nodes.rows() {
             return false;
         }
-        let region = self.regions[row * cols + col];
         let height = |i: usize, j: usize| f64::from(self.heights[self.nodes.node((row + j) * cols + col + i)]);
         let [nw, ne, sw, se] = [height(0, 0), height(side, 0), height(0, side), height(side, side)];
         let twist = (nw - ne - sw + se).abs() / 4.0;
@@ -291,8 +293,7 @@ impl Squares<'_> {
             let between = (1.0 - v) * (nw + u * (ne - nw)) + v * (sw + u * (se - sw));
             (height(i, j) - between).abs() + twist <= self.tolerance
         };
-        region != NONE
-            && (0..=side).all(|j| (0..=side).all(|i| self.regions[(row + j) * cols + col + i] == region && near(i, j)))
+        (0..=side).all(|j| (0..=side).all(|i| near(i, j)))
     }
 }
 
