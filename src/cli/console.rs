@@ -5,6 +5,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tokosen::Input;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
@@ -15,6 +17,7 @@ pub struct Console {
     pub verbose: bool,
     started: Instant,
     reprojection: OnceLock<Reprojection>,
+    unit: OnceLock<ElevationUnit>,
     state: Mutex<State>,
 }
 
@@ -26,13 +29,21 @@ struct State {
 
 impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
-        Self { quiet, verbose, started: Instant::now(), reprojection: OnceLock::new(), state: Mutex::default() }
+        let (reprojection, unit) = (OnceLock::new(), OnceLock::new());
+        Self { quiet, verbose, started: Instant::now(), reprojection, unit, state: Mutex::default() }
     }
 
-    /// Sets the conversion of places in findings from the working plane to the input's coordinates.
-    pub fn set_reprojection(&self, reprojection: &Reprojection) {
+    /// Sets what is said about the input: the conversion of places in findings from the working plane to its
+    /// coordinates, and the unit that its elevations had.
+    pub fn set_input(&self, input: &Input) {
         // The input is read once.
-        let _ = self.reprojection.set(reprojection.clone());
+        let _ = self.reprojection.set(input.reprojection.clone());
+        let _ = self.unit.set(input.unit());
+    }
+
+    /// The unit that the elevations of the input had; metres before it is read.
+    pub fn unit(&self) -> ElevationUnit {
+        self.unit.get().copied().unwrap_or_default()
     }
 
     /// The conversion between the working plane and the input's coordinates, once the input is read.

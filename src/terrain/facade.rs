@@ -3,9 +3,9 @@
 use super::grid::GridSpec;
 use super::input::Input;
 use super::options::Options;
-use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};
 use crate::base::progress::Progress;
+use crate::base::{ElevationUnit, Grid};
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
@@ -24,6 +24,8 @@ pub struct Terrain {
     pub findings: Vec<Finding>,
     /// The conversion between the working plane and the coordinates of the input.
     pub reprojection: Reprojection,
+    /// The unit that the elevations of the contours had.
+    pub(super) unit: ElevationUnit,
     memory: Option<u64>,
 }
 
@@ -55,7 +57,8 @@ impl Terrain {
         let surface = input.found(built)?;
         input.check_strict()?;
         let findings = std::mem::take(&mut input.findings);
-        Ok(Self { surface, findings, reprojection: input.reprojection.clone(), memory: options.memory })
+        let (reprojection, unit) = (input.reprojection.clone(), input.unit);
+        Ok(Self { surface, findings, reprojection, unit, memory: options.memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -65,20 +68,15 @@ impl Terrain {
     /// As [`contour_layers`].
     pub fn contours<T: Clone + Into<Target>>(&self, targets: &[T]) -> Result<Vec<ContourLayer>> {
         let targets = targets.iter().cloned().map(Into::into).collect();
-        self.contours_with(targets, LayerParams::default().index_every, &())
+        self.contours_with(LayerParams { targets, ..LayerParams::default() }, &())
     }
 
-    /// [`Terrain::contours`] that shows its progress; every `index_every`-th level is an index contour (0 for none).
+    /// [`Terrain::contours`] with all its parameters; it shows its progress. The limit of memory is that of the terrain.
     ///
     /// # Errors
     /// As [`contour_layers`].
-    pub fn contours_with(
-        &self,
-        targets: Vec<Target>,
-        index_every: u32,
-        progress: &dyn Progress,
-    ) -> Result<Vec<ContourLayer>> {
-        contour_layers(&self.surface, &LayerParams { targets, index_every, memory: self.memory }, progress)
+    pub fn contours_with(&self, params: LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
+        contour_layers(&self.surface, &LayerParams { memory: self.memory, ..params }, progress)
     }
 
     /// The contours of the input alone, as a layer.
@@ -154,7 +152,8 @@ impl Terrain {
         mesh(&self.surface, params)
     }
 
-    /// The conversion from the working plane to the coordinates of the input, or to those of another system.
+    /// The conversion from the working plane to the coordinates of the input, or to those of another system. Heights
+    /// stay in metres, unless [`FromWorking::with_heights_in`] says otherwise.
     ///
     /// # Errors
     /// As [`Reprojection::from_working`].

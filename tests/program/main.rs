@@ -8,4 +8,5 @@ mod compare;
 mod coordinates;
 mod derive;
 mod file_troubles;
+mod units;
 mod verbs;

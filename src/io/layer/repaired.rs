@@ -7,12 +7,12 @@ use crate::contour::ContourMap;
 use crate::io::format::VectorFormat;
 
 const LINE_COLUMNS: &[Column] = &[
-    Column { name: "elev", kind: Kind::Real },
+    Column { name: "elev", kind: Kind::Height },
     Column { name: "feature", kind: Kind::Int },
     Column { name: "depression", kind: Kind::Bool },
 ];
 
-const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Real }];
+const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Height }];
 
 /// The contours of a map.
 ///
