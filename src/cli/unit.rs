@@ -28,7 +28,8 @@ impl UnitArg {
 #[derive(Debug, Clone, Args)]
 pub struct ToUnitArgs {
     /// Unit of the heights that are written, and of the heights in other options: -i 2 --to-unit ft gives contours every
-    /// 2 feet. Elevations of an input in this unit come back exactly. Printed figures and pictures stay in metres
+    /// 2 feet. Elevations of an input in this unit come back exactly. Pictures, and printed figures about the input and
+    /// the surface, stay in metres
     #[arg(long, value_enum, default_value_t = UnitArg::M)]
     pub to_unit: UnitArg,
 }
