@@ -50,7 +50,8 @@
 //!
 //! # Units and axes
 //!
-//! x is east, y is north, in the units of the map; elevations are in metres. Rows of a height map run from north to
+//! x is east, y is north, in the units of the map; elevations are in metres. Files may have heights in feet:
+//! [`InputOptions::unit`] for inputs, [`crs::FromWorking::with_heights_in`] and `io::raster::RasterParams` for outputs. Rows of a height map run from north to
 //! south. The steps below [`Input`] do not take degrees: [`crs::Reprojection`] converts them to a plane and back.
 //! Higher ground lies on the right of every contour that is written.
 //!

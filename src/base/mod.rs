@@ -1,4 +1,5 @@
-//! The base of all other modules: errors and findings, progress, the [`Grid`] of a raster, and small data structures.
+//! The base of all other modules: errors and findings, progress, the [`Grid`] of a raster, units of elevations, and
+//! small data structures.
 
 pub(crate) mod bits;
 pub mod error;
@@ -7,5 +8,7 @@ pub(crate) mod memory;
 pub mod progress;
 pub(crate) mod rows;
 pub(crate) mod union_find;
+mod unit;
 
 pub use grid::Grid;
+pub use unit::ElevationUnit;

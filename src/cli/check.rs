@@ -11,9 +11,11 @@ use tokosen::terrain::{all_right, check_json, is_repair};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::flags::first_given;
 use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
 use super::summary;
+use super::unit::{ToUnitArgs, in_feet};
 
 /// Faults in contour lines, their places and proposed repairs
 ///
@@ -22,6 +24,8 @@ use super::summary;
 /// spot heights outside their band, depression marks. Each finding has a code, a severity, a place, its features and
 /// elevations, a message and, where possible, a proposal. An error makes the ground near it wrong, a warning may do so,
 /// a note does not.
+///
+/// Findings have their elevations in metres. --to-unit is for the repaired contours.
 ///
 /// The exit status is 0 even if faults are found. With --strict it is 1 if there is an error or a warning.
 #[derive(Debug, Args)]
@@ -38,6 +42,8 @@ pub struct CheckArgs {
     json: bool,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_unit: ToUnitArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -56,7 +62,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.map.read(console)?;
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
-    let back = args.to_crs.way(&input.reprojection)?;
+    let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
     let judged = input.judge(console);
@@ -79,7 +85,12 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let written = staged.map(StagedOutput::commit).transpose()?;
     if !args.json {
         if let Some(path) = written {
-            console.say(&format!("written    {} ({})", path.display(), contents(map.as_ref(), findings, &path)));
+            console.say(&format!(
+                "written    {} ({}{})",
+                path.display(),
+                contents(map.as_ref(), findings, &path),
+                in_feet(args.to_unit.unit())
+            ));
         }
         summary::close_severities(findings, console);
     }
@@ -95,11 +106,15 @@ impl CheckArgs {
     /// Opens the output, if there is one.
     fn open(&self, console: &Console) -> Result<Option<StagedOutput>, Failure> {
         let Some(path) = &self.output else {
-            return match self.to_crs.to_crs {
-                Some(_) => Err(Failure::Usage("--to-crs needs a file to write: add -o FILE".into())),
+            let given = [(self.to_crs.to_crs.is_some(), "--to-crs"), (self.to_unit.unit().is_foot(), "--to-unit")];
+            return match first_given(given) {
+                Some(flag) => Err(Failure::Usage(format!("{flag} needs a file to write: add -o FILE"))),
                 None => Ok(None),
             };
         };
+        if self.to_unit.unit().is_foot() && !self.writes_map() {
+            return Err(Failure::Usage("--to-unit is for repaired contours: add --repair safe or --repair all".into()));
+        }
         if self.map.repair == Some(RepairArg::None) {
             return Err(Failure::Usage(
                 "--repair none changes nothing, so -o has no map to write; use safe or all".into(),

@@ -6,6 +6,8 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tokosen::Input;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
@@ -20,6 +22,7 @@ pub struct Console {
     pub overwrite: bool,
     started: Instant,
     reprojection: OnceLock<Reprojection>,
+    unit: OnceLock<ElevationUnit>,
     state: Mutex<State>,
 }
 
@@ -33,14 +36,21 @@ struct State {
 
 impl Console {
     pub fn new(&Common { quiet, verbose, overwrite, .. }: &Common) -> Self {
-        let (reprojection, state) = (OnceLock::new(), Mutex::default());
-        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, state }
+        let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, unit, state }
     }
 
-    /// Sets the conversion of places in findings from the working plane to the input's coordinates.
-    pub fn set_reprojection(&self, reprojection: &Reprojection) {
+    /// Sets what is said about the input: the conversion of places in findings from the working plane to its
+    /// coordinates, and the unit that its elevations had.
+    pub fn set_input(&self, input: &Input) {
         // The input is read once.
-        let _ = self.reprojection.set(reprojection.clone());
+        let _ = self.reprojection.set(input.reprojection.clone());
+        let _ = self.unit.set(input.unit());
+    }
+
+    /// The unit that the elevations of the input had; metres before it is read.
+    pub fn unit(&self) -> ElevationUnit {
+        self.unit.get().copied().unwrap_or_default()
     }
 
     /// The conversion between the working plane and the input's coordinates, once the input is read.

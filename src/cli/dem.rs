@@ -14,11 +14,13 @@ use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::summary;
 use super::surface::SurfaceArgs;
+use super::unit::ToUnitArgs;
 
 /// A height map (DEM) from contour lines
 ///
 /// Heights are those of the surface at the cell centres. Cells outside the frame are nodata. The height map is in the
-/// working CRS; with --cell-degrees it is in degrees, with --like in the CRS of that raster.
+/// working CRS; with --cell-degrees it is in degrees, with --like in the CRS of that raster. Heights are in metres, or
+/// in the unit of --to-unit, which the file states (.xyz has no place for it).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DemArgs {
@@ -29,6 +31,8 @@ pub struct DemArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_unit: ToUnitArgs,
     /// Also draw a picture of the surface and the contours: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -41,6 +45,7 @@ Examples:
   tokosen dem contours.gpkg --cell 10 -o dem.tif
   tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
+  tokosen dem contours.gpkg --cell 10 --to-unit us-ft -o feet.tif
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
 
@@ -50,12 +55,12 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.surface.check()?;
     let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files());
     let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
-    let output = DemOutput::open(&args.output, &args.height_map)?;
+    let output = DemOutput::open(&args.output, &args.height_map, args.to_unit.unit())?;
 
     let mut input = job.read()?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(Some(&output.grid), Triangles::Reference)?
+        ..args.surface.options(Some(&output.grid), Triangles::Reference, args.to_unit.unit())?
     };
     let terrain = job.build(&mut input, &args.surface, options)?;
     let dem = output.write(&terrain, console)?;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
@@ -22,6 +23,7 @@ use super::output::{self, DemOutput, HeightMapArgs};
 use super::plane::ToCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
+use super::unit::{ToUnitArgs, in_feet};
 
 /// Contour lines at a finer interval
 ///
@@ -29,8 +31,9 @@ use super::surface::SurfaceArgs;
 /// attributes elev, source (input or interpolated), is_index, depression (lower ground inside) and closed. Higher
 /// ground is on the right of its direction. --uncertainty adds err_v and err_h (expected errors of height and position,
 /// in metres and in units of the working CRS) and inferred (the input says little about the ground there: a top, a pit,
-/// a wide flat, the strip along the frame). In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it
-/// holds no other attributes and no coordinate reference system.
+/// a wide flat, the strip along the frame). Heights (elev, err_v, z, the height map) are in metres, or in the unit of
+/// --to-unit. In a DXF, layers show source and index contours (CONTOUR-INPUT-INDEX); it holds no other attributes and
+/// no coordinate reference system.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DensifyArgs {
@@ -40,7 +43,7 @@ pub struct DensifyArgs {
     /// per interval; other formats get one file per interval
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Interval of the new contours [metres], or several: 5,2,1
+    /// Interval of the new contours [metres, or the unit of --to-unit], or several: 5,2,1
     #[arg(
         short,
         long,
@@ -51,7 +54,7 @@ pub struct DensifyArgs {
         help_heading = "Output"
     )]
     interval: Vec<f64>,
-    /// Elevations of the new contours [metres] instead of an interval: 12.5,13
+    /// Elevations of the new contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
     #[arg(
         long,
         value_name = "Z",
@@ -61,7 +64,7 @@ pub struct DensifyArgs {
         help_heading = "Output"
     )]
     levels: Vec<f64>,
-    /// Levels are BASE plus whole multiples of the interval [metres]
+    /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output")]
     base: f64,
     /// Every Nth level is an index contour; 0 for none
@@ -73,6 +76,8 @@ pub struct DensifyArgs {
     simplify: Option<f64>,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_unit: ToUnitArgs,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
@@ -98,7 +103,7 @@ Examples:
   tokosen densify contours.geojson -i 2 -o dense.shp --dem dem.tif --cell 5 --preview look.png
   tokosen densify contours.gpkg -i 2 --uncertainty -o contours_2m.gpkg --preview look.png
   tokosen densify degrees.geojson -i 2 -o metric.gpkg --to-crs EPSG:6677
-  tokosen densify feet.gpkg --unit ft -i 5 -o dense.gpkg
+  tokosen densify feet.gpkg --unit ft -i 2 --to-unit ft -o every_2_feet.gpkg
   tokosen densify contours.zip -i 1 -o dense.gpkg --compare published_dem.zip --report compared.html
   tokosen densify contours.gpkg --levels 12.5,13,13.5 -o flood.geojson --points spots.gpkg";
 
@@ -106,24 +111,25 @@ Examples:
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check()?;
     let targets = args.targets()?;
-    let names: Vec<String> = targets.iter().map(Target::layer_name).collect();
+    let unit = args.to_unit.unit();
+    let names: Vec<String> = targets.iter().map(|target| target.layer_name(unit)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = contour_files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
     let staged = StagedOutput::create(&args.output)?;
-    let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map)).transpose()?;
+    let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map, unit)).transpose()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
     let mut input = job.read()?;
     input.findings.append(&mut findings);
-    let back = args.to_crs.way(&input.reprojection)?;
+    let back = args.to_crs.way(&input.reprojection, unit)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth)?
+        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth, unit)?
     };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
-    let params = LayerParams { targets, index_every: args.index, simplify: args.simplify, memory: None };
+    let params = LayerParams { targets, unit, index_every: args.index, simplify: args.simplify, memory: None };
     let layers = terrain.contours_with(params, console)?;
     let written = console.step("writing", || {
         let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
@@ -137,7 +143,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     summary::surface(&terrain.surface, console);
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
-        describe(written.get(k).or(written.first()), layer, console);
+        describe(written.get(k).or(written.first()), layer, unit, console);
     }
     if let (Some(output), Some(dem)) = (dem_output, &dem) {
         output.commit(dem, console)?;
@@ -226,7 +232,7 @@ fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
     layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
 
-fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
+fn describe(path: Option<&PathBuf>, layer: &ContourLayer, unit: ElevationUnit, console: &Console) {
     let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
     let artefact_rings = match layer.artefact_rings {
@@ -239,8 +245,9 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, console: &Console) {
     };
     let path = path.map(|p| p.display().to_string()).unwrap_or_default();
     console.say(&format!(
-        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{artefact_rings}{dead_ends})",
+        "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{artefact_rings}{dead_ends}{})",
         layer.name,
-        layer.lines.len() - new
+        layer.lines.len() - new,
+        in_feet(unit)
     ));
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
@@ -26,7 +27,8 @@ use super::surface::SurfaceArgs;
 ///
 /// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
 /// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
-/// extrapolated linearly. For a height map in degrees or Web Mercator, distances are converted to metres on the ground.
+/// extrapolated linearly. Heights in feet become metres first; all results are in metres. For a height map in degrees
+/// or Web Mercator, distances are converted to metres on the ground.
 ///
 /// Steep places are areas of cells with a slope of at least --steep-angle that span a height of at least
 /// --steep-height. The defaults of 30 degrees and 5 m are those of Japanese law for steep slopes that may fail (急傾斜地).
@@ -213,7 +215,7 @@ impl DeriveArgs {
         let mut input = self.input.read(console)?;
         let grid = self.grid.spec()?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
-        let options = self.surface.options(Some(&grid), Triangles::Reference)?;
+        let options = self.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
         let terrain = build(&mut input, &self.surface, &options, console)?;
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);

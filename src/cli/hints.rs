@@ -1,6 +1,6 @@
-//! The library's errors as the user sees them: the message, with the flag that helps.
+//! The library's errors and findings as the user sees them: the message, with the flag that helps.
 
-use tokosen::base::error::{CrsNeed, Error, ZCoordinate};
+use tokosen::base::error::{CrsNeed, Error, FindingKind, ZCoordinate};
 
 /// The message of an error with its causes and the flag that helps. Some errors contain the text of their cause, some
 /// causes end with the text of the error above; these are not repeated.
@@ -43,6 +43,14 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         root => return in_flags(root).unwrap_or(sentence),
     };
     sentence + &hint
+}
+
+/// The flag that helps with findings of a kind.
+pub fn for_kind(kind: FindingKind) -> Option<&'static str> {
+    match kind {
+        FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours"),
+        _ => None,
+    }
 }
 
 /// The message of an error about a parameter, with its flag.

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use image::RgbImage;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
@@ -53,8 +54,10 @@ impl<'a> Job<'a> {
     }
 
     /// Finds the sub-domains between them.
-    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs) -> Result<Subdivision, Failure> {
-        let subdivision = input.subdivide(water.sea, self.console);
+    ///
+    /// `unit` is that of heights in the options.
+    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs, unit: ElevationUnit) -> Result<Subdivision, Failure> {
+        let subdivision = input.subdivide(water.sea_in_metres(unit), self.console);
         subdivision.map_err(|error| summary::after_findings(error, &input.findings, self.console).into())
     }
 

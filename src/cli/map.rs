@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use tokosen::contour::{ContourMap, ElevationUnit, find_interval};
+use tokosen::contour::{ContourMap, find_interval};
 use tokosen::crs::Crs;
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::unit::UnitArg;
 use super::{memory, plane};
 
 #[derive(Debug, Clone, Args)]
@@ -27,9 +28,10 @@ pub struct MapArgs {
     /// Spot heights: points with an elevation, which the surface then passes through
     #[arg(long, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Unit of the elevations of contours, spot heights and lakes; outputs are in metres
-    #[arg(long, value_enum, default_value_t = UnitArg::M)]
-    pub unit: UnitArg,
+    /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
+    /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
+    #[arg(long, value_enum)]
+    pub unit: Option<UnitArg>,
     /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
@@ -48,27 +50,6 @@ pub struct MapArgs {
     /// Stop with exit status 1 if there is an error or a warning about the input, instead of going on with safe repairs
     #[arg(long)]
     pub strict: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum UnitArg {
-    /// Metres
-    M,
-    /// International feet
-    Ft,
-    /// US survey feet
-    UsFt,
-}
-
-impl UnitArg {
-    /// The library's unit.
-    pub fn unit(self) -> ElevationUnit {
-        match self {
-            Self::M => ElevationUnit::Metre,
-            Self::Ft => ElevationUnit::Foot,
-            Self::UsFt => ElevationUnit::UsSurveyFoot,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -106,7 +87,7 @@ impl MapArgs {
         [
             (self.elevation_field.is_some(), "--elevation-field"),
             (self.layer.is_some(), "--layer"),
-            (self.unit != UnitArg::M, "--unit"),
+            (self.unit.is_some(), "--unit"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
             (self.snap != SNAP, "--snap"),
@@ -126,7 +107,7 @@ impl MapArgs {
         let options = InputOptions {
             elevation_field: self.elevation_field.clone(),
             layer: self.layer.clone(),
-            unit: self.unit.unit(),
+            unit: self.unit.map(UnitArg::unit),
             crs: self.crs.clone(),
             work_crs: self.work_crs.clone(),
             memory: memory::available(),
@@ -135,7 +116,7 @@ impl MapArgs {
         if let Some(path) = &self.points {
             input.read_spots(path, console)?;
         }
-        console.set_reprojection(&input.reprojection);
+        console.set_input(&input);
         Ok(input)
     }
 
@@ -157,6 +138,10 @@ impl MapArgs {
         console.say(&format!("contours   {what}"));
         if !map.spots.is_empty() {
             console.say(&format!("spots      {}", map.spots.len()));
+        }
+        if console.unit().is_foot() {
+            let unit = console.unit().name();
+            console.say(&format!("unit       the elevations of the input were {unit}; these figures are in metres"));
         }
         console.say(&format!("crs        {}", plane::describe(map, console.reprojection())));
     }

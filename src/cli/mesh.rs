@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::base::ElevationUnit;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
 use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
@@ -20,7 +21,8 @@ use super::{output, summary};
 ///
 /// The model holds the triangles of the surface inside the frame; the contours are among their edges. Coordinates are
 /// relative to an offset, which is recorded in the file; heights are not changed. The model is always in the working
-/// CRS, in metres, whatever the CRS of the contours.
+/// CRS, in metres, whatever the CRS of the contours and the unit of their elevations: the three axes of a model have
+/// one unit.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MeshArgs {
@@ -53,7 +55,8 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let mut input = job.read()?;
-    let terrain = job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth)?)?;
+    let terrain =
+        job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;
     console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
     job.draw(|| {

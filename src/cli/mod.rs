@@ -23,6 +23,7 @@ mod regions;
 mod skeleton;
 mod summary;
 mod surface;
+mod unit;
 
 use std::process::ExitCode;
 

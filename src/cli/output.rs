@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use tokosen::base::ElevationUnit;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, write_raster, write_with_errors,
@@ -39,7 +40,8 @@ pub struct HeightMapArgs {
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
     /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
-    /// band (.tif) or channel (.exr) 'standard error' [metres], new contours the attributes err_v, err_h and inferred
+    /// band (.tif) or channel (.exr) 'standard error' [metres, or the unit of --to-unit], new contours the attributes
+    /// err_v, err_h and inferred
     #[arg(long)]
     pub uncertainty: bool,
 }
@@ -99,13 +101,13 @@ impl HeightMapArgs {
         if self.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown }
     }
 
-    /// How to write the height map.
-    fn raster(&self) -> RasterParams {
+    /// How to write the height map, with heights in `unit`.
+    fn raster(&self, unit: ElevationUnit) -> RasterParams {
         let png = match self.png_encoding {
             PngArg::Gray16 => PngEncoding::Gray16,
             PngArg::Gsi => PngEncoding::Gsi,
         };
-        RasterParams { png, ..RasterParams::default() }
+        RasterParams { png, unit, ..RasterParams::default() }
     }
 }
 
@@ -143,18 +145,21 @@ pub fn extension(path: &Path) -> String {
 }
 
 impl DemOutput {
-    /// Opens the file, and reads the raster whose cells are asked for.
-    pub fn open(path: &Path, wanted: &HeightMapArgs) -> Result<Self, Failure> {
+    /// Opens the file, whose heights will be in `unit`, and reads the raster whose cells are asked for.
+    pub fn open(path: &Path, wanted: &HeightMapArgs, unit: ElevationUnit) -> Result<Self, Failure> {
         wanted.grid.check()?;
         if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
             let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
             return Err(Failure::Usage(message));
         }
+        if wanted.png_encoding == PngArg::Gsi && unit.is_foot() {
+            return Err(Failure::Usage("--png-encoding gsi holds metres only, so --to-unit cannot be feet".into()));
+        }
         if wanted.uncertainty {
             check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
         let staged = open_raster(path)?;
-        Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster() })
+        Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster(unit) })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.
@@ -162,7 +167,7 @@ impl DemOutput {
         let dem = terrain.dem_with(&self.grid, console)?;
         let errors = terrain.errors_of(&dem, &self.grid)?;
         let written = console.step("writing", || match &errors {
-            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors),
+            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors, self.raster.unit),
             None => write_raster(&self.staged.path(), &dem, &self.raster),
         });
         written.map_err(|e| self.staged.with_final_name(e))?;
@@ -171,17 +176,21 @@ impl DemOutput {
 
     /// Puts the file in its place, and prints what is in it.
     pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
-        describe(&self.staged.commit()?, dem, console);
+        describe(&self.staged.commit()?, dem, self.raster.unit, console);
         Ok(())
     }
 }
 
 /// One line of the summary about a height map.
-fn describe(path: &Path, dem: &Dem, console: &Console) {
+fn describe(path: &Path, dem: &Dem, unit: ElevationUnit, console: &Console) {
     let valid = dem.values.iter().filter(|v| !v.is_nan());
     let (low, high) = valid.clone().fold((f32::INFINITY, f32::NEG_INFINITY), |m, &v| (m.0.min(v), m.1.max(v)));
     let count = valid.count();
-    let range = if count == 0 { "no data".into() } else { format!("heights {low:.2} to {high:.2} m") };
+    let [low, high] = [low, high].map(|height| unit.about(f64::from(height)));
+    let range = match count {
+        0 => "no data".into(),
+        _ => format!("heights {low:.2} to {high:.2} {}", unit.symbol()),
+    };
     console.say(&format!(
         "written    {} ({} x {} cells, {:.1} % with data, {range})",
         path.display(),

@@ -1,6 +1,7 @@
 //! Coordinate reference systems on the command line: `--crs`, `--work-crs`, `--to-crs`.
 
 use clap::Args;
+use tokosen::base::ElevationUnit;
 use tokosen::contour::ContourMap;
 use tokosen::crs::{Crs, FromWorking, Reprojection};
 
@@ -9,15 +10,16 @@ use super::failure::Failure;
 /// The coordinates that vector files are written in.
 #[derive(Debug, Clone, Args)]
 pub struct ToCrsArgs {
-    /// Coordinate reference system to write lines and areas in [default: the input's; its vertices stay bit for bit]
+    /// Coordinate reference system to write lines and areas in [default: the input's; its vertices stay bit for bit]. A
+    /// vertical part with another unit than the heights that are written is left out
     #[arg(long, value_name = "CRS", value_parser = crs)]
     pub to_crs: Option<Crs>,
 }
 
 impl ToCrsArgs {
-    /// The conversion from the working plane to the output.
-    pub fn way(&self, reprojection: &Reprojection) -> Result<FromWorking, Failure> {
-        Ok(reprojection.from_working(self.to_crs.as_ref())?)
+    /// The conversion from the working plane to the output, with heights in `unit` there.
+    pub fn way(&self, reprojection: &Reprojection, unit: ElevationUnit) -> Result<FromWorking, Failure> {
+        Ok(reprojection.from_working(self.to_crs.as_ref())?.with_heights_in(unit))
     }
 }
 

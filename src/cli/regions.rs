@@ -15,13 +15,15 @@ use super::job::Job;
 use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
+use super::unit::{ToUnitArgs, in_feet};
 
 /// The areas between contour lines, with their landforms and nesting
 ///
 /// Each area has the attributes id, class (peak, bottom of a basin, tableland, basin, ridge-peak, valley, slope, water
-/// or branching), is_open (cut by the frame), band_lo and band_hi (the levels below and above it), n_ib (number of
-/// contours inside), mixture (the landforms of a branching one), parent (id of the enclosing area), depth (number of
-/// enclosing areas) and area (in units of the working CRS). Depressions are found from the contours around them.
+/// or branching), is_open (cut by the frame), band_lo and band_hi (the levels below and above it; metres, or the unit
+/// of --to-unit), n_ib (number of contours inside), mixture (the landforms of a branching one), parent (id of the
+/// enclosing area), depth (number of enclosing areas) and area (in units of the working CRS). Depressions are found
+/// from the contours around them.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct RegionsArgs {
@@ -32,6 +34,8 @@ pub struct RegionsArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_unit: ToUnitArgs,
     /// Also draw a picture of the areas and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -55,11 +59,12 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
+    let unit = args.to_unit.unit();
     let mut input = job.read()?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
-    let back = args.to_crs.way(&input.reprojection)?;
-    let subdivision = job.subdivide(&mut input, &args.water)?;
+    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let subdivision = job.subdivide(&mut input, &args.water, unit)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
     let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
@@ -68,7 +73,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = staged.commit()?;
-    console.say(&format!("written    {} ({} areas)", path.display(), forms.len()));
+    console.say(&format!("written    {} ({} areas{})", path.display(), forms.len(), in_feet(unit)));
     job.close(input.findings.len())
 }
 

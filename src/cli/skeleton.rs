@@ -16,13 +16,15 @@ use super::job::Job;
 use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
+use super::unit::{ToUnitArgs, in_feet};
 
 /// Ridge and canyon lines with heights
 ///
 /// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one
 /// sub-domain (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its
 /// sub-domain), network (the same for lines that meet), length (in units of the working CRS), upper_end and lower_end
-/// (contour, junction, peak, bottom, saddle, frame, spot), upper_z and lower_z. The surface contains these lines.
+/// (contour, junction, peak, bottom, saddle, frame, spot), upper_z and lower_z (heights in metres, or in the unit of
+/// --to-unit, as the z of the vertices). The surface contains these lines.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct SkeletonArgs {
@@ -40,6 +42,8 @@ pub struct SkeletonArgs {
     curve_mesh: bool,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_unit: ToUnitArgs,
     /// Also draw a picture of the ground and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
@@ -73,11 +77,12 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
+    let unit = args.to_unit.unit();
     let mut input = job.read()?;
-    let back = args.to_crs.way(&input.reprojection)?;
+    let back = args.to_crs.way(&input.reprojection, unit)?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
-    let subdivision = job.subdivide(&mut input, &args.water)?;
+    let subdivision = job.subdivide(&mut input, &args.water, unit)?;
     let tuning = SkeletonTuning::default();
     let found = console
         .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
@@ -103,7 +108,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();
-        console.say(&format!("written    {path}, layer {name}"));
+        console.say(&format!("written    {path}, layer {name}{}", in_feet(unit)));
     }
     job.close(input.findings.len())
 }

@@ -9,6 +9,7 @@ use tokosen::surface::Surface;
 use tokosen::validate::{Chosen, Provenance, Reason};
 
 use super::console::Console;
+use super::hints;
 
 /// Findings of one kind that are shown without `--verbose`.
 const SHOWN: usize = 3;
@@ -56,6 +57,9 @@ fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Cons
     }
     if list.len() > shown {
         print(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
+    }
+    if let Some(hint) = list.first().and_then(|finding| hints::for_kind(finding.kind)) {
+        print(console, &format!("    {hint}"));
     }
 }
 

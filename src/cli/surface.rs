@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use tokosen::base::ElevationUnit;
 use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles};
 use tokosen::tuning::Tuning;
@@ -118,13 +119,19 @@ impl SurfaceArgs {
     }
 
     /// The library's options, for a height map on a grid if there is one.
-    pub fn options(&self, grid: Option<&GridSpec>, triangles: Triangles) -> Result<Options, Failure> {
+    /// `unit` is that of heights in the options.
+    pub fn options(
+        &self,
+        grid: Option<&GridSpec>,
+        triangles: Triangles,
+        unit: ElevationUnit,
+    ) -> Result<Options, Failure> {
         Ok(Options {
             kind: self.surface.kind(),
             resolution: self.resolution,
             tension: self.tension,
             noise: self.noise,
-            sea: self.water.sea,
+            sea: self.water.sea_in_metres(unit),
             grid: grid.cloned(),
             triangles,
             memory: memory::available(),
@@ -166,8 +173,8 @@ pub struct WaterArgs {
     /// are islands
     #[arg(long, value_name = "FILE")]
     pub water: Option<PathBuf>,
-    /// Level of the sea [metres]; the input must have contours at it. Ground that reaches down only to contours of this
-    /// level becomes level sea
+    /// Level of the sea [metres, or the unit of --to-unit if the command has it]; the input must have contours at it.
+    /// Ground that reaches down only to contours of this level becomes level sea
     #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
     pub sea: Option<f64>,
 }
@@ -176,6 +183,11 @@ impl WaterArgs {
     /// The file with lakes, if there is one.
     pub fn file(&self) -> Option<&Path> {
         self.water.as_deref()
+    }
+
+    /// The level of the sea, metres. It was given in `unit`.
+    pub fn sea_in_metres(&self, unit: ElevationUnit) -> Option<f64> {
+        self.sea.map(|level| unit.metres(level))
     }
 
     /// Adds the lakes to an input; reads them if there are any.

@@ -2,6 +2,8 @@
 
 use geo::Polygon;
 
+use crate::base::ElevationUnit;
+
 /// A lake, a reservoir, a piece of the sea: level ground at one height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lake {
@@ -11,4 +13,11 @@ pub struct Lake {
     pub height: Option<f64>,
     /// Number of the feature in the file that it came from, for messages.
     pub feature: u64,
+}
+
+impl Lake {
+    /// The lake with its height in metres. It is in `unit`.
+    pub fn in_metres(self, unit: ElevationUnit) -> Self {
+        Self { height: self.height.map(|height| unit.metres(height)), ..self }
+    }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 
+use super::unit_hint::UnitHint;
+use crate::base::ElevationUnit;
 use crate::crs::Crs;
 
 /// A line of one elevation.
@@ -46,12 +48,21 @@ pub struct ContourMap {
     pub mended: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
+    /// What the input lets suppose about the unit of the elevations, if it is more than nothing.
+    pub unit_hint: Option<UnitHint>,
 }
 
 impl ContourMap {
     /// Number of vertices of all contours.
     pub fn vertex_count(&self) -> usize {
         self.contours.iter().map(|c| c.points.len()).sum()
+    }
+
+    /// The map with its elevations in metres. They are in `unit`.
+    pub fn in_metres(mut self, unit: ElevationUnit) -> Self {
+        self.contours.iter_mut().for_each(|line| line.elevation = unit.metres(line.elevation));
+        self.spots.iter_mut().for_each(|spot| spot.z = unit.metres(spot.z));
+        self
     }
 
     /// Whether all coordinates lie within ±180 and ±90, as degrees do. For maps whose coordinate reference system is

@@ -10,8 +10,9 @@ mod outlying;
 mod reproject;
 mod source_raster;
 mod spots;
-mod unit;
+mod unit_hint;
 
+pub use crate::base::ElevationUnit;
 pub use clip::{Clipped, clip};
 pub use interval_search::find_interval;
 pub use lake::Lake;
@@ -22,4 +23,4 @@ pub(crate) use outlying::{outlying_vertices, without_outlying};
 pub use reproject::reproject;
 pub use source_raster::{SourceRaster, source_raster};
 pub use spots::SpotHeights;
-pub use unit::ElevationUnit;
+pub use unit_hint::UnitHint;

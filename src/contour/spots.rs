@@ -2,13 +2,16 @@
 
 use glam::DVec3;
 
+use super::unit_hint::UnitHint;
 use crate::crs::Crs;
 
 /// Points of known height.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SpotHeights {
-    /// x, y in map units, height in metres.
+    /// x, y in map units, height in metres; as a file was read, in its unit.
     pub points: Vec<DVec3>,
     /// The coordinate reference system, if it is known.
     pub crs: Option<Crs>,
+    /// What the file lets suppose about the unit of the heights, if it is more than nothing.
+    pub unit_hint: Option<UnitHint>,
 }

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use super::definition::label;
 use super::system::Crs;
 use super::transform::Transform;
+use crate::base::ElevationUnit;
 use crate::base::bits::bits;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
 
@@ -72,7 +73,8 @@ fn on_steps(p: DVec2) -> DVec2 {
 impl Reprojection {
     /// For a map that is worked on in its own coordinates.
     pub fn unmoved(crs: Option<Crs>) -> Self {
-        Self { input: crs.clone(), working: crs, ..Self::default() }
+        let working = crs.as_ref().map(|crs| crs.with_heights_in(ElevationUnit::Metre));
+        Self { input: crs, working, ..Self::default() }
     }
 
     /// Projects points to the plane of a projected system. Coordinates are transformed, if it is another system than
@@ -201,7 +203,7 @@ impl Reprojection {
     /// As [`Transform::between`], and if `to` is given and the system of the file is not known.
     pub fn from_working(&self, to: Option<&Crs>) -> Result<FromWorking> {
         let Some(to) = to else {
-            return Ok(FromWorking { reprojection: self.clone(), target: Target::Input, crs: self.input.clone() });
+            return Ok(FromWorking::new(self, Target::Input, self.input.as_ref()));
         };
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
             return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
@@ -211,7 +213,7 @@ impl Reprojection {
         } else {
             Target::Other { from_input: Transform::between(input, to)?, from_working: Transform::between(working, to)? }
         };
-        Ok(FromWorking { reprojection: self.clone(), target, crs: Some(to.clone()) })
+        Ok(FromWorking::new(self, target, Some(to)))
     }
 }
 
@@ -317,12 +319,16 @@ impl ToWorking {
     }
 }
 
-/// Transforms positions on the plane to the coordinates of the output.
+/// Transforms positions on the plane to the coordinates of the output, and heights to their unit there.
 #[derive(Debug, Clone)]
 pub struct FromWorking {
     reprojection: Reprojection,
     target: Target,
+    /// The system as it was given.
+    whole: Option<Crs>,
+    /// The same for heights in the unit of the output.
     crs: Option<Crs>,
+    unit: ElevationUnit,
 }
 
 #[derive(Debug, Clone)]
@@ -334,7 +340,29 @@ enum Target {
 }
 
 impl FromWorking {
-    /// The system of the output, if it is known.
+    fn new(reprojection: &Reprojection, target: Target, crs: Option<&Crs>) -> Self {
+        let (reprojection, whole) = (reprojection.clone(), crs.cloned());
+        Self { reprojection, target, whole, crs: None, unit: ElevationUnit::Metre }
+            .with_heights_in(ElevationUnit::Metre)
+    }
+
+    /// The same for an output with its heights in `unit`. Without this, they are in metres.
+    pub fn with_heights_in(self, unit: ElevationUnit) -> Self {
+        let crs = self.whole.as_ref().map(|crs| crs.with_heights_in(unit));
+        Self { crs, unit, ..self }
+    }
+
+    /// The unit of heights in the output.
+    pub fn unit(&self) -> ElevationUnit {
+        self.unit
+    }
+
+    /// A height on the plane, which is in metres, in the unit of the output.
+    pub fn height(&self, metres: f64) -> f64 {
+        self.unit.from_metres(metres)
+    }
+
+    /// The system of the output, if it is known. It has no vertical part in another unit than the heights.
     pub fn crs(&self) -> Option<&Crs> {
         self.crs.as_ref()
     }

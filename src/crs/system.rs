@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::esri;
 use super::wkt::{self, Node};
+use crate::base::ElevationUnit;
 
 /// A coordinate reference system, by its EPSG code, its WKT, or both.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,9 +48,11 @@ impl Crs {
     ///
     /// The EPSG code is the one at the root of the WKT. A WKT without one, such as the `.prj` file of a shapefile, is
     /// compared by name and parameters with the built-in table. If no entry agrees beyond doubt, the code stays
-    /// unknown. Text that is not WKT is kept unchanged for the output.
+    /// unknown. Text that is not WKT is kept unchanged for the output. A horizontal and a vertical system beside each
+    /// other, as Esri's programs write them, become a compound one.
     pub fn from_wkt(text: &str) -> Self {
-        let text = text.trim();
+        let compound = compound_of_pair(text.trim());
+        let text = compound.as_deref().unwrap_or(text.trim());
         let epsg = wkt::parse(text).and_then(|root| match root.unbound().authority() {
             Some((authority, code)) if authority.eq_ignore_ascii_case("EPSG") => Some(code),
             Some(_) => None,
@@ -158,6 +161,21 @@ impl Crs {
         Some(LengthUnit { name: name.to_owned(), metres })
     }
 
+    /// The unit of heights, by the vertical part of a compound system. `None` if there is none or it does not say.
+    pub fn height_unit(&self) -> Option<LengthUnit> {
+        let root = self.root()?;
+        let (name, metres) = root.vertical()?.length_unit()?;
+        Some(LengthUnit { name: name.to_owned(), metres })
+    }
+
+    /// The system for heights in `unit`: if its vertical part has another unit, the horizontal part alone.
+    pub fn with_heights_in(&self, unit: ElevationUnit) -> Self {
+        match self.height_unit() {
+            Some(own) if ElevationUnit::of_size(own.metres) != Some(unit) => self.horizontal(),
+            _ => self.clone(),
+        }
+    }
+
     /// The geographic system on which a projected system is based, with degrees for coordinates; a geographic system
     /// itself. `None` if the WKT does not say.
     pub fn geographic(&self) -> Option<Self> {
@@ -191,6 +209,14 @@ impl Crs {
     pub(super) fn root(&self) -> Option<Node> {
         self.wkt().and_then(wkt::parse)
     }
+}
+
+/// The text of a compound system for a horizontal and a vertical one beside each other.
+fn compound_of_pair(text: &str) -> Option<String> {
+    let (horizontal, vertical, rest) = wkt::parse_pair(text).filter(|(_, vertical, _)| vertical.keyword == "VERTCS")?;
+    let quoted = |node: &Node| node.name().unwrap_or_default().replace('"', "\"\"");
+    let first = &text[horizontal.span.clone()];
+    Some(format!("COMPD_CS[\"{} + {}\",{first},{rest}]", quoted(&horizontal), quoted(&vertical)))
 }
 
 /// The EPSG code that a system names for itself.
@@ -321,6 +347,59 @@ mod tests {
         let end = utm.rfind(",AUTHORITY").expect("a code");
         let uncoded = Crs::from_wkt(&format!("COMPD_CS[\"both\",{}],{vertical}]", &utm[..end]));
         assert_eq!((uncoded.epsg, uncoded.horizontal().epsg), (None, Some(6690)));
+    }
+
+    /// California zone 5 in US survey feet, with heights in a unit.
+    fn with_heights(vertical: &str) -> Crs {
+        let plane = Crs::from_epsg(2229).wkt.expect("the table has California zone 5");
+        Crs::from_wkt(&format!("COMPD_CS[\"both\",{plane},{vertical}]"))
+    }
+
+    #[test]
+    fn the_unit_of_heights_is_that_of_the_vertical_part() {
+        let metres = |crs: &Crs| crs.height_unit().map(|unit| unit.metres);
+        // NAD83 / Arizona East (ft) + NAVD88 height (ft), NAD27 + NGVD29 height (ftUS), UTM zone 32N + NN2000 height.
+        assert_eq!(metres(&Crs::from_epsg(8700)), Some(0.3048));
+        assert_eq!(metres(&Crs::from_epsg(7406)), Some(0.304_800_609_601_219_2));
+        assert_eq!(metres(&Crs::from_epsg(5972)), Some(1.0));
+        for vertical in [
+            "VERT_CS[\"NAVD88 height (ftUS)\",VERT_DATUM[\"d\",2005],UNIT[\"US survey foot\",0.304800609601219]]",
+            "VERTCRS[\"h\",VDATUM[\"d\"],CS[vertical,1],AXIS[\"up\",up,LENGTHUNIT[\"US survey foot\",0.304800609601219]]]",
+            "BOUNDCRS[SOURCECRS[VERTCRS[\"h\",LENGTHUNIT[\"US survey foot\",0.304800609601219]]],TARGETCRS[GEOGCRS[\"g\"]]]",
+        ] {
+            assert_eq!(metres(&with_heights(vertical)), Some(0.304_800_609_601_219), "{vertical}");
+        }
+        for crs in [Crs::from_epsg(2229), Crs::wgs84(), with_heights("VERT_CS[\"h\"]"), Crs::from_wkt("VERT_CS[\"h\"]")]
+        {
+            assert_eq!(crs.height_unit(), None, "{crs:?}");
+        }
+    }
+
+    #[test]
+    fn heights_in_another_unit_have_no_vertical_part() {
+        let feet = with_heights("VERT_CS[\"h\",UNIT[\"US survey foot\",0.304800609601219]]");
+        assert_eq!(feet.with_heights_in(ElevationUnit::UsSurveyFoot), feet);
+        assert_eq!(feet.with_heights_in(ElevationUnit::Foot).epsg, Some(2229));
+        assert_eq!(feet.with_heights_in(ElevationUnit::Metre).wkt, Crs::from_epsg(2229).wkt);
+        let metres = Crs::from_epsg(5972);
+        assert_eq!(metres.with_heights_in(ElevationUnit::Metre), metres);
+        assert_eq!(metres.with_heights_in(ElevationUnit::Foot).epsg, Some(25832));
+        let plain = Crs::from_epsg(2229);
+        assert_eq!(plain.with_heights_in(ElevationUnit::Metre), plain);
+    }
+
+    #[test]
+    fn esris_pair_of_systems_is_a_compound_one() {
+        let plane = "PROJCS[\"NAD_1983_StatePlane_California_V_FIPS_0405_Feet\",GEOGCS[\"g\"],UNIT[\"Foot_US\",0.3048006096012192]]";
+        let height = "VERTCS[\"NAVD_1988_Foot_US\",VDATUM[\"d\"],PARAMETER[\"Direction\",1.0],UNIT[\"Foot_US\",0.3048006096012192]]";
+        let crs = Crs::from_wkt(&format!("{plane} , {height}\r\n"));
+        assert_eq!(crs.kind(), Some(CrsKind::Projected));
+        assert_eq!(crs.height_unit().map(|unit| unit.metres), Some(0.304_800_609_601_219_2));
+        assert_eq!(crs.horizontal().wkt.as_deref(), Some(plane));
+        for text in [format!("{plane},"), format!("{plane},{plane}"), format!("{plane} {height}"), format!("{plane},x")]
+        {
+            assert_eq!(Crs::from_wkt(&text), Crs { epsg: None, wkt: Some(text) });
+        }
     }
 
     #[test]

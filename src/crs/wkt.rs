@@ -29,6 +29,19 @@ enum Arg {
 
 /// Reads a text that is one keyword with arguments.
 pub(super) fn parse(text: &str) -> Option<Node> {
+    parse_first(text).filter(|node| text[node.span.end..].trim().is_empty())
+}
+
+/// Reads a text that is two keywords with arguments, separated by a comma: how Esri's programs write a horizontal and a
+/// vertical system. The places of the second count from the start of its text, which is given too.
+pub(super) fn parse_pair(text: &str) -> Option<(Node, Node, &str)> {
+    let first = parse_first(text)?;
+    let rest = text[first.span.end..].trim_start().strip_prefix(',')?.trim();
+    Some((first, parse(rest)?, rest))
+}
+
+/// Reads the keyword with arguments at the start of a text.
+fn parse_first(text: &str) -> Option<Node> {
     let mut open: Vec<Node> = Vec::new();
     // Start of the word that the next bracket or comma ends.
     let mut word = text.len() - text.trim_start().trim_start_matches('\u{feff}').len();
@@ -49,7 +62,7 @@ pub(super) fn parse(text: &str) -> Option<Node> {
                 node.span.end = at + 1;
                 match open.last_mut() {
                     Some(parent) => parent.args.push(Arg::Node(node)),
-                    None => return chars.all(|(_, c)| c.is_whitespace()).then_some(node),
+                    None => return Some(node),
                 }
             }
             ',' => push_word(&text[word..at], open.last_mut()?),
@@ -157,6 +170,17 @@ impl Node {
         }
     }
 
+    /// The vertical part of a compound system, if it is one.
+    pub fn vertical(&self) -> Option<&Node> {
+        let node = self.unbound();
+        if !matches!(node.keyword.as_str(), "COMPD_CS" | "COMPOUNDCRS") {
+            return None;
+        }
+        let is_vertical =
+            |part: &&Node| matches!(part.keyword.as_str(), "VERT_CS" | "VERTCS" | "VERTCRS" | "VERTICALCRS");
+        node.nodes().map(Node::unbound).find(is_vertical)
+    }
+
     fn is_system(&self) -> bool {
         self.keyword.ends_with("CRS") || self.keyword.ends_with("CS") && self.keyword != "CS"
     }
@@ -178,7 +202,7 @@ impl Node {
         }
     }
 
-    /// Name and metres of the unit of this horizontal system, unless it is geographic.
+    /// Name and metres of the unit of this system, unless it is geographic.
     pub fn length_unit(&self) -> Option<(&str, f64)> {
         if self.is_geographic() {
             return None;

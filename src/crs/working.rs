@@ -11,6 +11,7 @@ use glam::DVec2;
 use super::definition::{DEGREE, Definition, Shift, label};
 use super::system::{Crs, CrsKind};
 use super::transform::Transform;
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
 
 /// Largest distance of data from a UTM zone's meridian, degrees of longitude: one degree beyond the border of the zone.
@@ -20,7 +21,7 @@ const JAPAN_REACH: f64 = 2.0;
 
 /// The system in which to work on data whose coordinates in `crs` are `points`.
 ///
-/// For a projected system in metres it is that system. For other systems it is:
+/// For a projected system in metres it is that system, without a vertical part in another unit. For other systems it is:
 /// - In Japan, on JGD2000, JGD2011, JGD2024 or WGS 84: the plane rectangular zone of JGD2011 (EPSG:6669 to 6687). On
 ///   the Tokyo datum it is that datum's zone (EPSG:30161 to 30179). The zone is that of the nearest of some
 ///   representative places. Near the border of two zones it may be the neighbour of the official zone. That changes
@@ -41,7 +42,9 @@ where
 {
     let metres = crs.length_unit().map(|unit| unit.metres);
     match crs.kind() {
-        Some(CrsKind::Projected) if metres.is_none_or(|m| m == 1.0) => return Ok(crs.clone()),
+        Some(CrsKind::Projected) if metres.is_none_or(|m| m == 1.0) => {
+            return Ok(crs.with_heights_in(ElevationUnit::Metre));
+        }
         Some(_) => {}
         None => {
             return Err(Error::Data(format!("{}: is not known to be projected or in degrees", label(crs))));

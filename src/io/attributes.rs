@@ -1,4 +1,5 @@
-//! Known attribute names: those that hold elevations, and those that may mark depression contours.
+//! Known attribute names: those that hold elevations, the unit that they name, and those that may mark depression
+//! contours.
 
 /// Attribute names that hold elevations in metres, in lower case and without a unit. English names come first, then
 /// those of mapping agencies in other languages.
@@ -66,8 +67,11 @@ const NAMES: &[&str] = &[
     "высота",
 ];
 
-/// Endings that mean metres. Names in feet are not recognised: the user must select such a field explicitly.
+/// Endings that mean metres. Names with feet are not used by themselves: the user must select such a field.
 const METRE_ENDINGS: &[&str] = &["_m", "_metre", "_metres", "_meter", "_meters", "(m)", "[m]"];
+
+/// Words in a name that mean feet. Written without a gap, they follow a known name: `elevft`.
+const FEET_WORDS: &[&str] = &["feet", "foot", "usft", "ftus", "ft"];
 
 /// Attribute names that say whether a line is a depression contour, in lower case.
 pub(super) const FLAGS: &[&str] =
@@ -107,6 +111,31 @@ pub(super) fn is_elevation_name(name: &str) -> bool {
     NAMES.contains(&bare)
 }
 
+/// The unit that a name suggests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NamedUnit {
+    Metres,
+    /// Feet of either kind.
+    Feet,
+}
+
+/// The unit that an attribute's name suggests, such as `elev_ft` or `ELEV_FEET`. `None` for names without a unit, and
+/// for those that are about something else than elevations as far as one knows.
+pub(super) fn unit_in_name(name: &str) -> Option<NamedUnit> {
+    let name = name.trim().to_lowercase();
+    if METRE_ENDINGS.iter().any(|ending| name.ends_with(ending)) {
+        return is_elevation_name(&name).then_some(NamedUnit::Metres);
+    }
+    let mut words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let last = *words.last()?;
+    let ending = FEET_WORDS.iter().find_map(|word| last.strip_suffix(word))?;
+    words.pop();
+    words.extend((!ending.is_empty()).then_some(ending));
+    let is_known = |word: &&str| NAMES.contains(word);
+    (words.is_empty() || words.iter().any(is_known) || NAMES.contains(&words.join("_").as_str()))
+        .then_some(NamedUnit::Feet)
+}
+
 /// Whether an attribute of this name may mark depressions.
 pub(super) fn may_mark(name: &str) -> bool {
     let name = name.trim().to_lowercase();
@@ -116,6 +145,38 @@ pub(super) fn may_mark(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_tell_feet_from_metres() {
+        for name in [
+            "elev_ft",
+            "ELEV_FEET",
+            "height_ft",
+            "contour_ft",
+            "Elevation (ft)",
+            "elev [feet]",
+            "elevft",
+            "ELEVFEET",
+            "ContourFt",
+            "elev_us_ft",
+            "elev_ftUS",
+            "contour_elev_ft",
+            "feet",
+            "FT",
+            "Hoehe_ft",
+            "max_elev_ft",
+        ] {
+            assert_eq!(unit_in_name(name), Some(NamedUnit::Feet), "{name}");
+            assert!(!is_elevation_name(name), "{name}");
+        }
+        for name in ["elev_m", "Height (m)", "ELEVATION_METERS"] {
+            assert_eq!(unit_in_name(name), Some(NamedUnit::Metres), "{name}");
+        }
+        for name in ["elev", "z", "left", "shift_ft2", "length_ft", "perimeter_m", "draft", "aircraft", "", "width(ft)"]
+        {
+            assert_eq!(unit_in_name(name), None, "{name}");
+        }
+    }
 
     #[test]
     fn kinds_of_lines_may_mark_depressions() {

@@ -225,13 +225,14 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     Ok(files)
 }
 
-/// Writes layers of features in the coordinates that `back` converts to. Vertices of the input get their input
-/// coordinates back, bit for bit. Attributes do not change: lengths and areas stay those of the working plane.
+/// Writes layers of features in the coordinates and the unit of heights that `back` converts to. Vertices of the input
+/// get their input coordinates back, bit for bit. Of the attributes, only heights and their errors change: lengths and
+/// areas stay those of the working plane.
 ///
 /// # Errors
 /// As [`write_layers`], and if a vertex has no coordinates in that system.
 pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
-    if back.is_identity() {
+    if back.is_identity() && !back.unit().is_foot() {
         return write_layers(out, layers, back.crs());
     }
     let mut reprojected = ReprojectedShapes::new(layers, back)?;

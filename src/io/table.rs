@@ -7,8 +7,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
-use super::attributes::{is_elevation_name, may_mark};
+use super::attributes::{is_elevation_name, may_mark, unit_in_name};
 use crate::base::error::Finding;
+use crate::contour::UnitHint;
 use crate::crs::Crs;
 
 /// What the caller requests from a reader.
@@ -142,6 +143,8 @@ pub(super) struct Table {
     pub crs: Option<Crs>,
     /// Why there is no coordinate reference system, if the reason is not only that the file names none.
     pub crs_problem: Option<String>,
+    /// What the format lets suppose about the unit of heights, if it is more than nothing.
+    pub unit_hint: Option<UnitHint>,
     /// Geometries that were left out, with a count per kind.
     pub left_out: BTreeMap<String, u64>,
     pub findings: Vec<Finding>,
@@ -167,8 +170,10 @@ impl Table {
             return index;
         }
         let marks = self.wants_marks && may_mark(name);
-        let kept =
-            marks || is_elevation_name(name) || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
+        let kept = marks
+            || is_elevation_name(name)
+            || unit_in_name(name).is_some()
+            || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
         self.fields.push(Field { name: name.to_owned(), example: None, kept });
         self.by_name.insert(name.to_owned(), self.fields.len() - 1);
         self.fields.len() - 1

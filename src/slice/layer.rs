@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::trace::as_given;
 use super::{Simplification, Target, ascends_right, signed_area, slice};
+use crate::base::ElevationUnit;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::memory;
@@ -29,6 +30,8 @@ const BYTES_PER_VERTEX: f64 = 64.0;
 pub struct LayerParams {
     /// The levels of each layer.
     pub targets: Vec<Target>,
+    /// The unit of these levels. The lines have their elevations in metres all the same.
+    pub unit: ElevationUnit,
     /// One level in so many is an index contour, counted from the base; 0 for none.
     pub index_every: u32,
     /// Largest distance between a new contour and its simplified course, map units; 0 keeps all vertices. If `None`,
@@ -39,9 +42,9 @@ pub struct LayerParams {
 }
 
 impl Default for LayerParams {
-    /// No targets, every fifth level an index contour, lines simplified, no limit of memory.
+    /// No targets, levels in metres, every fifth level an index contour, lines simplified, no limit of memory.
     fn default() -> Self {
-        Self { targets: Vec::new(), index_every: 5, simplify: None, memory: None }
+        Self { targets: Vec::new(), unit: ElevationUnit::Metre, index_every: 5, simplify: None, memory: None }
     }
 }
 
@@ -72,7 +75,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     let wanted: Vec<Vec<f64>> = params
         .targets
         .iter()
-        .map(|t| Ok(t.levels(lowest, highest)?.into_iter().map(|l| as_given(&given, l)).collect()))
+        .map(|t| Ok(t.levels(params.unit, lowest, highest)?.into_iter().map(|l| as_given(&given, l)).collect()))
         .collect::<Result<_>>()?;
     let mut levels: Vec<f64> = wanted.iter().flatten().copied().collect();
     levels.sort_by(f64::total_cmp);
@@ -96,7 +99,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     }
     let right = ascends_right(map, &surface.tin, &surface.regions);
     let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
-        let index = |level: f64| is_index(target, surface.interval.step, params.index_every, level);
+        let index = |level: f64| is_index(target, surface.interval.step, params, level);
         let input = map.contours.par_iter().zip(&right).map(|(c, &right)| {
             let mut points = c.points.clone();
             if !right {
@@ -130,7 +133,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
                 };
             });
         }
-        ContourLayer { name: target.layer_name(), lines, artefact_rings, dead_ends }
+        ContourLayer { name: target.layer_name(params.unit), lines, artefact_rings, dead_ends }
     });
     Ok(layers.collect())
 }
@@ -155,10 +158,15 @@ fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> Cont
 
 /// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
 /// input.
-fn is_index(target: &Target, interval: f64, every: u32, level: f64) -> bool {
-    let (step, base) = match target {
-        Target::Interval { step, base } => (*step, *base),
-        Target::Levels(_) => (interval, 0.0),
+fn is_index(
+    target: &Target,
+    interval: f64,
+    &LayerParams { unit, index_every: every, .. }: &LayerParams,
+    level: f64,
+) -> bool {
+    let (step, base, level) = match target {
+        Target::Interval { step, base } => (*step, *base, unit.about(level)),
+        Target::Levels(_) => (interval, 0.0, level),
     };
     let steps = (level - base) / (step * f64::from(every));
     every > 0 && (steps - steps.round()).abs() < 1e-6

@@ -18,7 +18,7 @@ pub struct RaggedLines {
     pub coords: Vec<[f64; 2]>,
     /// Where each line starts in `coords`, and at the end the number of coordinates.
     pub offsets: Vec<usize>,
-    /// The elevation of each line, metres.
+    /// The elevation of each line, metres; in an output with another unit, in that.
     pub elevations: Vec<f64>,
 }
 
@@ -68,18 +68,21 @@ impl ContourLayer {
         RaggedLines::of(&self.lines, |_, p| Ok(p)).unwrap_or_default()
     }
 
-    /// The same in the coordinates of an output. Vertices of the input get their original coordinates, bit for bit.
+    /// The same in the coordinates and the unit of heights of an output. Vertices of the input get their original
+    /// coordinates, bit for bit.
     ///
     /// # Errors
     /// [`Error::Data`] if a vertex has no place in the output's coordinate reference system.
     pub fn to_arrays_in(&self, output: &FromWorking) -> Result<RaggedLines> {
-        RaggedLines::of(&self.lines, |line, p| {
+        let mut arrays = RaggedLines::of(&self.lines, |line, p| {
             output.place(p).ok_or_else(|| {
                 let name = output.crs().and_then(|crs| crs.name()).unwrap_or_default();
                 let elevation = line.elevation;
                 Error::Data(format!("contour {elevation} m: {:.3} {:.3} has no place in {name}", p.x, p.y))
             })
-        })
+        })?;
+        arrays.elevations.iter_mut().for_each(|elevation| *elevation = output.height(*elevation));
+        Ok(arrays)
     }
 }
 

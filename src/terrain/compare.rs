@@ -6,9 +6,9 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::facade::Terrain;
-use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
+use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Transform};
 use crate::dem::compare::{height_at, heights_between};
@@ -24,6 +24,8 @@ pub struct Side {
     pub kind: Kind,
     /// Stated accuracy of the product, as a standard deviation, metres.
     pub sigma: Option<f64>,
+    /// The unit that the elevations of contours had. `None` for a height map.
+    pub unit: Option<ElevationUnit>,
 }
 
 /// What the heights of a side come from.
@@ -115,6 +117,11 @@ impl Pair {
         self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
     }
 
+    /// The unit that the elevations of contours had, those of B first; metres for two height maps.
+    pub(super) fn unit(&self) -> ElevationUnit {
+        self.b.unit.or(self.a.unit).unwrap_or_default()
+    }
+
     /// The vertical interval of the contours, if a side is made from contours.
     pub fn interval(&self) -> Option<Interval> {
         self.surface().map(|surface| surface.interval)
@@ -164,12 +171,12 @@ impl Side {
             crs: dem.crs.as_ref().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
-        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma) }
+        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma), unit: None }
     }
 
     /// The surface of the contours in a file.
     pub fn of_terrain(path: &Path, kind: SurfaceKind, terrain: Terrain) -> Self {
-        let Terrain { surface, reprojection, .. } = terrain;
+        let Terrain { surface, reprojection, unit, .. } = terrain;
         let (count, interval) = (surface.map.contours.len(), surface.interval.step);
         let source = SideSource {
             file: path.to_owned(),
@@ -177,7 +184,7 @@ impl Side {
             crs: reprojection.input_crs().and_then(Crs::name),
             about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
         };
-        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None }
+        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None, unit: Some(unit) }
     }
 
     /// The surface, if the side is one.

@@ -3,9 +3,9 @@
 use super::grid::GridSpec;
 use super::input::Input;
 use super::options::Options;
-use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};
 use crate::base::progress::Progress;
+use crate::base::{ElevationUnit, Grid};
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
@@ -24,6 +24,8 @@ pub struct Terrain {
     pub findings: Vec<Finding>,
     /// The conversion between the working plane and the coordinates of the input.
     pub reprojection: Reprojection,
+    /// The unit that the elevations of the contours had.
+    pub(super) unit: ElevationUnit,
     memory: Option<u64>,
 }
 
@@ -55,7 +57,8 @@ impl Terrain {
         let surface = input.found(built)?;
         input.check_strict()?;
         let findings = std::mem::take(&mut input.findings);
-        Ok(Self { surface, findings, reprojection: input.reprojection.clone(), memory: options.memory })
+        let (reprojection, unit) = (input.reprojection.clone(), input.unit);
+        Ok(Self { surface, findings, reprojection, unit, memory: options.memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -68,7 +71,7 @@ impl Terrain {
         self.contours_with(LayerParams { targets, ..LayerParams::default() }, &())
     }
 
-    /// [`Terrain::contours`] with other parameters that shows its progress. The memory is that of the options.
+    /// [`Terrain::contours`] with all its parameters; it shows its progress. The limit of memory is that of the terrain.
     ///
     /// # Errors
     /// As [`contour_layers`].
@@ -150,7 +153,8 @@ impl Terrain {
         mesh(&self.surface, params)
     }
 
-    /// The conversion from the working plane to the coordinates of the input, or to those of another system.
+    /// The conversion from the working plane to the coordinates of the input, or to those of another system. Heights
+    /// stay in metres, unless [`FromWorking::with_heights_in`] says otherwise.
     ///
     /// # Errors
     /// As [`Reprojection::from_working`].

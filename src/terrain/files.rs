@@ -6,9 +6,11 @@ use super::compare::{Pair, Side};
 use super::grid::GridSpec;
 use super::input::{Input, InputOptions};
 use super::measure::add_check_points;
+use super::units::Elevations;
+use crate::base::ElevationUnit;
 use crate::base::error::{Finding, Report, Result};
 use crate::base::progress::{Progress, step};
-use crate::contour::{ElevationUnit, SpotHeights};
+use crate::contour::SpotHeights;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{ReadOptions, read_area, read_contours, read_spot_heights, read_water};
@@ -42,14 +44,15 @@ impl Input {
     pub fn read_spots(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
         step(progress, "reading", || {
             let mut about = Vec::new();
-            let SpotHeights { points, crs } = read_spot_heights(path, &self.reading())?.collect(&mut about);
+            let SpotHeights { points, crs, unit_hint } = read_spot_heights(path, &self.reading())?.collect(&mut about);
             let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
             for finding in &mut about {
                 let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
                 finding.place = place.map(|p| p.truncate());
             }
             self.findings.append(&mut about);
-            self.add_spots(points, crs.as_ref()).map_err(|error| error.in_file(path))
+            let added = self.add_spots_with(points, crs.as_ref(), unit_hint.as_ref());
+            added.map_err(|error| error.in_file(path))
         })
     }
 
@@ -100,20 +103,25 @@ impl Side {
     }
 }
 
-/// Adds the figures at the check points of a file, whose heights are in `unit`. Findings about the points are added to
-/// `findings`. `memory` is the memory that reading may take, bytes; no limit if `None`.
+/// Adds the figures at the check points of a file. Their heights are in `unit`; if it is `None`: in that of the vertical
+/// part of their coordinate reference system, else in that of the contours of the pair, else in metres. Findings about
+/// the points are added to `findings`. `memory` is the memory that reading may take, bytes; no limit if `None`.
 ///
 /// # Errors
 /// As [`read_spot_heights`] and [`add_check_points`].
 pub fn read_check_points(
     found: &mut Comparison,
     pair: &Pair,
-    (path, unit): (&Path, ElevationUnit),
+    (path, unit): (&Path, Option<ElevationUnit>),
     memory: Option<u64>,
     findings: &mut Vec<Finding>,
 ) -> Result<()> {
     let reading = ReadOptions { memory, ..ReadOptions::default() };
     let mut checks = read_spot_heights(path, &reading)?.collect(findings);
+    let crs = checks.crs.as_ref().filter(|crs| crs.height_unit().is_some());
+    let hint = checks.unit_hint.as_ref();
+    let heights = Elevations { what: "the check points", asked: unit, otherwise: pair.unit(), crs, hint };
+    let unit = heights.unit(findings);
     checks.points.iter_mut().for_each(|point| point.z = unit.metres(point.z));
     add_check_points(found, pair, &checks, path)
 }

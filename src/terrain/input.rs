@@ -12,8 +12,10 @@ use glam::DVec3;
 
 use super::arrays;
 use super::plane::{named, on_plane};
+use super::units::Elevations;
+use crate::base::ElevationUnit;
 use crate::base::error::{Finding, Report, Result};
-use crate::contour::{ContourMap, ElevationUnit, Lake};
+use crate::contour::{ContourMap, Lake, UnitHint};
 use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
 use crate::subdomains::Frame;
@@ -25,8 +27,10 @@ pub struct InputOptions {
     pub elevation_field: Option<String>,
     /// The layer of a file with several, by its name.
     pub layer: Option<String>,
-    /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres.
-    pub unit: ElevationUnit,
+    /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres. If `None`: that
+    /// of the vertical part of the coordinate reference system, each file's own; else, for spot heights and lakes, that
+    /// of the contours; else metres.
+    pub unit: Option<ElevationUnit>,
     /// The coordinate reference system of the contours, if the file names none or a wrong one.
     pub crs: Option<Crs>,
     /// The projected system in metres to work in. If `None`: the contours' own or, for degrees and feet, the one that
@@ -57,7 +61,10 @@ pub struct Input {
     pub sampled: Option<Sampled>,
     /// The file of the contours.
     pub(super) file: Option<PathBuf>,
+    /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
+    /// The unit that the caller asks for.
+    pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
     pub(super) memory: Option<u64>,
     pub(super) is_prepared: bool,
@@ -96,9 +103,16 @@ impl Input {
     pub(super) fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
         let mut findings = Vec::new();
         let map = read.collect(&mut findings);
-        let map = named(options.unit.map_in_metres(map), options.crs.as_ref(), &mut findings);
+        let unit = unit_of(&map, options, &mut findings);
+        let map = named(map.in_metres(unit), options.crs.as_ref(), &mut findings);
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
-        Ok(Self { map, findings, reprojection, unit: options.unit, memory: options.memory, ..Self::default() })
+        let (asked_unit, memory) = (options.unit, options.memory);
+        Ok(Self { map, findings, reprojection, unit, asked_unit, memory, ..Self::default() })
+    }
+
+    /// The unit that the elevations of the contours had before they became metres.
+    pub fn unit(&self) -> ElevationUnit {
+        self.unit
     }
 
     /// The file of the contours, if they are from one.
@@ -111,30 +125,54 @@ impl Input {
         self.file.as_ref().map_or("the contours".into(), |file| file.display().to_string().into())
     }
 
-    /// Adds spot heights (x, y, height in the unit of the contours), which the surface then passes through. They are in
-    /// the contours' coordinate reference system if `crs` is `None`.
+    /// Adds spot heights (x, y, height), which the surface then passes through. They are in the contours' coordinate
+    /// reference system if `crs` is `None`. [`InputOptions::unit`] says in which unit heights are.
     ///
     /// # Errors
     /// If their system cannot be converted to the working one, or a point has no place on the working plane.
     pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
+        self.add_spots_with(spots, crs, None)
+    }
+
+    /// [`Input::add_spots`] with what their file lets suppose about the unit.
+    pub(super) fn add_spots_with(
+        &mut self,
+        spots: impl IntoIterator<Item = DVec3>,
+        crs: Option<&Crs>,
+        hint: Option<&UnitHint>,
+    ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
+        let unit = self.unit_beside("the spot heights", crs, hint);
         for spot in spots {
-            let spot = spot.truncate().extend(self.unit.metres(spot.z));
+            let spot = spot.truncate().extend(unit.metres(spot.z));
             self.map.spots.push(to_working.point(spot)?);
         }
         Ok(())
     }
 
-    /// Adds lakes: level ground at their height (in the unit of the contours), otherwise at the height of their shore.
-    /// They are in the contours' coordinate reference system if `crs` is `None`.
+    /// The unit of heights that come with the contours.
+    fn unit_beside(&mut self, what: &str, crs: Option<&Crs>, hint: Option<&UnitHint>) -> ElevationUnit {
+        // A plane in feet was told of for the contours.
+        let crs = crs.filter(|crs| crs.height_unit().is_some());
+        let heights = Elevations { what, asked: self.asked_unit, otherwise: self.unit, crs, hint };
+        heights.unit(&mut self.findings)
+    }
+
+    /// Adds lakes: level ground at their height, otherwise at the height of their shore. They are in the contours'
+    /// coordinate reference system if `crs` is `None`. [`InputOptions::unit`] says in which unit heights are.
     ///
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn add_lakes(&mut self, lakes: impl IntoIterator<Item = Lake>, crs: Option<&Crs>) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
+        let mut lakes = lakes.into_iter().peekable();
+        let unit = match lakes.peek() {
+            Some(_) => self.unit_beside("the heights of the lakes", crs, None),
+            None => self.unit,
+        };
         for lake in lakes {
             let polygon = to_working.polygon(&lake.polygon)?;
-            self.lakes.push(self.unit.lake_in_metres(Lake { polygon, ..lake }));
+            self.lakes.push(Lake { polygon, ..lake }.in_metres(unit));
         }
         Ok(())
     }
@@ -147,4 +185,23 @@ impl Input {
         self.frame = Frame::Polygon(self.reprojection.bring(crs)?.boundary(area)?);
         Ok(())
     }
+}
+
+/// The unit of the elevations of a map as it was read. Elevations in the findings about it become metres.
+fn unit_of(map: &ContourMap, options: &InputOptions, findings: &mut Vec<Finding>) -> ElevationUnit {
+    // A system that is named in place of the file's may say nothing about heights.
+    let named = options.crs.as_ref();
+    let stating = [named, map.crs.as_ref()].into_iter().flatten().find(|crs| crs.height_unit().is_some());
+    let elevations = Elevations {
+        what: "the elevations",
+        asked: options.unit,
+        otherwise: ElevationUnit::Metre,
+        crs: stating.or(named).or(map.crs.as_ref()),
+        hint: map.unit_hint.as_ref(),
+    };
+    let mut about_unit = Vec::new();
+    let unit = elevations.unit(&mut about_unit);
+    findings.iter_mut().flat_map(|finding| &mut finding.elevations).for_each(|z| *z = unit.metres(*z));
+    findings.append(&mut about_unit);
+    unit
 }

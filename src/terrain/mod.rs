@@ -19,6 +19,7 @@ mod plane;
 mod prepare;
 #[cfg(all(test, feature = "io"))]
 mod tests;
+mod units;
 
 pub use arrays::{RaggedLines, TriangleArrays};
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};

@@ -1,5 +1,6 @@
 //! Reprojection of the contours to the working plane.
 
+use crate::base::ElevationUnit;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, reproject};
 use crate::crs::{Crs, CrsKind, Reprojection, working_crs};
@@ -30,11 +31,12 @@ pub(super) fn on_plane(
         return Err(Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs });
     }
     let working = match (work, &map.crs) {
-        (Some(work), _) => work.clone(),
+        (Some(work), _) => work.with_heights_in(ElevationUnit::Metre),
         (None, Some(crs)) if kind.is_some() => working_crs(crs, map.contours.iter().flat_map(|c| &c.points).copied())?,
         (None, crs) => {
             let reprojection = Reprojection::unmoved(crs.clone());
-            return Ok((map, reprojection));
+            let crs = reprojection.working_crs().cloned();
+            return Ok((ContourMap { crs, ..map }, reprojection));
         }
     };
     let (map, reprojection) = reproject(map, &working)?.collect(findings);

@@ -156,6 +156,58 @@ fn all_kinds_of_numbers() {
     }
 }
 
+/// Writes a GeoTIFF of 2 x 1 cells of 40 and 100, with these keys and this metadata of GDAL.
+fn tiff_with(path: &Path, keys: &[[u16; 4]], metadata: &str) {
+    let mut encoder = TiffEncoder::new(fs::File::create(path).unwrap()).unwrap();
+    let mut image = encoder.new_image::<colortype::GrayI16>(2, 1).unwrap();
+    let tags = image.encoder();
+    tags.write_tag(Tag::ModelPixelScaleTag, &[2.0_f64, 2.0, 0.0][..]).unwrap();
+    tags.write_tag(Tag::ModelTiepointTag, &[0.0_f64, 0.0, 0.0, 100.0, 50.0, 0.0][..]).unwrap();
+    let directory: Vec<u16> =
+        [1, 1, 0, keys.len() as u16].into_iter().chain(keys.as_flattened().iter().copied()).collect();
+    tags.write_tag(Tag::GeoKeyDirectoryTag, &directory[..]).unwrap();
+    if !metadata.is_empty() {
+        tags.write_tag(Tag::Unknown(42112), metadata).unwrap();
+    }
+    image.write_data(&[40, 100]).unwrap();
+}
+
+#[test]
+fn heights_in_feet_become_metres_where_the_header_says_feet() {
+    let dir = TempDir::new().unwrap();
+    let path = &dir.path().join("a.tif");
+    // EPSG:26912 is in metres, EPSG:2222 in feet.
+    let (metric, feet) = ([3072, 0, 1, 26912], [3072, 0, 1, 2222]);
+    let unit = |name: &str| {
+        format!("<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">{name}</Item></GDALMetadata>")
+    };
+    let [m, ft, us] = [1.0, 0.3048, 1200.0 / 3937.0];
+    for (keys, metadata, metres, kind) in [
+        (vec![metric], String::new(), m, None),
+        (vec![metric], unit("m"), m, None),
+        (vec![metric], unit("ft"), ft, Some(FindingKind::HeightUnit)),
+        (vec![metric], unit("US survey foot"), us, Some(FindingKind::HeightUnit)),
+        (vec![metric, [4099, 0, 1, 9002]], String::new(), ft, Some(FindingKind::HeightUnit)),
+        (vec![metric, [4099, 0, 1, 9003]], String::new(), us, Some(FindingKind::HeightUnit)),
+        (vec![metric, [4096, 0, 1, 6360]], String::new(), us, Some(FindingKind::HeightUnit)),
+        (vec![feet, [4099, 0, 1, 9001]], String::new(), m, None),
+        (vec![feet], String::new(), m, Some(FindingKind::UnitDoubt)),
+        (vec![feet], unit("metre"), m, None),
+    ] {
+        tiff_with(path, &keys, &metadata);
+        let read = read_dem(path).unwrap();
+        let expected = [40.0, 100.0].map(|height: f64| (height * metres) as f32);
+        assert_eq!(read.value.dem.values, expected, "{keys:?} {metadata}");
+        assert_eq!(read.findings.iter().map(|f| f.kind).next(), kind, "{keys:?} {metadata}");
+    }
+    // A vertical part of the system, in a file beside it.
+    tiff_with(path, &[[1024, 0, 1, 32767]], "");
+    fs::write(dir.path().join("a.prj"), Crs::from_epsg(8700).wkt.unwrap()).unwrap();
+    let read = read_dem(path).unwrap();
+    assert_eq!(read.value.dem.values, [12.192, 30.48]);
+    assert_eq!(read.value.dem.crs.and_then(|crs| crs.epsg), Some(2222));
+}
+
 #[test]
 fn marks_that_are_not_named_are_found_and_told() {
     let dir = TempDir::new().unwrap();

@@ -10,4 +10,5 @@ mod derive;
 mod existing_outputs;
 mod file_troubles;
 mod out_of_proportion;
+mod units;
 mod verbs;

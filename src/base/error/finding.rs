@@ -114,6 +114,8 @@ kinds! {
     OffInterval = "off-interval", Note, "levels off the vertical interval";
     /// An elevation of 0 where the ground is not at 0, or a number that stands for "no data".
     ZeroElevation = "zero-elevation", Error, "elevations that are 0 or stand for no data";
+    /// The unit of elevations is not certain: the signs of it contradict each other, or the unit in use.
+    UnitDoubt = "unit-doubt", Warning, "elevations whose unit is not certain";
     /// Some elevations are in feet and some in metres.
     MixedUnits = "mixed-units", Error, "metres and feet mixed";
     /// A line's elevation contradicts the lines around it.

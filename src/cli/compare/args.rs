@@ -10,8 +10,9 @@ use crate::cli::surface::SurfaceArgs;
 
 /// Differences between two height maps or surfaces of contours
 ///
-/// Differences are A − B. A and B are height maps or contours. The surface of contours is evaluated at the cell centres
-/// of the other side. If two height maps have different grids, A is interpolated at the cell centres of B.
+/// Differences are A − B, in metres: heights in feet become metres first. A and B are height maps or contours. The
+/// surface of contours is evaluated at the cell centres of the other side. If two height maps have different grids, A
+/// is interpolated at the cell centres of B.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 #[command(mut_arg("contours", |arg| arg.index(1).value_name("A").help(

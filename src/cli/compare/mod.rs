@@ -17,6 +17,7 @@ use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_chec
 use super::console::Console;
 use super::failure::Failure;
 use super::output;
+use super::unit::UnitArg;
 use super::{memory, summary};
 
 /// Runs the verb.
@@ -30,7 +31,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let options = MeasureOptions { sigma: args.sigma, interval: args.interval };
     let measured = measure(&pair, &options, console).and_then(|mut found| {
         if let Some(path) = &args.input.map.points {
-            let points = (path.as_path(), args.input.map.unit.unit());
+            let points = (path.as_path(), args.input.map.unit.map(UnitArg::unit));
             read_check_points(&mut found, &pair, points, memory::available(), &mut findings)?;
         }
         Ok(found)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use tokosen::GridSpec;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::io::Content;
 use tokosen::surface::Triangles;
@@ -80,7 +81,7 @@ fn side_of_contours(
         Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.to_owned()) },
         None => args.grid.spec()?,
     };
-    let options = args.surface.options(Some(&grid), Triangles::Reference)?;
+    let options = args.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
     // Each side may have a working plane of its own.
     for finding in &mut terrain.findings {

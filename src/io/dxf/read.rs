@@ -7,6 +7,7 @@ use super::groups::GroupReader;
 use super::layers::Layers;
 use super::names::{LayerFilter, TextEncoding};
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::contour::UnitHint;
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
 
@@ -248,7 +249,13 @@ impl<'a> Drawing<'a> {
         }
         let mut problem = "a DXF does not name its coordinate reference system".to_owned();
         if let Some(unit) = self.unit.and_then(foreign_unit) {
-            problem.push_str(&format!("; its unit is said to be {unit}, and heights are taken as metres"));
+            problem.push_str(&format!("; its unit is said to be {unit}"));
+            if unit.ends_with("feet") {
+                let says = format!("the drawing says that its unit is {unit}");
+                self.table.unit_hint = Some(UnitHint { says, is_feet: true });
+            } else {
+                problem.push_str(", and heights are taken as metres");
+            }
         }
         self.table.crs_problem = Some(problem);
         Ok(self.table)

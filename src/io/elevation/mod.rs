@@ -4,6 +4,8 @@
 //! choice is not clear, the result is an error that lists the attributes. A wrong guess would give a wrong map without
 //! any message.
 
+mod unit_hint;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -53,6 +55,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         return Err(Error::file(path, format!("there is no line in it{}", table.found_words())));
     }
     let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     drop(items);
 
     let spots_before = findings.len();
@@ -90,7 +93,8 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
     }
     findings.extend(spot_findings);
-    Ok(Report { value: ContourMap { contours, spots, depressions, crs: table.crs, ..ContourMap::default() }, findings })
+    let map = ContourMap { contours, spots, depressions, crs: table.crs, unit_hint, ..ContourMap::default() };
+    Ok(Report { value: map, findings })
 }
 
 /// The points of a table as spot heights.
@@ -101,6 +105,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
     let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     drop(items);
     let lines: usize = table.features.iter().map(|feature| feature.lines.len()).sum();
     if lines > 0 {
@@ -133,7 +138,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
     }
-    Ok(Report { value: SpotHeights { points, crs: table.crs }, findings })
+    Ok(Report { value: SpotHeights { points, crs: table.crs, unit_hint }, findings })
 }
 
 /// The height of each feature's polygons, by the feature's number. Features without a height are missing.
@@ -203,7 +208,6 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
 
 /// Decides which attribute or coordinate holds the elevations of all items. An unclear choice is an error.
 fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<ElevationSource> {
-    let constant_z = |item: &Item<'_>| item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
     let has_z = items.iter().any(|item| item.z.is_some());
     if let Some(named) = named {
         return match find_field(fields, named) {
@@ -296,6 +300,11 @@ fn spot_items(table: &Table) -> Vec<Item<'_>> {
 
 fn value<'a>(item: &Item<'a>, field: usize) -> &'a Value {
     item.values.iter().find(|(index, _)| *index == field).map_or(&Value::Null, |(_, value)| value)
+}
+
+/// The z coordinate of an item, if it is the same everywhere.
+fn constant_z(item: &Item<'_>) -> Option<f64> {
+    item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z)
 }
 
 /// The value of a field if it is a finite number, or text that is a finite number.

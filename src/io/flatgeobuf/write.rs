@@ -54,7 +54,7 @@ pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>, crs: Option<&Crs>) ->
     let mut writer = FgbWriter::create_with_options(layer.name, kind, options).map_err(failed)?;
     for column in layer.columns {
         let (kind, width) = match column.kind {
-            Kind::Real => (ColumnType::Double, None),
+            Kind::Real | Kind::Height | Kind::HeightError => (ColumnType::Double, None),
             Kind::Int => (ColumnType::Long, None),
             Kind::Text(most) => (ColumnType::String, Some(i32::from(most))),
             Kind::LongText => (ColumnType::String, None),

@@ -154,7 +154,7 @@ fn add_layer(db: &Connection, layer: &Layer<'_>, srs_id: i32) -> rusqlite::Resul
         .columns
         .iter()
         .map(|column| match column.kind {
-            Kind::Real => format!(", {} DOUBLE", quoted(column.name)),
+            Kind::Real | Kind::Height | Kind::HeightError => format!(", {} DOUBLE", quoted(column.name)),
             Kind::Int => format!(", {} INTEGER", quoted(column.name)),
             Kind::Text(_) | Kind::LongText => format!(", {} TEXT", quoted(column.name)),
             Kind::Bool => format!(", {} BOOLEAN", quoted(column.name)),

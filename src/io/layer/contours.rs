@@ -1,10 +1,10 @@
 //! The layer of contours.
 
-use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
+use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape, rounded_error};
 use crate::contour::{ContourLayer, Source};
 
 const COLUMNS: &[Column] = &[
-    Column { name: "elev", kind: Kind::Real },
+    Column { name: "elev", kind: Kind::Height },
     Column { name: "source", kind: Kind::Text(12) },
     Column { name: "is_index", kind: Kind::Bool },
     Column { name: "depression", kind: Kind::Bool },
@@ -13,18 +13,15 @@ const COLUMNS: &[Column] = &[
 
 /// The same columns, with the expected errors of each line.
 const WITH_ERRORS: &[Column] = &[
-    Column { name: "elev", kind: Kind::Real },
+    Column { name: "elev", kind: Kind::Height },
     Column { name: "source", kind: Kind::Text(12) },
     Column { name: "is_index", kind: Kind::Bool },
     Column { name: "depression", kind: Kind::Bool },
     Column { name: "closed", kind: Kind::Bool },
-    Column { name: "err_v", kind: Kind::Real },
+    Column { name: "err_v", kind: Kind::HeightError },
     Column { name: "err_h", kind: Kind::Real },
     Column { name: "inferred", kind: Kind::Bool },
 ];
-
-/// The expected error is written to millimetres; more decimals would have no meaning.
-const DECIMALS: f64 = 1e3;
 
 /// The features of a layer of contours; see [`write_contours`](crate::io::write_contours) for their attributes.
 pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
@@ -43,7 +40,7 @@ pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
             Cell::Bool(line.is_closed()),
         ];
         if with_errors {
-            let rounded = |error: f64| Cell::Real((error * DECIMALS).round() / DECIMALS);
+            let rounded = |error: f64| Cell::Real(rounded_error(error));
             cells.extend(match line.expected {
                 Some(expected) => {
                     [rounded(expected.vertical), rounded(expected.horizontal), Cell::Bool(expected.inferred)]

@@ -14,6 +14,11 @@ use crate::base::error::{Error, Result};
 pub enum Kind {
     /// A finite number.
     Real,
+    /// A finite number: a height in metres. An output has it in its own unit of heights.
+    Height,
+    /// A finite number: the error of a height in metres, rounded to three decimals. An output has it in its own unit of
+    /// heights, rounded likewise.
+    HeightError,
     /// A whole number between ±2⁵³. Beyond that, programs read JSON numbers differently.
     Int,
     /// Text of at most this many bytes in UTF-8. Some formats reserve the same space for every value.
@@ -37,7 +42,7 @@ pub struct Column {
 /// The value of an attribute.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// A value of [`Kind::Real`].
+    /// A value of [`Kind::Real`], [`Kind::Height`] or [`Kind::HeightError`].
     Real(f64),
     /// A value of [`Kind::Int`].
     Int(i64),
@@ -181,6 +186,14 @@ impl Shape<'_> {
     }
 }
 
+/// An expected error has three decimals; more would have no meaning.
+const ERROR_SCALE: f64 = 1e3;
+
+/// An expected error as it is written.
+pub(super) fn rounded_error(error: f64) -> f64 {
+    (error * ERROR_SCALE).round() / ERROR_SCALE
+}
+
 /// Twice the area of a closed ring, positive if it is counterclockwise.
 ///
 /// The turn at an extreme vertex would be exact, but it is wrong where a ring touches itself at that vertex.
@@ -197,7 +210,9 @@ impl Cell<'_> {
     fn flaw(&self, kind: Kind) -> Option<&'static str> {
         match (self, kind) {
             (Self::Null, _) | (Self::Bool(_), Kind::Bool) | (Self::Text(_), Kind::LongText) => None,
-            (Self::Real(number), Kind::Real) => (!number.is_finite()).then_some("is not finite"),
+            (Self::Real(number), Kind::Real | Kind::Height | Kind::HeightError) => {
+                (!number.is_finite()).then_some("is not finite")
+            }
             (Self::Int(number), Kind::Int) => {
                 (number.unsigned_abs() > GREATEST_INT).then_some("is too large a whole number")
             }

@@ -14,8 +14,8 @@ const COLUMNS: &[Column] = &[
     Column { name: "id", kind: Kind::Int },
     Column { name: "class", kind: Kind::Text(20) },
     Column { name: "is_open", kind: Kind::Bool },
-    Column { name: "band_lo", kind: Kind::Real },
-    Column { name: "band_hi", kind: Kind::Real },
+    Column { name: "band_lo", kind: Kind::Height },
+    Column { name: "band_hi", kind: Kind::Height },
     Column { name: "n_ib", kind: Kind::Int },
     // Four counts of up to ten digits, with their words.
     Column { name: "mixture", kind: Kind::Text(96) },

@@ -10,12 +10,12 @@ use crate::io::format::VectorFormat;
 pub const REPAIRED_LAYERS: [&str; 2] = ["contours", "spot_heights"];
 
 const LINE_COLUMNS: &[Column] = &[
-    Column { name: "elev", kind: Kind::Real },
+    Column { name: "elev", kind: Kind::Height },
     Column { name: "feature", kind: Kind::Int },
     Column { name: "depression", kind: Kind::Bool },
 ];
 
-const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Real }];
+const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Height }];
 
 /// The contours of a map.
 ///

@@ -1,9 +1,10 @@
-//! Layers in the coordinates of the output, if these differ from the working coordinates.
+//! Layers in the coordinates and the unit of heights of the output, if these differ from those inside.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::features::{Layer, Row, Shape};
+use super::features::{Cell, Column, Kind, Layer, Row, Shape, rounded_error};
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
 use crate::crs::FromWorking;
 
@@ -16,7 +17,10 @@ enum ReprojectedShape {
 }
 
 /// The reprojected shapes of layers.
-pub(in crate::io) struct ReprojectedShapes(Vec<Vec<ReprojectedShape>>);
+pub(in crate::io) struct ReprojectedShapes {
+    shapes: Vec<Vec<ReprojectedShape>>,
+    unit: ElevationUnit,
+}
 
 impl ReprojectedShapes {
     /// Reprojects all shapes of the layers. Vertices of the input get their input coordinates.
@@ -37,9 +41,9 @@ impl ReprojectedShapes {
                 Ok(match &row.shape {
                     // A finding stays valid without its place, so a point may lose its coordinates.
                     Shape::Point(point) => ReprojectedShape::Point(point.and_then(|p| back.place(p))),
-                    Shape::Contour(points, z) => ReprojectedShape::Contour(flat(points)?, *z),
+                    Shape::Contour(points, z) => ReprojectedShape::Contour(flat(points)?, back.height(*z)),
                     Shape::Line(points) => {
-                        let place = |p: &DVec3| Ok(place(p.truncate())?.extend(p.z));
+                        let place = |p: &DVec3| Ok(place(p.truncate())?.extend(back.height(p.z)));
                         ReprojectedShape::Line(points.iter().map(place).collect::<Result<_>>()?)
                     }
                     Shape::Area(rings) => {
@@ -49,26 +53,40 @@ impl ReprojectedShapes {
             };
             layer.rows.par_iter().map(shape).collect()
         };
-        Ok(Self(layers.iter().map(layer).collect::<Result<_>>()?))
+        Ok(Self { shapes: layers.iter().map(layer).collect::<Result<_>>()?, unit: back.unit() })
     }
 
-    /// The layers with the reprojected shapes instead of their own.
+    /// The layers with the reprojected shapes instead of their own, and with the heights of attributes in the unit of
+    /// the output.
     pub fn layers<'a>(&'a mut self, layers: &'a [Layer<'a>]) -> Vec<Layer<'a>> {
-        let row = |(row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
+        let unit = self.unit;
+        let row = |columns: &[Column], (row, reprojected): (&'a Row<'a>, &'a mut ReprojectedShape)| {
             let shape = match reprojected {
                 ReprojectedShape::Point(point) => Shape::Point(*point),
                 ReprojectedShape::Contour(points, z) => Shape::Contour(points, *z),
                 ReprojectedShape::Line(points) => Shape::Line(points),
                 ReprojectedShape::Area(rings) => Shape::Area(std::mem::take(rings)),
             };
-            Row { shape, cells: row.cells.clone() }
+            // A cell without a column is refused when the layer is checked.
+            let kind = |k: usize| columns.get(k).map(|column| column.kind);
+            let cells = row.cells.iter().enumerate().map(|(k, cell)| in_unit(cell, kind(k), unit)).collect();
+            Row { shape, cells }
         };
         let layer = |(layer, reprojected): (&'a Layer<'a>, &'a mut Vec<ReprojectedShape>)| Layer {
             name: layer.name,
             geometry: layer.geometry,
             columns: layer.columns,
-            rows: layer.rows.iter().zip(reprojected).map(row).collect(),
+            rows: layer.rows.iter().zip(reprojected).map(|pair| row(layer.columns, pair)).collect(),
         };
-        layers.iter().zip(&mut self.0).map(layer).collect()
+        layers.iter().zip(&mut self.shapes).map(layer).collect()
+    }
+}
+
+/// A cell with its height, if it holds one, in a unit.
+fn in_unit<'a>(cell: &Cell<'a>, kind: Option<Kind>, unit: ElevationUnit) -> Cell<'a> {
+    match (cell, kind) {
+        (Cell::Real(height), Some(Kind::Height)) => Cell::Real(unit.from_metres(*height)),
+        (Cell::Real(error), Some(Kind::HeightError)) if unit.is_foot() => Cell::Real(rounded_error(unit.about(*error))),
+        _ => cell.clone(),
     }
 }

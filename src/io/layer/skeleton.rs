@@ -13,16 +13,16 @@ const LINE_COLUMNS: &[Column] = &[
     Column { name: "network", kind: Kind::Int },
     Column { name: "length", kind: Kind::Real },
     Column { name: "upper_end", kind: Kind::Text(8) },
-    Column { name: "upper_z", kind: Kind::Real },
+    Column { name: "upper_z", kind: Kind::Height },
     Column { name: "lower_end", kind: Kind::Text(8) },
-    Column { name: "lower_z", kind: Kind::Real },
+    Column { name: "lower_z", kind: Kind::Height },
 ];
 
 const TRIANGLE_COLUMNS: &[Column] = &[
     Column { name: "kind", kind: Kind::Text(12) },
     Column { name: "region", kind: Kind::Int },
-    Column { name: "band_lo", kind: Kind::Real },
-    Column { name: "band_hi", kind: Kind::Real },
+    Column { name: "band_lo", kind: Kind::Height },
+    Column { name: "band_hi", kind: Kind::Height },
 ];
 
 const MESH_COLUMNS: &[Column] =

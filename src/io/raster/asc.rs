@@ -1,6 +1,7 @@
 //! ESRI ASCII grids (`.asc`): a header of words and numbers, then the heights as text, row by row from the north.
 //!
-//! The coordinate reference system is in the `.prj` beside the file. Cells need not be square: then `dx` and `dy`
+//! The coordinate reference system is in the `.prj` beside the file, a unit of heights other than the metre in
+//! `.asc.aux.xml`, as GDAL reads it. Cells need not be square: then `dx` and `dy`
 //! replace `cellsize`, as in GDAL.
 
 use std::fs::File;
@@ -9,9 +10,11 @@ use std::path::Path;
 
 use glam::DVec2;
 
+use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, room};
 use super::output::{create, write_text};
-use super::quantity::Quantity;
+use super::pam::{self, Band};
+use super::quantity::Values;
 use super::sidecar;
 use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
@@ -28,8 +31,11 @@ const USUAL_NODATA: f64 = -9999.0;
 pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let (header, mut words) = open(path)?;
     let grid = header.grid(path)?;
+    let crs = sidecar::read_prj(path)?;
+    let aux = sidecar::read_aux_xml(path)?.unwrap_or_default();
+    let unit = height_unit([aux.unit.as_deref()], crs.as_ref());
     let mut values = room(path, grid.cols as u64, grid.rows as u64, words.length)?;
-    let mut heights = Heights::new(Coding { nodata: Some(header.nodata), scale: 1.0, offset: 0.0 });
+    let mut heights = Heights::new(Coding { nodata: Some(header.nodata), scale: unit.metres, offset: 0.0 });
     let place = |index: usize| format!("row {}, column {}", index / grid.cols + 1, index % grid.cols + 1);
     for (index, value) in values.iter_mut().enumerate() {
         let Some(word) = words.next(path)? else {
@@ -46,8 +52,8 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         let message = format!("holds more heights than its {} rows of {} have cells", grid.rows, grid.cols);
         return Err(Error::file(path, message));
     }
-    let crs = sidecar::read_prj(path)?;
-    Ok(Report { value: Dem { grid, values, crs }, findings: heights.findings().into_iter().collect() })
+    let findings = unit.finding.into_iter().chain(heights.findings()).collect();
+    Ok(Report { value: Dem { grid, values, crs }, findings })
 }
 
 /// Reads only the grid, from the header.
@@ -203,8 +209,9 @@ impl Header {
     }
 }
 
-/// Writes `dem` to `path`, and `.prj` beside it if the coordinate reference system is known.
-pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
+/// Writes `dem` to `path`, and `.prj` beside it if the coordinate reference system is known. Feet are stated in
+/// `.asc.aux.xml`.
+pub(super) fn write(path: &Path, dem: &Dem, values: Values) -> Result<()> {
     let Grid { corner, cell, cols, rows } = dem.grid;
     let nodata = free_mark(&dem.values);
     create(path, |out| {
@@ -227,6 +234,10 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
         }
         Ok(())
     })?;
+    if values.factor().is_some() {
+        let band = Band { name: values.name(), unit: values.unit(), offset: 0.0, scale: 1.0, nodata: None };
+        pam::write_aux_xml(path, dem, &[band])?;
+    }
     match dem.crs.as_ref().and_then(|crs| crs.wkt1().or(crs.wkt())) {
         Some(wkt) => write_text(&path.with_extension("prj"), wkt),
         None => Ok(()),

@@ -15,10 +15,11 @@ use exr::prelude::{
     LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 
+use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, check_size};
 use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
-use super::quantity::{Quantity, STANDARD_ERROR};
+use super::quantity::{STANDARD_ERROR, Values};
 use super::sidecar;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
@@ -40,11 +41,11 @@ const ENCODING: Encoding = Encoding {
 /// Writes `dem` to `path` and its nodata value to `path` + `.aux.xml`.
 ///
 /// The standard errors, if there are any, are a second channel.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&[f32]>) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, values: Values, errors: Option<&[f32]>) -> Result<()> {
     let heights = AnyChannel::new(HEIGHTS, FlatSamples::F32(dem.values.clone()));
     let second = errors.map(|errors| AnyChannel::new(ERRORS, FlatSamples::F32(errors.to_vec())));
     let mut attributes = LayerAttributes {
-        comments: Some(Text::from(format!("{}; NaN where there is no data", quantity.words()).as_str())),
+        comments: Some(Text::from(format!("{}; NaN where there is no data", values.words()).as_str())),
         software_name: Some(Text::from(PROGRAM)),
         ..LayerAttributes::default()
     };
@@ -75,8 +76,8 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
             other => Filled::Format(other.into()),
         })
     })?;
-    let band = Band { name: quantity.name(), unit: quantity.unit(), offset: 0.0, scale: 1.0, nodata: Some("nan") };
-    let second = Band { name: STANDARD_ERROR, unit: Quantity::Height.unit(), ..band };
+    let band = Band { name: values.name(), unit: values.unit(), offset: 0.0, scale: 1.0, nodata: Some("nan") };
+    let second = Band { name: STANDARD_ERROR, ..band };
     let bands = [band, second];
     pam::write_aux_xml(path, dem, &bands[..1 + usize::from(errors.is_some())])
 }
@@ -150,7 +151,10 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
         let message = format!("the file has the channels {}; the first is taken for the heights", names.join(", "));
         findings.push(Finding::general(FindingKind::OtherBands, message));
     }
-    let coding = Coding { nodata: aux.nodata, scale: aux.scale.unwrap_or(1.0), offset: aux.offset.unwrap_or(0.0) };
+    let unit = height_unit([aux.unit.as_deref()], crs.as_ref());
+    findings.extend(unit.finding);
+    let [scale, offset] = [aux.scale.unwrap_or(1.0), aux.offset.unwrap_or(0.0)].map(|steps| steps * unit.metres);
+    let coding = Coding { nodata: aux.nodata, scale, offset };
     let mut heights = Heights::new(coding);
     let mut values: Vec<f32> = match channel.sample_data {
         FlatSamples::F32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),
@@ -190,6 +194,7 @@ pub(super) fn flip(values: &mut [f32], cols: usize) {
 mod tests {
     use exr::prelude::{ReadChannels, ReadLayers, read};
 
+    use super::super::quantity::Quantity;
     use super::super::tests::sample;
     use super::*;
 
@@ -199,7 +204,7 @@ mod tests {
         let path = dir.path().join("dem.exr");
         let mut dem = sample(37, 53);
         dem.crs = Some(Crs { epsg: None, wkt: Some("LOCAL_CS[\"平面\"]".into()) });
-        write(&path, &dem, Quantity::Height, None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), None).unwrap();
         let image = read()
             .no_deep_data()
             .largest_resolution_level()

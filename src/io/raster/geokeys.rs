@@ -13,7 +13,19 @@ const GEOGRAPHIC_CITATION: u16 = 2049;
 const PROJECTED_TYPE: u16 = 3072;
 const PROJECTED_CITATION: u16 = 3073;
 
+const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNIT: u16 = 4099;
+
+/// Vertical systems in wide use, by EPSG code, with their units: NAVD88, NGVD29, mean sea level, local datums in feet;
+/// NAVD88, NGVD29, mean sea level, EGM96 and EGM2008 in metres.
+const VERTICAL_SYSTEMS: &[(&[u16], &str)] = &[
+    (&[6360, 5702, 8052], US_SURVEY_FOOT),
+    (&[8228, 8050, 6130, 6131, 6132], FOOT),
+    (&[5703, 7968, 5714, 5773, 3855], METRE),
+];
+const METRE: &str = "metre";
+const FOOT: &str = "foot";
+const US_SURVEY_FOOT: &str = "US survey foot";
 
 const MODEL_PROJECTED: u16 = 1;
 const MODEL_GEOGRAPHIC: u16 = 2;
@@ -96,12 +108,16 @@ impl GeoKeys {
         self.number(RASTER_TYPE) == Some(RASTER_PIXEL_IS_POINT)
     }
 
-    /// The unit of the heights, if it is a foot.
+    /// The name of the unit of heights: of the key for it, otherwise of the vertical system.
     pub fn vertical_unit(&self) -> Option<&'static str> {
-        match self.number(VERTICAL_UNIT)? {
-            9002 => Some("foot"),
-            9003 => Some("US survey foot"),
-            _ => None,
+        match self.number(VERTICAL_UNIT) {
+            Some(9001) => Some(METRE),
+            Some(9002) => Some(FOOT),
+            Some(9003) => Some(US_SURVEY_FOOT),
+            _ => {
+                let code = self.number(VERTICAL_TYPE)?;
+                VERTICAL_SYSTEMS.iter().find(|(codes, _)| codes.contains(&code)).map(|(_, unit)| *unit)
+            }
         }
     }
 
@@ -151,6 +167,21 @@ mod tests {
         assert_eq!(back.wkt.unwrap(), "PROJCS[\"Site / ??\",GEOGCS[\"g\"],UNIT[\"metre\",1]]");
         assert_eq!(back.epsg, None);
         assert_eq!(GeoKeys::of(&Crs { epsg: None, wkt: None }), None);
+    }
+
+    #[test]
+    fn the_unit_of_heights_is_that_of_its_key_or_of_the_vertical_system() {
+        let unit = |keys: &[[u16; 4]]| {
+            let mut found = GeoKeys::default();
+            found.push(keys);
+            found.vertical_unit()
+        };
+        assert_eq!(unit(&[[VERTICAL_UNIT, 0, 1, 9003]]), Some("US survey foot"));
+        assert_eq!(unit(&[[VERTICAL_TYPE, 0, 1, 6360]]), Some("US survey foot"));
+        assert_eq!(unit(&[[VERTICAL_TYPE, 0, 1, 8228]]), Some("foot"));
+        assert_eq!(unit(&[[VERTICAL_TYPE, 0, 1, 6360], [VERTICAL_UNIT, 0, 1, 9001]]), Some("metre"));
+        assert_eq!(unit(&[[VERTICAL_TYPE, 0, 1, 5103]]), None);
+        assert_eq!(unit(&[]), None);
     }
 
     #[test]

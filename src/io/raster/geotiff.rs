@@ -17,7 +17,7 @@ use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfigurati
 
 use super::geokeys::GeoKeys;
 use super::output::{Filled, create};
-use super::quantity::{Quantity, STANDARD_ERROR};
+use super::quantity::{Quantity, STANDARD_ERROR, Values};
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::dem::Dem;
@@ -38,19 +38,20 @@ const NODATA: f32 = -9999.0;
 /// GDAL's own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
-fn metadata(quantity: Quantity, with_errors: bool) -> String {
+fn metadata(values: Values, with_errors: bool) -> String {
     let of_band = |band: u8, name: &str, role: &str, text: &str| {
         format!("  <Item name=\"{name}\" sample=\"{band}\" role=\"{role}\">{text}</Item>\n")
     };
     let item = |name: &str, role: &str, text: &str| of_band(0, name, role, text);
-    let unit = quantity.unit().map(|(unit, _)| item("UNITTYPE", "unittype", unit)).unwrap_or_default();
+    let unit = values.unit().map(|(unit, _)| item("UNITTYPE", "unittype", unit)).unwrap_or_default();
     // Readers expect heights in a height map; other values are named.
-    let name = match quantity {
+    let name = match values.quantity {
         Quantity::Height if !with_errors => String::new(),
         other => item("DESCRIPTION", "description", other.name()),
     };
     let errors = if with_errors {
-        of_band(1, "DESCRIPTION", "description", STANDARD_ERROR) + &of_band(1, "UNITTYPE", "unittype", "m")
+        let unit = values.unit().map(|(unit, _)| of_band(1, "UNITTYPE", "unittype", unit)).unwrap_or_default();
+        of_band(1, "DESCRIPTION", "description", STANDARD_ERROR) + &unit
     } else {
         String::new()
     };
@@ -58,15 +59,15 @@ fn metadata(quantity: Quantity, with_errors: bool) -> String {
 }
 
 /// Writes `dem` to `path`, with a second band of `errors` if there are any.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&[f32]>) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, values: Values, errors: Option<&[f32]>) -> Result<()> {
     let bands = 1 + u64::from(errors.is_some());
     let tiles = bands * dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
     let big = tiles * (TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
     create(path, |out| {
         let written = if big {
-            write_kind::<TiffKindBig>(out, dem, quantity, errors)
+            write_kind::<TiffKindBig>(out, dem, values, errors)
         } else {
-            write_kind::<TiffKindStandard>(out, dem, quantity, errors)
+            write_kind::<TiffKindStandard>(out, dem, values, errors)
         };
         written.map_err(|error| match error {
             TiffError::IoError(error) => Filled::Io(error),
@@ -79,7 +80,7 @@ pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity, errors: Option<&
 fn write_kind<K: TiffKind>(
     out: impl Write + Seek,
     dem: &Dem,
-    quantity: Quantity,
+    values: Values,
     errors: Option<&[f32]>,
 ) -> std::result::Result<(), TiffError> {
     let grid = dem.grid;
@@ -128,7 +129,7 @@ fn write_kind<K: TiffKind>(
     directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
     directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
     directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;
-    directory.write_tag(GDAL_METADATA, metadata(quantity, errors.is_some()).as_str())?;
+    directory.write_tag(GDAL_METADATA, metadata(values, errors.is_some()).as_str())?;
     if let Some(keys) = dem.crs.as_ref().and_then(GeoKeys::of) {
         directory.write_tag(Tag::GeoKeyDirectoryTag, keys.directory.as_slice())?;
         if !keys.ascii.is_empty() {
@@ -191,7 +192,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         for (cols, rows) in [(3, 2), (256, 256), (257, 255), (300, 700)] {
             let dem = sample(cols, rows);
-            write(&path, &dem, Quantity::Height, None).unwrap();
+            write(&path, &dem, Quantity::Height.into(), None).unwrap();
             let (values, nodata) = read(&path);
             assert_eq!(nodata, "-9999");
             assert_eq!(values.len(), cols * rows);
@@ -211,7 +212,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         let mut dem = sample(20, 20);
         dem.values[0] = -9999.0;
-        write(&path, &dem, Quantity::Height, None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), None).unwrap();
         let (values, nodata) = read(&path);
         assert_eq!(values[0], -9999.0);
         assert!(values[21].is_nan());
@@ -225,10 +226,10 @@ mod tests {
         let mut dem = sample(4, 4);
         let wkt = "PROJCS[\"own\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.25]]],UNIT[\"metre\",1]]";
         dem.crs = Some(Crs { epsg: None, wkt: Some(wkt.into()) });
-        write(&path, &dem, Quantity::Height, None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, dem.crs);
         dem.crs = None;
-        write(&path, &dem, Quantity::Height, None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, None);
     }
 
@@ -236,7 +237,7 @@ mod tests {
     fn the_large_kind_reads_back_too() {
         let dem = sample(300, 20);
         let mut file = std::io::Cursor::new(Vec::new());
-        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height, None).unwrap();
+        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height.into(), None).unwrap();
         assert_eq!(file.get_ref()[2], 43);
         file.set_position(0);
         let DecodingResult::F32(values) = Decoder::new(file).unwrap().read_image().unwrap() else { panic!("not f32") };

@@ -9,7 +9,8 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::heights::{Coding, Heights, check_size, metres_in, room, unit_finding};
+use super::height_unit::height_unit;
+use super::heights::{Coding, Heights, check_size, room};
 use super::like::{self, Tiff};
 use super::quantity::STANDARD_ERROR;
 use super::sidecar::{Aux, elements};
@@ -157,9 +158,11 @@ fn coding(path: &Path, tiff: &mut Tiff, findings: &mut Vec<Finding>) -> Result<C
             }
         }
     }
-    let unit = own.unit.or(tiff.aux.unit.clone()).or(tiff.keys.vertical_unit().map(str::to_owned)).unwrap_or_default();
-    findings.extend(unit_finding(&unit));
-    let metres = metres_in(&unit).unwrap_or(1.0);
+    let system = [&tiff.crs, &tiff.aux.crs].into_iter().flatten().find(|crs| crs.height_unit().is_some());
+    let names = [own.unit.as_deref(), tiff.aux.unit.as_deref(), tiff.keys.vertical_unit()];
+    let unit = height_unit(names, system.or(tiff.crs.as_ref()));
+    findings.extend(unit.finding);
+    let metres = unit.metres;
     let bits = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).map_err(wrong)?.unwrap_or_default();
     let format = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(wrong)?.unwrap_or_default();
     let is_f32 = bits.first() == Some(&32) && format.first() == Some(&3);

@@ -13,7 +13,7 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 use super::output::create;
 use super::pam;
 use super::png as grey;
-use super::quantity::Quantity;
+use super::quantity::{Quantity, Values};
 use super::sidecar::Placement;
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
@@ -58,9 +58,13 @@ pub(super) fn placement(path: &Path, size: (u32, u32)) -> Option<Placement> {
 
 /// Writes `dem` to `path` in the colours of elevation tiles. The placement goes into `.pgw` and `.png.aux.xml` beside
 /// it.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
-    if quantity != Quantity::Height {
-        return Err(Error::Parameter(format!("elevation tiles hold heights, not {}", quantity.name())));
+pub(super) fn write(path: &Path, dem: &Dem, values: Values) -> Result<()> {
+    if values.quantity != Quantity::Height {
+        return Err(Error::Parameter(format!("elevation tiles hold heights, not {}", values.name())));
+    }
+    if values.factor().is_some() {
+        let unit = values.heights.name();
+        return Err(Error::Parameter(format!("elevation tiles hold heights in metres, not in {unit}")));
     }
     for (index, height) in dem.values.iter().enumerate() {
         if height.is_finite() && color(*height).is_none() {

@@ -1,4 +1,4 @@
-//! Converts stored values into heights: possible sizes, scales, units and nodata values.
+//! Converts stored values into heights: possible sizes, scales and nodata values.
 
 use std::path::Path;
 
@@ -94,28 +94,4 @@ impl Heights {
         );
         (self.odd > 0).then(|| Finding::general(FindingKind::NoHeight, message))
     }
-}
-
-/// Metres per unit of height, by the unit's name. `None` if the name is not known.
-pub(super) fn metres_in(unit: &str) -> Option<f64> {
-    match unit.trim().to_ascii_lowercase().as_str() {
-        "" | "m" | "metre" | "meter" | "metres" | "meters" => Some(1.0),
-        "ft" | "foot" | "feet" | "foot (international)" | "international foot" => Some(0.3048),
-        "us-ft" | "ftus" | "us survey foot" | "foot_us" | "us survey feet" | "foot us" => Some(1200.0 / 3937.0),
-        "dm" | "decimetre" | "decimeter" => Some(0.1),
-        "cm" | "centimetre" | "centimeter" => Some(0.01),
-        "mm" | "millimetre" | "millimeter" => Some(0.001),
-        "km" | "kilometre" | "kilometer" => Some(1000.0),
-        _ => None,
-    }
-}
-
-/// The finding that heights were not in metres, or that their unit is unknown.
-pub(super) fn unit_finding(unit: &str) -> Option<Finding> {
-    let message = match metres_in(unit) {
-        Some(1.0) => return None,
-        Some(_) => format!("the heights are in {unit} and were turned into metres"),
-        None => format!("the heights are in {unit:?}, which is not known; they are taken as metres"),
-    };
-    Some(Finding::general(FindingKind::HeightUnit, message))
 }

@@ -19,6 +19,7 @@ mod geokeys;
 mod geotiff;
 mod geotiff_read;
 mod gsi_tile;
+mod height_unit;
 mod heights;
 mod like;
 mod output;
@@ -31,11 +32,14 @@ mod read;
 mod sidecar;
 mod xyz;
 
+use std::borrow::Cow;
 use std::path::Path;
 
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;
 use output::check;
+use quantity::Values;
 
 pub use picture::{write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
@@ -62,6 +66,9 @@ pub struct RasterParams {
     pub quantity: Quantity,
     /// How a PNG stores them. The other formats have only one way.
     pub png: PngEncoding,
+    /// The unit in which heights and differences of heights are written. In memory they are metres. The file states the
+    /// unit, except `.xyz`, which has no place for it.
+    pub unit: ElevationUnit,
 }
 
 /// Writes a height map in the format of the extension of `path`, with its sidecar files beside it.
@@ -78,13 +85,13 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
 /// One of these is the case:
 /// - The extension is not in [`DEM_EXTENSIONS`].
 /// - The grid has no cells or an invalid placement.
-/// - The grid or a value does not fit the format.
+/// - The grid or a value does not fit the format. Elevation tiles hold heights in metres only.
 /// - The operating system reports an error.
 pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let write: fn(&Path, &Dem, Quantity) -> Result<()> = match extension.as_str() {
-        "tif" | "tiff" => |path, dem, quantity| geotiff::write(path, dem, quantity, None),
-        "exr" => |path, dem, quantity| exr::write(path, dem, quantity, None),
+    let write: fn(&Path, &Dem, Values) -> Result<()> = match extension.as_str() {
+        "tif" | "tiff" => |path, dem, values| geotiff::write(path, dem, values, None),
+        "exr" => |path, dem, values| exr::write(path, dem, values, None),
         "png" if params.png == PngEncoding::Gsi => gsi_tile::write,
         "png" => png::write,
         "asc" => asc::write,
@@ -100,27 +107,46 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
         }
     };
     check(path, dem)?;
-    write(path, dem, params.quantity)
+    let values = Values { quantity: params.quantity, heights: params.unit };
+    write(path, &in_file(dem, values), values)
+}
+
+/// A raster as a file holds it: values in their unit there, a system that does not contradict it.
+fn in_file(dem: &Dem, values: Values) -> Cow<'_, Dem> {
+    let crs = dem.crs.as_ref().map(|crs| crs.with_heights_in(values.heights));
+    match values.factor() {
+        None if crs == dem.crs => Cow::Borrowed(dem),
+        None => Cow::Owned(Dem { crs, ..dem.clone() }),
+        Some(factor) => Cow::Owned(Dem { values: times(&dem.values, factor), grid: dem.grid, crs }),
+    }
+}
+
+/// Values in another unit.
+fn times(values: &[f32], factor: f64) -> Vec<f32> {
+    values.iter().map(|&value| (f64::from(value) * factor) as f32).collect()
 }
 
 /// The extensions of the formats that hold a second value per cell, for messages.
 pub const TWO_BAND_EXTENSIONS: [&str; 3] = ["tif", "tiff", "exr"];
 
-/// Writes a height map with the standard error of every cell, metres. The errors are the second band of a GeoTIFF or a
+/// Writes a height map with the standard error of every cell; both are in metres, and in `unit` in the file. The errors are the second band of a GeoTIFF or a
 /// second channel of an OpenEXR file. An error of NaN means no data.
 ///
 /// # Errors
 /// As [`write_raster`]. Also if the format is another one, or if there is not one error per cell.
-pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32]) -> Result<()> {
+pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32], unit: ElevationUnit) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     check(path, dem)?;
     if errors.len() != dem.values.len() {
         let message = format!("{}: {} errors for {} cells", path.display(), errors.len(), dem.values.len());
         return Err(Error::Parameter(message));
     }
+    let values = Values { quantity: Quantity::Height, heights: unit };
+    let dem = &in_file(dem, values);
+    let errors = &values.factor().map_or(Cow::Borrowed(errors), |factor| Cow::Owned(times(errors, factor)));
     match extension.as_str() {
-        "tif" | "tiff" => geotiff::write(path, dem, Quantity::Height, Some(errors)),
-        "exr" => exr::write(path, dem, Quantity::Height, Some(errors)),
+        "tif" | "tiff" => geotiff::write(path, dem, values, Some(errors)),
+        "exr" => exr::write(path, dem, values, Some(errors)),
         _ => {
             let known = TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
             Err(Error::file(
@@ -137,6 +163,7 @@ mod tests {
 
     use super::*;
     use crate::base::Grid;
+    use crate::base::error::FindingKind;
     use crate::crs::Crs;
 
     /// A small tilted surface with a hole.
@@ -169,10 +196,10 @@ mod tests {
             dem.values.iter().enumerate().map(|(i, v)| if v.is_nan() { *v } else { i as f32 * 1e-3 }).collect();
         for extension in TWO_BAND_EXTENSIONS {
             let path = dir.path().join("dem").with_extension(extension);
-            write_with_errors(&path, &dem, &errors).unwrap();
+            write_with_errors(&path, &dem, &errors, ElevationUnit::Metre).unwrap();
             let report = read_dem(&path).unwrap();
             let kinds: Vec<_> = report.findings.iter().map(|f| f.kind).collect();
-            assert_eq!(kinds, [crate::base::error::FindingKind::UnknownCrs], "nothing is left out of {extension}");
+            assert_eq!(kinds, [FindingKind::UnknownCrs], "nothing is left out of {extension}");
             let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
             assert!(bits(&report.value.dem.values) == bits(&dem.values), "{extension}");
             let read = read_standard_errors(&path).unwrap().unwrap();
@@ -183,11 +210,40 @@ mod tests {
         }
         for extension in ["png", "asc", "xyz"] {
             let path = dir.path().join("dem").with_extension(extension);
-            let error = write_with_errors(&path, &dem, &errors).unwrap_err().to_string();
+            let error = write_with_errors(&path, &dem, &errors, ElevationUnit::Metre).unwrap_err().to_string();
             assert!(error.contains(".tif, .tiff, .exr") && !path.exists(), "{error}");
         }
-        let short = write_with_errors(&dir.path().join("dem.tif"), &dem, &errors[1..]);
+        let short = write_with_errors(&dir.path().join("dem.tif"), &dem, &errors[1..], ElevationUnit::Metre);
         assert!(matches!(short, Err(Error::Parameter(_))));
+    }
+
+    #[test]
+    fn heights_in_feet_come_back_as_metres_from_every_format_that_states_them() {
+        let dir = tempfile::tempdir().unwrap();
+        // NAD83 / Arizona East (ft) + NAVD88 height (ft): a system that contradicts US survey feet.
+        let dem = Dem { crs: Some(Crs::from_epsg(8700)), ..sample(20, 20) };
+        for unit in [ElevationUnit::Foot, ElevationUnit::UsSurveyFoot] {
+            let params = RasterParams { unit, ..RasterParams::default() };
+            for extension in READABLE_EXTENSIONS {
+                let path = dir.path().join(format!("{}.{extension}", unit.symbol()));
+                write_raster(&path, &dem, &params).unwrap();
+                let read = read_dem(&path).unwrap();
+                let kinds: Vec<FindingKind> = read.findings.iter().map(|finding| finding.kind).collect();
+                assert_eq!(kinds, [FindingKind::HeightUnit], "{unit:?} {extension}");
+                let close = |(a, b): (&f32, &f32)| a.is_nan() == b.is_nan() && !((a - b).abs() > 5e-3);
+                assert!(read.value.dem.values.iter().zip(&dem.values).all(close), "{unit:?} {extension}");
+                assert_eq!(read.value.dem.crs.and_then(|crs| crs.epsg), Some(2222), "{unit:?} {extension}");
+                // Metres are nothing to tell of.
+                let path = dir.path().join(format!("metres.{extension}"));
+                write_dem(&path, &dem).unwrap();
+                let read = read_dem(&path).unwrap();
+                assert_eq!(read.value.dem.values.len(), 400);
+                let told = read.findings.iter().find(|finding| finding.kind == FindingKind::HeightUnit);
+                assert_eq!(told, None, "{unit:?} {extension}");
+            }
+        }
+        let params = RasterParams { unit: ElevationUnit::Foot, png: PngEncoding::Gsi, ..RasterParams::default() };
+        assert!(write_raster(&dir.path().join("tile.png"), &dem, &params).is_err());
     }
 
     #[test]

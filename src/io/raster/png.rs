@@ -1,4 +1,4 @@
-//! 16-bit grey PNG height maps: **height = offset + scale * value**, metres.
+//! 16-bit grey PNG height maps: **height = offset + scale * value**, metres, or feet if those are asked for.
 //!
 //! The scale is the smallest step of the series 1, 2, 5, 10 ... with which the heights fit into 16 bits. The offset is
 //! a multiple of one metre, or of the scale if that is coarser. Therefore whole metres are exact, and every other
@@ -16,7 +16,7 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 use super::output::{Filled, create, geo_transform};
 use super::pam::{self, Band};
-use super::quantity::Quantity;
+use super::quantity::Values;
 use crate::base::error::Result;
 use crate::dem::Dem;
 use crate::io::maker::PROGRAM;
@@ -25,15 +25,15 @@ use crate::io::maker::PROGRAM;
 const FINEST_EXPONENT: i32 = -4;
 
 /// Writes `dem` to `path`, and `.png.aux.xml` and `.pgw` beside it.
-pub(super) fn write(path: &Path, dem: &Dem, quantity: Quantity) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, values: Values) -> Result<()> {
     let coding = Coding::of(&dem.values);
-    create(path, |out| encode(out, dem, &coding, quantity).map_err(filled))?;
+    create(path, |out| encode(out, dem, &coding, values).map_err(filled))?;
     pam::write_aux_xml(
         path,
         dem,
         &[Band {
-            name: quantity.name(),
-            unit: quantity.unit(),
+            name: values.name(),
+            unit: values.unit(),
             offset: coding.offset,
             scale: coding.scale,
             nodata: coding.holes.then_some("0"),
@@ -49,15 +49,18 @@ pub(super) fn filled(error: EncodingError) -> Filled {
     }
 }
 
-fn encode(out: impl Write, dem: &Dem, coding: &Coding, quantity: Quantity) -> std::result::Result<(), EncodingError> {
+fn encode(out: impl Write, dem: &Dem, coding: &Coding, values: Values) -> std::result::Result<(), EncodingError> {
     // The caller has checked that both fit into 31 bits.
     let mut encoder = Encoder::new(out, dem.grid.cols as u32, dem.grid.rows as u32);
     encoder.set_color(ColorType::Grayscale);
     encoder.set_depth(BitDepth::Sixteen);
-    describe(&mut encoder, dem, coding.formula(quantity))?;
+    describe(&mut encoder, dem, coding.formula(values))?;
     let mut text = |key: &str, value: String| encoder.add_text_chunk(key.to_owned(), value);
     text("Scale", coding.scale.to_string())?;
     text("Offset", coding.offset.to_string())?;
+    if let (Some(_), Some((unit, _))) = (values.factor(), values.unit()) {
+        text("Unit", unit.into())?;
+    }
     if coding.holes {
         text("NoData", "0".into())?;
     }
@@ -137,9 +140,9 @@ impl Coding {
         ((f64::from(height) - self.offset) / self.scale).round() as u16
     }
 
-    fn formula(&self, quantity: Quantity) -> String {
+    fn formula(&self, values: Values) -> String {
         let holes = if self.holes { "; value 0: no data" } else { "" };
-        format!("{} = {} + {} * value{holes}", quantity.words(), self.offset, self.scale)
+        format!("{} = {} + {} * value{holes}", values.words(), self.offset, self.scale)
     }
 }
 
@@ -151,6 +154,7 @@ fn decimal(digit: f64, exponent: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::quantity::Quantity;
     use super::super::tests::sample;
     use super::*;
 
@@ -168,7 +172,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("dem.png");
         let dem = sample(41, 29);
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height.into()).unwrap();
         let (values, info) = read(&path);
         assert_eq!((info.width, info.height), (41, 29));
         let number = |key: &str| -> f64 {

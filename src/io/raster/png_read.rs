@@ -11,7 +11,8 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
-use super::heights::{Coding, Heights, check_size, metres_in, unit_finding};
+use super::height_unit::height_unit;
+use super::heights::{Coding, Heights, check_size};
 use super::sidecar::{self, Aux, Placement};
 use super::{exr, gsi_tile};
 use crate::base::error::{Error, Report, Result};
@@ -105,6 +106,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
             "Scale" => aux.scale = number(),
             "Offset" => aux.offset = number(),
             "NoData" => aux.nodata = number(),
+            "Unit" => aux.unit = Some(text.trim().to_owned()),
             "GeoTransform" => aux.transform = sidecar::six_numbers(text),
             "EPSG" if aux.crs.is_none() => aux.crs = text.trim().parse().ok().map(Crs::from_epsg),
             _ => {}
@@ -144,8 +146,9 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
     let Some(placement) = placed(path, size, &own, &beside)? else {
         return Err(Error::file(path, "has no georeferencing; put a world file (.pgw) beside it"));
     };
-    let unit = beside.unit.unwrap_or_default();
-    let metres = metres_in(&unit).unwrap_or(1.0);
+    let crs = system(path, own.crs, beside.crs)?;
+    let unit = height_unit([own.unit.as_deref(), beside.unit.as_deref()], crs.as_ref());
+    let metres = unit.metres;
     // Scale, offset and nodata value must come from the same file.
     let (scale, offset, nodata) = match own.scale {
         Some(scale) => (scale, own.offset, own.nodata),
@@ -154,9 +157,9 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
     let mut heights = Heights::new(Coding { nodata, scale: scale * metres, offset: offset.unwrap_or(0.0) * metres });
     let values =
         pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
-    let mut findings: Vec<_> = unit_finding(&unit).into_iter().collect();
+    let mut findings: Vec<_> = unit.finding.into_iter().collect();
     findings.extend(heights.findings());
-    let dem = turned(placement, values, system(path, own.crs, beside.crs)?);
+    let dem = turned(placement, values, crs);
     Ok(Report { value: dem, findings })
 }
 

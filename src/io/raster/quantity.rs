@@ -1,5 +1,7 @@
 //! The quantities that a raster can hold, and their names in files.
 
+use crate::base::ElevationUnit;
+
 /// What the values of a raster are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
@@ -28,18 +30,59 @@ impl Quantity {
         }
     }
 
-    /// Its unit: the name that programs use, and words.
-    pub(super) fn unit(self) -> Option<(&'static str, &'static str)> {
-        match self {
-            Self::Height | Self::Difference => Some(("m", "metres")),
-            Self::Slope | Self::Aspect => Some(("degree", "degrees")),
-            Self::Shade => None,
+    /// Whether it is measured in a unit of height.
+    fn is_vertical(self) -> bool {
+        matches!(self, Self::Height | Self::Difference)
+    }
+}
+
+/// The values in a file: a quantity in its unit there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Values {
+    pub quantity: Quantity,
+    /// The unit of heights.
+    pub heights: ElevationUnit,
+}
+
+impl From<Quantity> for Values {
+    /// The quantity, with heights in metres.
+    fn from(quantity: Quantity) -> Self {
+        Self { quantity, heights: ElevationUnit::Metre }
+    }
+}
+
+impl Values {
+    /// The name of the quantity.
+    pub fn name(self) -> &'static str {
+        self.quantity.name()
+    }
+
+    /// The unit: the name that programs use, and words.
+    pub fn unit(self) -> Option<(&'static str, &'static str)> {
+        match self.quantity {
+            quantity if quantity.is_vertical() => Some((programs_name(self.heights), self.heights.name())),
+            Quantity::Slope | Quantity::Aspect => Some(("degree", "degrees")),
+            _ => None,
         }
     }
 
     /// What the values are, such as `height in metres`.
-    pub(super) fn words(self) -> String {
+    pub fn words(self) -> String {
         self.unit().map_or(self.name().to_owned(), |(_, unit)| format!("{} in {unit}", self.name()))
+    }
+
+    /// The factor from values in memory to those in the file. `None` if they are the same.
+    pub fn factor(self) -> Option<f64> {
+        (self.quantity.is_vertical() && self.heights.is_foot()).then(|| self.heights.about(1.0))
+    }
+}
+
+/// The name of a unit of heights that GDAL and programs on top of it use.
+fn programs_name(unit: ElevationUnit) -> &'static str {
+    match unit {
+        ElevationUnit::Metre => "m",
+        ElevationUnit::Foot => "ft",
+        ElevationUnit::UsSurveyFoot => "US survey foot",
     }
 }
 

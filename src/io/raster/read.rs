@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use super::{asc, exr, geotiff_read, like, png_read};
-use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
+use crate::base::{ElevationUnit, Grid};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::crs_finding::crs_finding;
@@ -31,7 +31,8 @@ pub struct DemFile {
 /// Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
 ///
 /// 64-bit floating point and 32-bit whole numbers are rounded to 32-bit floating point. Scale and offset of the file
-/// are applied, and feet become metres. If there are several bands, the first one is used.
+/// are applied. Feet become metres, if the band states its unit (unit type, GeoTIFF key) or the vertical part of the
+/// coordinate reference system does. If there are several bands, the first one is used.
 ///
 /// # Errors
 /// One of these is the case:
@@ -52,7 +53,9 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
         _ => return Err(unknown(path)),
     };
     check_file(path)?;
-    let Report { value: dem, mut findings } = read(path)?;
+    let Report { value: mut dem, mut findings } = read(path)?;
+    // Heights are metres now.
+    dem.crs = dem.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
     let missing = || "the height map does not name its coordinate reference system".to_owned();
     findings.extend(crs_finding(dem.crs.as_ref(), missing));
     Ok(Report { value: DemFile { dem, product: None }, findings })

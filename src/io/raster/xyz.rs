@@ -5,12 +5,12 @@ use std::io::Write;
 use std::path::Path;
 
 use super::output::create;
-use super::quantity::Quantity;
+use super::quantity::Values;
 use crate::base::error::Result;
 use crate::dem::Dem;
 
 /// Writes `dem` to `path`. All numbers have enough digits to give exactly the same number again.
-pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
+pub(super) fn write(path: &Path, dem: &Dem, _: Values) -> Result<()> {
     let grid = dem.grid;
     let x: Vec<f64> = (0..grid.cols).map(|col| grid.center(col, 0).x).collect();
     create(path, |out| {
@@ -26,6 +26,7 @@ pub(super) fn write(path: &Path, dem: &Dem, _: Quantity) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::quantity::Quantity;
     use super::super::tests::sample;
     use super::*;
 
@@ -34,7 +35,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("dem.xyz");
         let dem = sample(7, 5);
-        write(&path, &dem, Quantity::Height).unwrap();
+        write(&path, &dem, Quantity::Height.into()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<f64>> =
             text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();

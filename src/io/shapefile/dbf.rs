@@ -121,7 +121,7 @@ const MAX_TEXT_LENGTH: u8 = 254;
 /// Width of a column, bytes per record.
 fn width(column: &Column) -> u8 {
     match column.kind {
-        Kind::Real => NUMBER_WIDTH,
+        Kind::Real | Kind::Height | Kind::HeightError => NUMBER_WIDTH,
         Kind::Int => INT_WIDTH,
         Kind::Text(width) => width,
         Kind::LongText => MAX_TEXT_LENGTH,
@@ -157,7 +157,7 @@ pub(super) fn write(path: &Path, columns: &[Column], rows: &[Row<'_>]) -> std::i
         let mut descriptor = [0; 32];
         descriptor[..column.name.len()].copy_from_slice(column.name.as_bytes());
         (descriptor[11], descriptor[17]) = match column.kind {
-            Kind::Real => (b'N', NUMBER_DECIMALS),
+            Kind::Real | Kind::Height | Kind::HeightError => (b'N', NUMBER_DECIMALS),
             Kind::Text(_) | Kind::LongText => (b'C', 0),
             // Yes and no are written as a digit, because many programs show a logical field as the letters T and F.
             Kind::Int | Kind::Bool => (b'N', 0),

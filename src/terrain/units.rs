@@ -1,0 +1,148 @@
+//! The unit of the elevations of a file: what the caller asks for, what the file states, what it lets suppose.
+
+use crate::base::ElevationUnit;
+use crate::base::error::{Finding, FindingKind};
+use crate::contour::UnitHint;
+use crate::crs::{Crs, LengthUnit};
+
+/// The elevations of a file, and what is known about their unit.
+pub(super) struct Elevations<'a> {
+    /// What they are, as the subject of a sentence: `the elevations`.
+    pub what: &'a str,
+    /// The unit that the caller asks for.
+    pub asked: Option<ElevationUnit>,
+    /// The unit if nothing states one.
+    pub otherwise: ElevationUnit,
+    /// The coordinate reference system, with a vertical part if it states the unit.
+    pub crs: Option<&'a Crs>,
+    /// What the file lets suppose.
+    pub hint: Option<&'a UnitHint>,
+}
+
+impl Elevations<'_> {
+    /// Their unit. The caller's unit comes first, then that of the vertical part of the system. What contradicts the
+    /// unit is a finding, and so is a unit other than metres that nobody asked for.
+    pub fn unit(&self, findings: &mut Vec<Finding>) -> ElevationUnit {
+        let own = self.crs.and_then(Crs::height_unit);
+        let stated = own.as_ref().and_then(|own| ElevationUnit::of_size(own.metres));
+        let unit = self.asked.or(stated).unwrap_or(self.otherwise);
+        findings.extend(self.finding(own.as_ref(), stated, unit).map(|(kind, text)| Finding::general(kind, text)));
+        unit
+    }
+
+    fn finding(
+        &self,
+        own: Option<&LengthUnit>,
+        stated: Option<ElevationUnit>,
+        unit: ElevationUnit,
+    ) -> Option<(FindingKind, String)> {
+        let (what, name) = (self.what, unit.name());
+        let taken = format!("{what} are taken as {name}");
+        let hint = self.hint.filter(|hint| self.asked.is_none() && hint.contradicts(unit));
+        let states = |stated: &str| format!("the coordinate reference system states heights in {stated}");
+        Some(match (own, stated, hint) {
+            (Some(own), None, _) if self.asked.is_none() => {
+                (FindingKind::UnitDoubt, format!("{}, which is no unit known here; {taken}", states(&own.name)))
+            }
+            (_, Some(stated), None) if stated != unit => {
+                (FindingKind::UnitDoubt, format!("{}; {taken} all the same", states(stated.name())))
+            }
+            (_, Some(stated), Some(hint)) => {
+                (FindingKind::UnitDoubt, format!("{}, but {}; {taken}", states(stated.name()), hint.says))
+            }
+            (_, None, Some(hint)) => (FindingKind::UnitDoubt, format!("{}; {taken}", hint.says)),
+            (_, Some(stated), None) if self.asked.is_none() && stated.is_foot() => {
+                (FindingKind::HeightUnit, format!("{}; {what} were turned into metres", states(name)))
+            }
+            _ => return self.doubt_by_the_plane(unit).map(|text| (FindingKind::UnitDoubt, text)),
+        })
+    }
+
+    /// The sentence about a plane in feet if nothing states the unit of elevations, and they are taken as metres.
+    fn doubt_by_the_plane(&self, unit: ElevationUnit) -> Option<String> {
+        let is_open = self.asked.is_none() && !unit.is_foot() && self.hint.is_none();
+        let crs = self.crs.filter(|crs| is_open && crs.height_unit().is_none())?;
+        let plane = crs.length_unit().and_then(|own| ElevationUnit::of_size(own.metres)).filter(|own| own.is_foot())?;
+        let (what, plane) = (self.what, plane.name());
+        Some(format!("the coordinates are {plane}, and nothing states the unit of heights; {what} are taken as metres"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::ElevationUnit::{Foot, Metre, UsSurveyFoot};
+
+    /// The unit, and the kinds of the findings with their sentences.
+    fn unit(
+        asked: Option<ElevationUnit>,
+        crs: &Crs,
+        hint: Option<bool>,
+        otherwise: ElevationUnit,
+    ) -> (ElevationUnit, Vec<(FindingKind, String)>) {
+        let says = |is_feet| UnitHint { says: "the field \"x\" seems to hold another unit".into(), is_feet };
+        let hint = hint.map(says);
+        let mut findings = Vec::new();
+        let elevations = Elevations { what: "the elevations", asked, otherwise, crs: Some(crs), hint: hint.as_ref() };
+        let unit = elevations.unit(&mut findings);
+        (unit, findings.into_iter().map(|finding| (finding.kind, finding.message)).collect())
+    }
+
+    /// NAD83 / Arizona East (ft) + NAVD88 height (ft), the same without heights, UTM with heights in metres.
+    const FEET: u32 = 8700;
+    const PLANE_IN_FEET: u32 = 2222;
+    const METRES: u32 = 5972;
+
+    #[test]
+    fn what_is_certain_is_used_and_told() {
+        let (found, told) = unit(None, &Crs::from_epsg(FEET), None, Metre);
+        let text = "the coordinate reference system states heights in feet; the elevations were turned into metres";
+        assert_eq!((found, told), (Foot, vec![(FindingKind::HeightUnit, text.to_owned())]));
+        assert_eq!(unit(None, &Crs::from_epsg(METRES), None, Metre), (Metre, vec![]));
+        assert_eq!(unit(None, &Crs::from_epsg(METRES), None, Foot), (Metre, vec![]));
+        assert_eq!(unit(Some(Foot), &Crs::from_epsg(FEET), None, Metre), (Foot, vec![]));
+        // A hint that agrees adds nothing.
+        assert_eq!(unit(None, &Crs::from_epsg(FEET), Some(true), Metre).1.len(), 1);
+    }
+
+    #[test]
+    fn what_is_likely_is_told_and_not_used() {
+        let doubt = |asked, crs, hint, otherwise| {
+            let (found, told) = unit(asked, &Crs::from_epsg(crs), hint, otherwise);
+            assert!(told.len() == 1 && told[0].0 == FindingKind::UnitDoubt, "{told:?}");
+            (found, told[0].1.clone())
+        };
+        let (found, text) = doubt(None, 32612, Some(true), Metre);
+        assert_eq!(found, Metre);
+        assert_eq!(text, "the field \"x\" seems to hold another unit; the elevations are taken as metres");
+        let (found, text) = doubt(None, PLANE_IN_FEET, None, Metre);
+        assert_eq!(found, Metre);
+        assert!(text.starts_with("the coordinates are feet, and nothing states"), "{text}");
+        // Two statements that contradict each other.
+        let (found, text) = doubt(None, FEET, Some(false), Metre);
+        assert_eq!(found, Foot);
+        assert!(text.ends_with("seems to hold another unit; the elevations are taken as feet"), "{text}");
+        assert_eq!(doubt(None, METRES, Some(true), Metre).0, Metre);
+        let (found, text) = doubt(Some(UsSurveyFoot), FEET, None, Metre);
+        assert_eq!(found, UsSurveyFoot);
+        assert!(text.ends_with("heights in feet; the elevations are taken as US survey feet all the same"), "{text}");
+    }
+
+    #[test]
+    fn a_unit_that_was_asked_for_leaves_no_doubt() {
+        for asked in [Metre, Foot] {
+            assert_eq!(unit(Some(asked), &Crs::from_epsg(PLANE_IN_FEET), Some(true), Metre), (asked, vec![]));
+        }
+        assert_eq!(unit(None, &Crs::from_epsg(PLANE_IN_FEET), Some(false), Metre), (Metre, vec![]));
+        assert_eq!(unit(None, &Crs::from_epsg(PLANE_IN_FEET), None, Foot), (Foot, vec![]));
+    }
+
+    #[test]
+    fn a_vertical_unit_that_is_not_known_is_told() {
+        let plane = Crs::from_epsg(32612).wkt.expect("the table has it");
+        let text = format!("COMPD_CS[\"both\",{plane},VERT_CS[\"depth\",UNIT[\"fathom\",1.8288]]]");
+        let (found, told) = unit(None, &Crs::from_wkt(&text), None, Metre);
+        assert_eq!(found, Metre);
+        assert!(told[0].1.contains("heights in fathom, which is no unit known here"), "{told:?}");
+    }
+}
