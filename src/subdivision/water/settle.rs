@@ -152,13 +152,7 @@ fn levels_in_order(map: &ContourMap) -> Vec<f64> {
 }
 
 /// The height of a lake: its own, or that of the contour along its shore, or that of the lowest ground on the shore.
-fn height_of(
-    lake: &Lake,
-    dry: &DrySubdivision,
-    levels: &[f64],
-    net: &Net,
-    near: f64,
-) -> Result<Option<f64>> {
+fn height_of(lake: &Lake, dry: &DrySubdivision, levels: &[f64], net: &Net, near: f64) -> Result<Option<f64>> {
     let Some(height) = lake.height else {
         return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, dry)));
     };
