@@ -16,42 +16,66 @@ use crate::tin::Tin;
 const SIGHT_TRIALS: usize = 16;
 /// Up to this number of levels, one box around each is enough.
 const FEW_LEVELS: usize = 8;
-/// With more levels, the boxes around pieces of a level are those of its tree, so many steps from the root.
+/// With more levels, a level with less than this share of the border has a box around every few segments. A level with
+/// more has fewer boxes: those of its tree, so many steps from the root.
+const SMALL_SHARE: f64 = 0.05;
 const BOX_STEPS: usize = 2;
 /// A bound of a distance may be too large by this share of it, because of rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// A piece of the border.
+type Segment = Line<[f64; 2]>;
+
 /// The border of one sub-domain at one level.
 pub(super) struct LevelTree {
     pub level: f64,
-    tree: RTree<Line<[f64; 2]>>,
+    tree: RTree<Segment>,
 }
 
 impl LevelTree {
     /// Distance to the nearest segment, visible or not.
     pub fn distance(&self, from: DVec2) -> f64 {
+        self.nearest(from).0
+    }
+
+    /// The nearest segment, visible or not, with the distance to it.
+    fn nearest(&self, from: DVec2) -> (f64, Option<&Segment>) {
         let p = from.to_array();
-        self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
+        let nearest = self.tree.nearest_neighbor(&p);
+        (nearest.map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt()), nearest)
+    }
+}
+
+/// A level and its nearest segment, visible or not.
+#[derive(Clone, Copy)]
+pub(super) struct NearLevel<'a> {
+    pub distance: f64,
+    pub tree: &'a LevelTree,
+    segment: Option<&'a Segment>,
+}
+
+impl<'a> NearLevel<'a> {
+    fn new(tree: &'a LevelTree, from: DVec2) -> Self {
+        let (distance, segment) = tree.nearest(from);
+        Self { distance, tree, segment }
     }
 
     /// Distance to the nearest segment whose nearest point is visible; to the nearest segment of all if none is.
     pub fn visible_distance(&self, tin: &Tin, glimpse: &Glimpse, point: &AxisPoint) -> f64 {
-        let from = point.position;
+        let (from, level) = (point.position, self.tree.level);
         let p = from.to_array();
-        let Some(nearest) = self.tree.nearest_neighbor(&p) else { return f64::INFINITY };
-        let straight = nearest.distance_2(&p).sqrt();
-        let shown = |s: &Line<[f64; 2]>| sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p)));
+        let shown = |s: &Segment| sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p)));
         // A point with a level lies inside its triangle or on an edge of it. A view can spread from there.
         let can_spread = point.level.is_some();
-        if shown(nearest) || (can_spread && glimpse.hides(point.triangle, from, self.level)) {
-            return straight;
+        if self.segment.is_none_or(shown) || (can_spread && glimpse.hides(point.triangle, from, level)) {
+            return self.distance;
         }
-        let trials = self.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS);
+        let trials = self.tree.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS);
         if let Some((_, d2)) = trials.into_iter().find(|(s, _)| shown(s)) {
             return d2.sqrt();
         }
-        let spread = || nearest_in_sight(tin, glimpse.branches(), point.triangle, from, self.level);
-        can_spread.then(spread).flatten().unwrap_or(straight)
+        let spread = || nearest_in_sight(tin, glimpse.branches(), point.triangle, from, level);
+        can_spread.then(spread).flatten().unwrap_or(self.distance)
     }
 }
 
@@ -78,10 +102,15 @@ impl BorderLevels {
             tree: RTree::bulk_load(same.iter().map(line).collect()),
         };
         let trees: Vec<LevelTree> = segments.chunk_by(|a, b| a.0 == b.0).map(of_level).collect();
-        let steps = if trees.len() <= FEW_LEVELS { 0 } else { BOX_STEPS };
+        let is_small = |level: &LevelTree| (level.tree.size() as f64) < SMALL_SHARE * segments.len() as f64;
+        let steps = |level: &LevelTree| match () {
+            () if trees.len() <= FEW_LEVELS => 0,
+            () if is_small(level) => usize::MAX,
+            () => BOX_STEPS,
+        };
         let mut boxes = Vec::new();
         for (k, level) in (0u32..).zip(&trees) {
-            push_boxes(level.tree.root(), steps, &mut |piece: AABB<[f64; 2]>| {
+            push_boxes(level.tree.root(), steps(level), &mut |piece: AABB<[f64; 2]>| {
                 boxes.push(GeomWithData::new(Rectangle::from_aabb(piece), k));
             });
         }
@@ -94,57 +123,61 @@ impl BorderLevels {
         self.trees.get(k).filter(|tree| tree.level == level)
     }
 
-    /// The levels that are wanted with the distances to their nearest segments, visible or not, up to a distance and
-    /// some beyond. The nearest comes first, and of two at one distance the lower one.
-    pub fn nearest_first(
-        &self,
+    /// One level and its nearest segment.
+    pub fn near(&self, level: f64, at: DVec2) -> Option<NearLevel<'_>> {
+        self.of(level).map(|tree| NearLevel::new(tree, at))
+    }
+
+    /// The levels that are wanted. The nearest comes first, whether it is visible or not; of two at one distance, the
+    /// lower one.
+    pub fn nearest_first<'a>(
+        &'a self,
         at: DVec2,
-        within: f64,
-        wanted: impl Fn(f64) -> bool,
-    ) -> impl Iterator<Item = (f64, &LevelTree)> {
+        wanted: impl Fn(f64) -> bool + 'a,
+    ) -> impl Iterator<Item = NearLevel<'a>> {
         let mut boxes = self.boxes.nearest_neighbor_iter_with_distance_2(&at.to_array());
         let mut bound = 0.0;
         let mut seen: Vec<u32> = Vec::new();
-        let mut found: BinaryHeap<Candidate> = BinaryHeap::new();
+        let mut found: BinaryHeap<ByDistance> = BinaryHeap::new();
         std::iter::from_fn(move || {
-            while bound <= within && found.peek().is_none_or(|nearest| nearest.distance >= bound) {
+            while found.peek().is_none_or(|nearest| nearest.0.distance >= bound) {
                 let Some((piece, d2)) = boxes.next() else { break };
                 bound = d2.sqrt() * (1.0 - ROUNDING);
-                let k = piece.data;
-                if wanted(self.trees[k as usize].level) && !seen.contains(&k) {
-                    seen.push(k);
-                    found.push(Candidate { distance: self.trees[k as usize].distance(at), tree: k });
+                let tree = &self.trees[piece.data as usize];
+                if wanted(tree.level) && !seen.contains(&piece.data) {
+                    seen.push(piece.data);
+                    found.push(ByDistance(NearLevel::new(tree, at)));
                 }
             }
-            found.pop().map(|nearest| (nearest.distance, &self.trees[nearest.tree as usize]))
+            found.pop().map(|nearest| nearest.0)
         })
-    }
-
-    /// The nearest wanted level, by the distance to what is visible of it, and that distance.
-    pub fn nearest_visible(
-        &self,
-        tin: &Tin,
-        glimpse: &Glimpse,
-        point: &AxisPoint,
-        wanted: impl Fn(f64) -> bool,
-    ) -> Option<(f64, f64)> {
-        let mut best: Option<(f64, f64)> = None;
-        for (straight, tree) in self.nearest_first(point.position, f64::INFINITY, wanted) {
-            if best.is_some_and(|(distance, _)| straight * (1.0 - ROUNDING) > distance) {
-                break;
-            }
-            let found = (tree.visible_distance(tin, glimpse, point), tree.level);
-            if best.is_none_or(|best| found < best) {
-                best = Some(found);
-            }
-        }
-        best
     }
 }
 
-/// Passes on the boxes of a tree that are so many steps from a node.
-fn push_boxes(node: &ParentNode<Line<[f64; 2]>>, steps: usize, push: &mut impl FnMut(AABB<[f64; 2]>)) {
-    if steps == 0 {
+/// Of levels sorted by their distance, the nearest one by the distance to what is visible of it, and that distance.
+pub(super) fn nearest_visible<'a>(
+    tin: &Tin,
+    glimpse: &Glimpse,
+    point: &AxisPoint,
+    nearest_first: impl Iterator<Item = NearLevel<'a>>,
+) -> Option<(f64, f64)> {
+    let mut best: Option<(f64, f64)> = None;
+    for near in nearest_first {
+        if best.is_some_and(|(distance, _)| near.distance * (1.0 - ROUNDING) > distance) {
+            break;
+        }
+        let found = (near.visible_distance(tin, glimpse, point), near.tree.level);
+        if best.is_none_or(|best| found < best) {
+            best = Some(found);
+        }
+    }
+    best
+}
+
+/// Passes on the boxes of a tree that are so many steps from a node, or around segments only.
+fn push_boxes(node: &ParentNode<Segment>, steps: usize, push: &mut impl FnMut(AABB<[f64; 2]>)) {
+    let is_parent = |child: &RTreeNode<_>| matches!(child, RTreeNode::Parent(_));
+    if steps == 0 || !node.children().iter().any(is_parent) {
         return push(node.envelope());
     }
     for child in node.children() {
@@ -155,23 +188,25 @@ fn push_boxes(node: &ParentNode<Line<[f64; 2]>>, steps: usize, push: &mut impl F
     }
 }
 
-/// A level and its distance. In a heap, the nearest comes first, then the lower one.
-#[derive(PartialEq)]
-struct Candidate {
-    distance: f64,
-    tree: u32,
-}
+/// In a heap, the nearest level comes first, then the lower one.
+struct ByDistance<'a>(NearLevel<'a>);
 
-impl Eq for Candidate {}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.distance.total_cmp(&self.distance).then(other.tree.cmp(&self.tree))
+impl Ord for ByDistance<'_> {
+    fn cmp(&self, Self(other): &Self) -> Ordering {
+        other.distance.total_cmp(&self.0.distance).then(other.tree.level.total_cmp(&self.0.tree.level))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for ByDistance<'_> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
+
+impl PartialEq for ByDistance<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for ByDistance<'_> {}

@@ -44,18 +44,23 @@ impl<'a> Glimpse<'a> {
 
     /// Whether no vertex of a level can be seen from `from`, a point in or on triangle `t`. False if that is not sure.
     pub fn hides(&self, t: u32, from: DVec2, level: f64) -> bool {
+        self.look(t, from, level).0
+    }
+
+    /// The answer of [`hides`](Self::hides), and the number of views that it took.
+    fn look(&self, t: u32, from: DVec2, level: f64) -> (bool, usize) {
         let mut views = Vec::new();
         if self.spread(t, from, level, None, &mut views) {
-            return false;
+            return (false, 0);
         }
         let mut count = 0;
         while let Some(view) = views.pop() {
             count += 1;
             if count > MOST_VIEWS || self.spread(view.triangle, from, level, Some(view), &mut views) {
-                return false;
+                return (false, count);
             }
         }
-        true
+        (true, count)
     }
 
     /// Adds the views out of a triangle. Returns whether the triangle has a corner on the level.
@@ -101,5 +106,45 @@ impl<'a> Glimpse<'a> {
         // Limits that nearly coincide are not taken over: the view stays wider than it is.
         let is_clear = opening > off(new_right, new_left);
         Some(Some(if is_clear { [new_right, new_left] } else { [right, left] }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tin::{TinInput, VertexKind, triangulate};
+
+    /// A corridor of level 10 with a bend, which opens into a wide floor below a line of level 20.
+    fn bent_corridor() -> Tin {
+        let mut input = TinInput::new([DVec2::new(-50.0, 0.0), DVec2::new(200.0, 60.0)], 1e-6);
+        let corners = [(-50, 50), (100, 50), (100, 1), (0, 1), (0, 0), (101, 0), (101, 50), (200, 50)];
+        let mut wall = Vec::new();
+        for pair in corners.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|(x, y)| DVec2::new(f64::from(x), f64::from(y)));
+            let steps = a.distance(b).round() as u32;
+            wall.extend((0..steps).map(|k| a.lerp(b, f64::from(k) / f64::from(steps))));
+        }
+        wall.push(DVec2::new(200.0, 50.0));
+        input.push_line(&wall, 10.0, VertexKind::Contour);
+        input.push_line(&[DVec2::new(-50.0, 60.0), DVec2::new(200.0, 60.0)], 20.0, VertexKind::Contour);
+        for k in 0..2000 {
+            let (x, y) = ((f64::from(k) * 0.618).fract(), (f64::from(k) * 0.414).fract());
+            input.push(DVec2::new(250.0 * x - 50.0, 51.0 + 8.0 * y), 15.0, VertexKind::Spot);
+        }
+        triangulate(input).unwrap()
+    }
+
+    #[test]
+    fn a_view_out_of_a_bent_corridor_ends_in_it() {
+        let tin = bent_corridor();
+        let glimpse = Glimpse::new(&tin);
+        let look = |x: f64, y: f64| {
+            let place = DVec2::new(x, y) - tin.origin;
+            glimpse.look(tin.locate(0, place).unwrap(), place, 20.0)
+        };
+        let (is_hidden, views) = look(5.25, 0.5);
+        assert!(is_hidden && views < 300, "{views}");
+        assert!(!look(100.5, 40.25).0);
+        assert!(!look(50.25, 55.25).0);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::border_levels::BorderLevels;
+use super::border_levels::{BorderLevels, NearLevel, nearest_visible};
 use super::caps::Cap;
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
@@ -147,26 +147,27 @@ impl Ground<'_> {
     fn known(&self, point: &AxisPoint) -> Known {
         let at = point.position;
         let own = match point.level {
-            Some(level) => self.levels.of(level).map(|tree| (tree.distance(at), tree)),
-            None => self.levels.nearest_first(at, f64::INFINITY, |_| true).next(),
+            Some(level) => self.levels.near(level, at),
+            None => self.levels.nearest_first(at, |_| true).next(),
         };
-        let Some((own_straight, own)) = own else {
+        let Some(own) = own else {
             // Only barrier edges: the level of the contour ends at both sides is all that is known.
             let height = point.level.filter(|_| self.region.band.lo.is_finite());
             return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
         };
-        let own_level = own.level;
+        let own_level = own.tree.level;
         let side = self.region.side(own_level).unwrap_or(Side::Above);
+        let mut strangers = self.levels.nearest_first(at, |level| level != own_level).peekable();
         // Only a nearer segment can block a line of sight.
-        let stranger = self.levels.nearest_first(at, own_straight, |level| level != own_level).next();
-        let own_distance = match stranger {
-            Some((distance, _)) if distance < own_straight => own.visible_distance(self.tin, self.glimpse, point),
-            _ => own_straight,
+        let own_distance = match strangers.peek() {
+            Some(nearest) if nearest.distance < own.distance => own.visible_distance(self.tin, self.glimpse, point),
+            _ => own.distance,
         };
-        let other = self.levels.nearest_visible(self.tin, self.glimpse, point, |level| match side {
-            Side::Above => level > own_level,
-            Side::Below => level < own_level,
-        });
+        let is_beyond = |near: &NearLevel| match side {
+            Side::Above => near.tree.level > own_level,
+            Side::Below => near.tree.level < own_level,
+        };
+        let other = nearest_visible(self.tin, self.glimpse, point, strangers.filter(is_beyond));
         match other {
             Some((distance, level)) if distance + own_distance > 0.0 => {
                 let height = (own_level * distance + level * own_distance) / (distance + own_distance);
