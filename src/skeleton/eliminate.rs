@@ -5,8 +5,9 @@
 
 use rayon::prelude::*;
 
+use super::branches::{is_on_border, strip};
 use crate::subdomains::Regions;
-use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
+use crate::tin::{Tin, TriangleKind};
 
 /// The result of the elimination, by triangle.
 #[derive(Debug, Clone)]
@@ -67,9 +68,8 @@ pub fn eliminate(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, resolutio
 /// Whether edge `i` of `t` is free and has both ends on contours of one level: it spans a spur, a gully or a top.
 pub fn is_chord(tin: &Tin, t: u32, i: usize) -> bool {
     let [u, v] = tin.edge(t, i);
-    let on_contour = |v: u32| matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore);
-    on_contour(u)
-        && on_contour(v)
+    is_on_border(tin, u)
+        && is_on_border(tin, v)
         && tin.heights[u as usize] == tin.heights[v as usize]
         && tin.lake(t).is_none()
         && tin.across(t, i).is_some()
@@ -99,39 +99,22 @@ struct Branches {
 
 impl Branches {
     fn new(tin: &Tin, kinds: &[TriangleKind], regions: &Regions) -> Self {
-        let count = tin.len();
-        let mut parent = vec![NONE; count];
         let mut total = vec![f64::INFINITY; regions.regions.len()];
-        let mut free: Vec<u8> = kinds
-            .iter()
-            .map(|k| match k {
-                TriangleKind::Outside | TriangleKind::Isolated => 0,
-                TriangleKind::Terminal => 1,
-                TriangleKind::Sleeve => 2,
-                TriangleKind::Junction => 3,
-            })
-            .collect();
-        let mut length: Vec<f64> = (0..count as u32)
-            .into_par_iter()
-            .map(|t| (0..3).filter(|&i| tin.border_level(t, i).is_some()).map(|i| tin.edge_length(t, i)).sum())
-            .collect();
-        let mut leaves: Vec<u32> = (0..count as u32).filter(|&t| free[t as usize] == 1).collect();
-        while let Some(leaf) = leaves.pop() {
-            if free[leaf as usize] != 1 {
-                continue;
-            }
-            free[leaf as usize] = 0;
-            let trunk = (0..3).filter_map(|i| tin.across(leaf, i)).find(|&n| parent[n as usize] != leaf);
-            let Some(trunk) = trunk else { continue };
-            parent[leaf as usize] = trunk;
+        let free = kinds.iter().map(|k| match k {
+            TriangleKind::Outside | TriangleKind::Isolated => 0,
+            TriangleKind::Terminal => 1,
+            TriangleKind::Sleeve => 2,
+            TriangleKind::Junction => 3,
+        });
+        let around =
+            |t: u32| (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| tin.edge_length(t, i));
+        let mut length: Vec<f64> = (0..tin.len() as u32).into_par_iter().map(|t| around(t).sum()).collect();
+        let parent = strip(tin, free.collect(), |leaf, trunk, is_whole| {
             length[trunk as usize] += length[leaf as usize];
-            free[trunk as usize] -= 1;
-            match free[trunk as usize] {
-                0 => total[regions.of_triangle[trunk as usize] as usize] = length[trunk as usize],
-                1 => leaves.push(trunk),
-                _ => {}
+            if is_whole {
+                total[regions.of_triangle[trunk as usize] as usize] = length[trunk as usize];
             }
-        }
+        });
         Self { parent, length, total }
     }
 

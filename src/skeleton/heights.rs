@@ -5,18 +5,14 @@ use std::sync::LazyLock;
 
 use glam::DVec2;
 use rayon::prelude::*;
-use rstar::primitives::Line;
-use rstar::{PointDistance, RTree};
 
+use super::border_levels::{BorderLevels, NearLevel, nearest_visible};
 use super::caps::Cap;
+use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
-use super::sight::{nearest_in_sight, sees};
 use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side};
 use crate::tin::{Tin, VertexKind};
-
-/// Number of segments tested for visibility one by one, before the search by views begins. It limits the time.
-const SIGHT_TRIALS: usize = 16;
 
 /// Heights of points inside sub-domains.
 ///
@@ -35,9 +31,10 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reac
         slope_outside(tin, &all, None).unwrap_or(0.0)
     });
     let mut heights = vec![f64::NAN; points.len()];
+    let glimpse = Glimpse::new(tin);
     let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
         .into_par_iter()
-        .map(|r| region_heights(tin, regions, points, &groups, (&|| *map_slope, top_reach), r))
+        .map(|r| region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, top_reach), r))
         .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
@@ -81,43 +78,8 @@ fn borders(tin: &Tin, t: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
     (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| (t, i as u8))
 }
 
-/// The border of one sub-domain at one level, for shortest-distance queries.
-struct LevelTree {
-    level: f64,
-    tree: RTree<Line<[f64; 2]>>,
-}
-
-impl LevelTree {
-    /// Distance to the nearest segment, visible or not.
-    fn distance(&self, from: DVec2) -> f64 {
-        let p = from.to_array();
-        self.tree.nearest_neighbor(&p).map_or(f64::INFINITY, |s| s.distance_2(&p).sqrt())
-    }
-
-    /// Distance to the nearest segment whose nearest point is visible; to the nearest segment of all if none is.
-    fn visible_distance(&self, tin: &Tin, point: &AxisPoint) -> f64 {
-        let from = point.position;
-        let p = from.to_array();
-        let mut nearest = f64::INFINITY;
-        for (s, d2) in self.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS) {
-            nearest = nearest.min(d2.sqrt());
-            if sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p))) {
-                return d2.sqrt();
-            }
-        }
-        // A point with a level lies inside its triangle or on an edge of it. A view can spread from there.
-        let spread = point.level.and_then(|_| nearest_in_sight(tin, point.triangle, from, self.level));
-        spread.unwrap_or(nearest)
-    }
-
-    /// Lower limit of the distance to any segment.
-    fn lower_bound(&self, from: DVec2) -> f64 {
-        self.tree.root().envelope().distance_2(&from.to_array()).sqrt()
-    }
-}
-
 fn region_heights(
-    tin: &Tin,
+    (tin, glimpse): (&Tin, &Glimpse),
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
@@ -129,8 +91,8 @@ fn region_heights(
         return Vec::new();
     }
     let borders = groups.borders.of(region);
-    let trees = level_trees(tin, borders);
-    let ground = Ground { tin, regions, region: &regions.regions[region], trees, map_slope, top_reach };
+    let levels = BorderLevels::new(tin, borders);
+    let ground = Ground { tin, glimpse, regions, region: &regions.regions[region], levels, map_slope, top_reach };
     let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
     let mut tops: Vec<(f64, Cap)> = Vec::new();
     let spots = groups.spots.of(region);
@@ -169,9 +131,10 @@ enum Known {
 /// A sub-domain and its border.
 struct Ground<'a> {
     tin: &'a Tin,
+    glimpse: &'a Glimpse<'a>,
     regions: &'a Regions,
     region: &'a Region,
-    trees: Vec<LevelTree>,
+    levels: BorderLevels,
     /// Mean slope at the contours of the whole map.
     map_slope: &'a (dyn Fn() -> f64 + Sync),
     /// Share of the band that a top may use.
@@ -184,36 +147,27 @@ impl Ground<'_> {
     fn known(&self, point: &AxisPoint) -> Known {
         let at = point.position;
         let own = match point.level {
-            Some(level) => self.trees.iter().find(|t| t.level == level).map(|t| (t.distance(at), level)),
-            None => self.trees.iter().map(|t| (t.distance(at), t.level)).min_by(|a, b| a.0.total_cmp(&b.0)),
+            Some(level) => self.levels.near(level, at),
+            None => self.levels.nearest_first(at, |_| true).next(),
         };
-        let Some((own_straight, own_level)) = own else {
+        let Some(own) = own else {
             // Only barrier edges: the level of the contour ends at both sides is all that is known.
             let height = point.level.filter(|_| self.region.band.lo.is_finite());
             return Known::Height(height.map_or(f64::NAN, |level| self.region.band.strictly_inside(level)));
         };
+        let own_level = own.tree.level;
         let side = self.region.side(own_level).unwrap_or(Side::Above);
+        let mut strangers = self.levels.nearest_first(at, |level| level != own_level).peekable();
         // Only a nearer segment can block a line of sight.
-        let mut strangers = self.trees.iter().filter(|t| t.level != own_level);
-        let own_distance = match self.trees.iter().find(|t| t.level == own_level) {
-            Some(tree) if strangers.any(|t| t.lower_bound(at) < own_straight && t.distance(at) < own_straight) => {
-                tree.visible_distance(self.tin, point)
-            }
-            _ => own_straight,
+        let own_distance = match strangers.peek() {
+            Some(nearest) if nearest.distance < own.distance => own.visible_distance(self.tin, self.glimpse, point),
+            _ => own.distance,
         };
-        let mut other = None;
-        for tree in self.trees.iter().filter(|t| match side {
-            Side::Above => t.level > own_level,
-            Side::Below => t.level < own_level,
-        }) {
-            let best = other.map_or(f64::INFINITY, |(distance, _)| distance);
-            if tree.lower_bound(at) < best {
-                let distance = tree.visible_distance(self.tin, point);
-                if distance < best {
-                    other = Some((distance, tree.level));
-                }
-            }
-        }
+        let is_beyond = |near: &NearLevel| match side {
+            Side::Above => near.tree.level > own_level,
+            Side::Below => near.tree.level < own_level,
+        };
+        let other = nearest_visible(self.tin, self.glimpse, point, strangers.filter(is_beyond));
         match other {
             Some((distance, level)) if distance + own_distance > 0.0 => {
                 let height = (own_level * distance + level * own_distance) / (distance + own_distance);
@@ -232,7 +186,7 @@ impl Ground<'_> {
         spots: &[u32],
         distances: impl Iterator<Item = f64>,
     ) -> Cap {
-        let tree = self.trees.iter().find(|t| t.level == level);
+        let tree = self.levels.of(level);
         let spots: Vec<(DVec2, f64, f64)> = spots
             .iter()
             .map(|&v| {
@@ -244,26 +198,6 @@ impl Ground<'_> {
         let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or_else(self.map_slope);
         Cap::new(self.regions.beyond(level, side), side, widest, slope, self.top_reach, spots)
     }
-}
-
-fn level_trees(tin: &Tin, borders: &[(u32, u8)]) -> Vec<LevelTree> {
-    let mut segments: Vec<(f64, u32, u8)> =
-        borders.iter().filter_map(|&(t, i)| tin.border_level(t, i as usize).map(|level| (level, t, i))).collect();
-    segments.sort_by(|a, b| a.0.total_cmp(&b.0));
-    segments
-        .chunk_by(|a, b| a.0 == b.0)
-        .map(|same| LevelTree {
-            level: same[0].0,
-            tree: RTree::bulk_load(
-                same.iter()
-                    .map(|&(_, t, i)| {
-                        let [u, v] = tin.edge(t, i as usize).map(|v| tin.positions[v as usize].to_array());
-                        Line::new(u, v)
-                    })
-                    .collect(),
-            ),
-        })
-        .collect()
 }
 
 /// Mean slope just outside the border, at one level or at all: the interval divided by the mean width of the strip

@@ -7,12 +7,15 @@
 mod attach;
 mod axis;
 mod axis_builder;
+mod border_levels;
+mod branches;
 mod break_line;
 mod build;
 mod caps;
 mod edges;
 mod eliminate;
 mod flow;
+mod glimpse;
 mod heights;
 mod joins;
 mod lines;

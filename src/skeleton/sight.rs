@@ -4,11 +4,13 @@
 //! its rows, and so have the midpoints between two of them. Lines of sight that run exactly through vertices are
 //! therefore common.
 
-use std::collections::HashSet;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashSet};
 
 use glam::DVec2;
 
-use crate::tin::{NONE, Tin, VertexKind};
+use super::branches::{BranchLevels, is_on_border};
+use crate::tin::{NONE, Tin};
 
 /// A point this near to a line of sight lies on it, as a share of the line's length.
 const ON_SIGHT: f64 = 1e-9;
@@ -93,24 +95,48 @@ struct View {
     edge: usize,
     right: DVec2,
     left: DVec2,
+    /// Nearest point of the edge.
+    nearest: DVec2,
 }
+
+/// Of the views in a heap, the one with the nearest edge comes first.
+impl Ord for View {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.nearest.length_squared().total_cmp(&self.nearest.length_squared())
+    }
+}
+
+impl PartialOrd for View {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for View {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for View {}
 
 /// Distance from a point in triangle `t` to the nearest visible contour segment of one level. The segment's nearest
 /// point must be visible. None if the sub-domain has no such segment.
 ///
-/// The view spreads from triangle to triangle. Each edge narrows it, and it ends at the nearest segment found so far.
-/// The time depends on the number of visible triangles, not on that of hidden segments. A view may be as narrow as a
-/// line between two vertices. What such a view shows is checked again with [`sees`].
+/// The view spreads from triangle to triangle, the nearest edge first. Each edge narrows it, and it ends at the nearest
+/// segment found so far. The time depends on the number of visible triangles up to there, not on that of hidden
+/// segments. Branches without the level are left out. A view may be as narrow as a line between two vertices. What such
+/// a view shows is checked again with [`sees`].
 ///
 /// Long because the view, its stack of edges and the nearest distance change together.
-pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Option<f64> {
+pub(super) fn nearest_in_sight(tin: &Tin, branches: &BranchLevels, t: u32, from: DVec2, level: f64) -> Option<f64> {
     let mut best = f64::INFINITY;
     let ends = |t: u32, i: usize| tin.edge(t, i).map(|v| tin.positions[v as usize] - from);
     let not_right_of = |a: DVec2, b: DVec2| a.perp_dot(b) >= -ON_SIGHT * a.length() * b.length();
-    let mut views: Vec<View> = (0..3)
+    let mut views: BinaryHeap<View> = (0..3)
         .map(|edge| {
             let [right, left] = ends(t, edge);
-            View { triangle: t, edge, right, left }
+            View { triangle: t, edge, right, left, nearest: nearest_to_origin(right, left) }
         })
         .collect();
     // A view as narrow as a line passes a vertex on both sides. Without this set, their number would double at each
@@ -118,15 +144,14 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
     let mut lines = HashSet::new();
     while let Some(view) = views.pop() {
         let [a, b] = ends(view.triangle, view.edge);
-        let nearest = nearest_to_origin(a, b);
+        let nearest = view.nearest;
         if nearest.length() >= best {
-            continue;
+            break;
         }
         let shows = |p: DVec2| not_right_of(view.right, p) && not_right_of(p, view.left);
         for (v, at) in tin.edge(view.triangle, view.edge).into_iter().zip([a, b]) {
-            let candidate = matches!(tin.kinds[v as usize], VertexKind::Contour | VertexKind::Shore)
-                && tin.heights[v as usize] == level;
-            if candidate
+            if is_on_border(tin, v)
+                && tin.heights[v as usize] == level
                 && at.length() < best
                 && shows(at)
                 && leads_away(tin, view.triangle, v, from)
@@ -142,9 +167,13 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
             continue;
         }
         let Some(n) = tin.across(view.triangle, view.edge) else { continue };
+        if branches.is_without(view.triangle, n, level) {
+            continue;
+        }
         let Some(entry) = tin.edge_towards(n, view.triangle) else { continue };
         for edge in [(entry + 1) % 3, (entry + 2) % 3] {
             let [a, b] = ends(n, edge);
+            let nearest = nearest_to_origin(a, b);
             // A view leaves a triangle only forwards. One as narrow as a line would turn around a vertex without end.
             if !not_right_of(a, b) {
                 continue;
@@ -155,14 +184,14 @@ pub(super) fn nearest_in_sight(tin: &Tin, t: u32, from: DVec2, level: f64) -> Op
                 let is_touched = not_right_of(a, view.left) && not_right_of(view.right, b);
                 let bits = [view.right, view.left].map(|p| p.to_array().map(f64::to_bits));
                 if is_touched && lines.insert((n, edge, bits)) {
-                    views.push(View { triangle: n, edge, ..view });
+                    views.push(View { triangle: n, edge, nearest, ..view });
                 }
                 continue;
             }
             let right = if view.right.perp_dot(a) > 0.0 { a } else { view.right };
             let left = if b.perp_dot(view.left) > 0.0 { b } else { view.left };
             if not_right_of(right, left) {
-                views.push(View { triangle: n, edge, right, left });
+                views.push(View { triangle: n, edge, right, left, nearest });
             }
         }
     }
@@ -204,7 +233,7 @@ fn nearest_to_origin(a: DVec2, b: DVec2) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tin::{TinInput, triangulate};
+    use crate::tin::{TinInput, VertexKind, triangulate};
 
     #[test]
     fn a_view_along_a_row_of_vertices_comes_to_an_end() {
@@ -219,7 +248,8 @@ mod tests {
         let tin = triangulate(input).unwrap();
         let from = DVec2::new(0.5, 0.0);
         let t = tin.locate(0, from).unwrap();
-        assert_eq!(nearest_in_sight(&tin, t, from, 10.0), Some(49.5));
-        assert_eq!(nearest_in_sight(&tin, t, from, 20.0), None);
+        let branches = BranchLevels::new(&tin);
+        assert_eq!(nearest_in_sight(&tin, &branches, t, from, 10.0), Some(49.5));
+        assert_eq!(nearest_in_sight(&tin, &branches, t, from, 20.0), None);
     }
 }

@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use geo::{BoundingRect, Contains, MultiPolygon, Point};
+use geo::{BoundingRect, Contains, Coord, MultiPolygon, Point};
 use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
 
 use crate::base::error::{Finding, FindingKind};
-use crate::geometry::Border;
+use crate::geometry::{Border, rings};
 use crate::subdomains::Band;
 use crate::tin::{Tin, TinInput, VertexKind};
 
@@ -91,11 +93,25 @@ impl WaterBodies {
         let used = (0u32..).zip(&self.water_bodies).filter(|(_, body)| body.used);
         let borders: Vec<_> =
             used.filter_map(|(id, body)| Some((id, body.area.bounding_rect()?, Border::new(&body.area)))).collect();
+        let corner = |c: Coord<f64>| [c.x, c.y];
+        let boxes = (0..borders.len()).map(|k| {
+            let bounds = &borders[k].1;
+            GeomWithData::new(Rectangle::from_corners(corner(bounds.min()), corner(bounds.max())), k)
+        });
+        let boxes = RTree::bulk_load(boxes.collect());
         tin.with_lakes(|p| {
-            let near = borders.iter().filter(|(_, bounds, _)| bounds.contains(&Point::new(p.x, p.y)));
-            near.into_iter().find(|(.., border)| border.contains(p)).map(|(id, ..)| *id)
+            let mut near: Vec<usize> = boxes.locate_all_at_point(&p.to_array()).map(|near| near.data).collect();
+            near.sort_unstable();
+            let mut near = near.into_iter().map(|k| &borders[k]);
+            near.find(|(_, bounds, border)| bounds.contains(&Point::new(p.x, p.y)) && border.contains(p))
+                .map(|(id, ..)| *id)
         })
     }
+}
+
+/// The first vertex of an area, as its place in messages.
+pub(super) fn first_vertex(area: &MultiPolygon<f64>) -> DVec2 {
+    rings(area).flat_map(|ring| ring.coords()).next().map_or(DVec2::NAN, |c| DVec2::new(c.x, c.y))
 }
 
 /// A height rounded to the centimetre, for messages.

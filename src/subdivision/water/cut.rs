@@ -10,7 +10,7 @@ use glam::DVec2;
 use rstar::RTree;
 
 use super::net::Net;
-use crate::geometry::{Border, rings};
+use crate::geometry::{Border, rings, tolerance};
 use crate::geometry::{Meeting, meeting, place, point_distance};
 
 /// How far a boolean operation moves a vertex at most, as a share of the size of its input.
@@ -86,13 +86,13 @@ pub(crate) fn cut_from_water(
     other: &MultiPolygon<f64>,
     distance: f64,
 ) -> Option<MultiPolygon<f64>> {
-    let borders = [Border::new(area), Border::new(other)];
-    let reach = borders[0].tolerance().max(borders[1].tolerance());
+    let reach = tolerance(area).max(tolerance(other));
     let [a, b] = [area.bounding_rect()?, other.bounding_rect()?];
     let grown = Rect::new(a.min() - Coord { x: reach, y: reach }, a.max() + Coord { x: reach, y: reach });
     if !grown.intersects(&b) {
         return None;
     }
+    let borders = [Border::new(area), Border::new(other)];
     // A distance within rounding counts as contact: otherwise both shores would have a height at one position.
     let touches = |area: &MultiPolygon<f64>, border: &Border| {
         let mut corners = rings(area).flat_map(|ring| ring.coords()).map(|c| DVec2::new(c.x, c.y));

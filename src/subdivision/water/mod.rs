@@ -7,6 +7,7 @@
 mod bodies;
 mod cut;
 mod dry;
+mod gathered;
 mod height;
 mod net;
 mod nodes;

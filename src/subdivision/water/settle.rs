@@ -5,9 +5,10 @@ use std::collections::HashSet;
 use geo::{Area, BoundingRect, Euclidean, Length, MultiPolygon, Polygon};
 use glam::DVec2;
 
-use super::bodies::{WaterBodies, WaterBody, rounded};
-use super::cut::{Clash, cut_back, cut_from_water, joined};
+use super::bodies::{WaterBodies, WaterBody, first_vertex, rounded};
+use super::cut::{Clash, cut_back};
 use super::dry::DrySubdivision;
+use super::gathered::Gathered;
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
@@ -48,9 +49,10 @@ pub(crate) fn settle(
     let length: f64 = dry.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { dry.frame.area.unsigned_area() / length } else { 0.0 };
     let mut net = Net::new(dry.map, dry.extensions, lakes, NEAR * spacing);
-    let mut water_bodies: Vec<WaterBody> = Vec::new();
+    let mut gathered = Gathered::default();
+    let levels = levels_in_order(dry.map);
     for lake in lakes {
-        let Some(height) = height_of(lake, dry, &net, NEAR * spacing)? else {
+        let Some(height) = height_of(lake, dry, &levels, &net, NEAR * spacing)? else {
             findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
             continue;
         };
@@ -64,10 +66,10 @@ pub(crate) fn settle(
                 continue;
             }
             let body = WaterBody { area: part.into(), height, feature: lake.feature, shores: Vec::new(), used: true };
-            add(&mut water_bodies, body, BACK * spacing, findings);
+            gathered.add(body, BACK * spacing, findings);
         }
     }
-    water_bodies.retain(|body| !body.area.0.is_empty());
+    let mut water_bodies = gathered.into_bodies();
 
     // Shores are cut to the frame as contours are.
     let shore_lines = (0u64..).zip(&water_bodies).flat_map(|(id, body)| {
@@ -143,8 +145,14 @@ pub(crate) fn leave_out_vanished(water_bodies: &mut WaterBodies, tin: &Tin) -> V
     findings.collect()
 }
 
+/// The levels of the contours, each once, in the order of their first contours.
+fn levels_in_order(map: &ContourMap) -> Vec<f64> {
+    let mut seen = HashSet::new();
+    map.contours.iter().map(|c| c.elevation).filter(|level| seen.insert(level.to_bits())).collect()
+}
+
 /// The height of a lake: its own, or that of the contour along its shore, or that of the lowest ground on the shore.
-fn height_of(lake: &Lake, dry: &DrySubdivision, net: &Net, near: f64) -> Result<Option<f64>> {
+fn height_of(lake: &Lake, dry: &DrySubdivision, levels: &[f64], net: &Net, near: f64) -> Result<Option<f64>> {
     let Some(height) = lake.height else {
         return Ok(level_along(&lake.polygon, net, near).or_else(|| lowest_on_shore(&lake.polygon, dry)));
     };
@@ -156,35 +164,8 @@ fn height_of(lake: &Lake, dry: &DrySubdivision, net: &Net, near: f64) -> Result<
         );
         return Err(Error::Data(message));
     }
-    let levels = dry.map.contours.iter().map(|c| c.elevation);
-    let nearest = levels.min_by(|a, b| (a - height).abs().total_cmp(&(b - height).abs()));
+    let nearest = levels.iter().copied().min_by(|a, b| (a - height).abs().total_cmp(&(b - height).abs()));
     Ok(nearest.filter(|level| (level - height).abs() <= SAME_LEVEL).or(Some(height)))
-}
-
-/// Adds a lake to those before it. It is joined with water of the same height, and cut back from water of another
-/// height.
-fn add(water_bodies: &mut Vec<WaterBody>, mut body: WaterBody, distance: f64, findings: &mut Vec<Finding>) {
-    for other in water_bodies.iter().filter(|other| other.height != body.height) {
-        if let Some(rest) = cut_from_water(&body.area, &other.area, distance) {
-            let message = format!(
-                "the lake of feature {} meets that of feature {}, which has another height ({} and {}); it is cut back",
-                body.feature,
-                other.feature,
-                rounded(body.height),
-                rounded(other.height)
-            );
-            let finding = Finding::at(FindingKind::LakeCutBack, first_vertex(&body.area), message);
-            findings.push(finding.about(body.feature, body.height).about(other.feature, other.height));
-            body.area = rest;
-        }
-    }
-    while let Some((k, both)) = (0..water_bodies.len())
-        .filter(|&k| water_bodies[k].height == body.height)
-        .find_map(|k| Some((k, joined(&water_bodies[k].area, &body.area)?)))
-    {
-        body = WaterBody { area: both, ..water_bodies.remove(k) };
-    }
-    water_bodies.push(body);
 }
 
 fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
@@ -204,8 +185,4 @@ fn left_out(feature: u64, height: Option<f64>, place: DVec2, why: &str) -> Findi
 
 fn first_point(lake: &Lake) -> DVec2 {
     lake.polygon.exterior().coords().next().map_or(DVec2::NAN, |c| DVec2::new(c.x, c.y))
-}
-
-fn first_vertex(area: &MultiPolygon<f64>) -> DVec2 {
-    rings(area).flat_map(|ring| ring.coords()).next().map_or(DVec2::NAN, |c| DVec2::new(c.x, c.y))
 }
