@@ -11,11 +11,11 @@ use crate::tuning::GridTuning;
 /// Largest number of nodes. It limits memory. It is the same on all machines, because the surface must not depend on
 /// the machine.
 const MOST_NODES: f64 = 40e6;
-/// Nodes that every map may have.
-const FREE_NODES: f64 = 4e6;
-/// Further nodes per vertex of the contours. Real maps have 1 to 40 nodes per vertex. Only lines that are straight over
-/// thousands of times their spacing need more, and there more nodes add nothing.
-const NODES_PER_VERTEX: f64 = 1000.0;
+/// Nodes that every map may have, besides those of the cells that are wanted.
+const FREE_NODES: f64 = 5e5;
+/// Further nodes per vertex of the contours. Only lines that are straight over many times their spacing need more, and
+/// there more nodes add nothing.
+const NODES_PER_VERTEX: f64 = 32.0;
 /// A divided grid is cut to the map again if that leaves less than one node in so many.
 const WASTE: usize = 4;
 /// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.
@@ -49,24 +49,23 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     let cell = (spacing / tuning.nodes_per_spacing)
         .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
     let size = hi - lo;
-    let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64);
+    let cut = match wanted {
+        Some(Wanted::Grid(grid)) if !grid.is_empty() => Some(grid),
+        Some(Wanted::Cell(cell)) => Some(Grid::on_multiples(lo, hi, cell)),
+        _ => source_raster(&extent.map.contours).map(|raster| cells_of(&raster, lo, hi)),
+    };
+    let cut = cut.map(|wanted| clipped(&wanted, lo, hi));
+    let cells = cut.map_or(0, |cut| cut.len()) as f64;
+    let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64 + cells);
     let least = (size.x * size.y / most).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());
-    let wanted = match wanted {
-        Some(Wanted::Grid(grid)) if !grid.is_empty() => grid,
-        Some(Wanted::Cell(cell)) => Grid::on_multiples(lo, hi, cell),
-        _ => match source_raster(&extent.map.contours) {
-            Some(raster) => cells_of(&raster, lo, hi),
-            None => return with_border(&Grid::on_multiples(lo, hi, cell)),
-        },
-    };
-    let is = (wanted.cell.x * wanted.cell.y).sqrt();
-    let cut = clipped(&wanted, lo, hi);
+    let Some(cut) = cut else { return with_border(&Grid::on_multiples(lo, hi, cell)) };
+    let is = (cut.cell.x * cut.cell.y).sqrt();
     if is > tuning.max_spacings_per_cell * spacing {
-        let whole = divided(&cut, odd_above(is / spacing.max(least), most / cut.len() as f64));
+        let whole = divided(&cut, odd_above(is / spacing.max(least), most / cells));
         let on_map = clipped(&divided(&cut, odd_above(is / spacing.max(least), f64::INFINITY)), lo, hi);
         if on_map.len() < whole.len() / WASTE { on_map } else { whole }
-    } else if is >= cell / tuning.max_times_finer && (cut.len() as f64) <= most {
+    } else if is >= cell / tuning.max_times_finer && cells <= most {
         cut
     } else {
         thinned(&cut, (cell / is).ceil() as usize)

@@ -327,15 +327,17 @@ mod tests {
     }
 
     #[test]
-    fn nodes_stand_close_where_sub_domains_meet_and_none_where_there_is_none() {
-        let plane = |i: usize, j: usize| (i + 2 * j) as f32;
-        let halves = kept(plane, |i, _| match i {
-            0..16 => 0,
-            16 => NONE,
+    fn nodes_stand_close_along_a_crease_and_not_where_a_plane_goes_on_beyond_a_contour() {
+        let halves = |i: usize, _: usize| match i {
+            0..13 => 0,
+            13 => NONE,
             _ => 1,
-        });
-        assert!(halves.iter().all(|k| k % SIDE != 16));
-        assert!((0..SIDE).all(|j| halves.contains(&(j * SIDE + 15)) && halves.contains(&(j * SIDE + 17))));
+        };
+        let plane = kept(|i, j| (i + 2 * j) as f32, halves);
+        assert!(plane.iter().all(|k| k % SIDE != 13), "{plane:?}");
+        assert!(plane.iter().all(|k| k % SIDE + 1 == SIDE || k / SIDE + 1 == SIDE || k % SIDE % 16 == 0), "{plane:?}");
+        let crease = kept(|i, _| (i as f32 - 13.0).abs(), halves);
+        assert!((0..SIDE).all(|j| crease.contains(&(j * SIDE + 12)) && crease.contains(&(j * SIDE + 14))));
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod more_vector_files;
 mod planted;
 mod raster_files;
 mod sample;
+mod simplified;
 mod skeleton;
 mod support;
 mod surface;

@@ -118,3 +118,21 @@ fn a_map_that_does_not_fit_is_refused_before_the_work_and_leaves_no_folder() {
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "no folder is left");
     }
 }
+
+#[test]
+fn many_rings_close_together_have_no_more_nodes_and_vertices_than_they_need() {
+    let ring = |radius: f64| {
+        (0..=40)
+            .map(|k| std::f64::consts::TAU * f64::from(k % 40) / 40.0)
+            .map(move |t| [radius * t.cos(), radius * t.sin()])
+    };
+    let rings: Vec<_> = (0..400).map(f64::from).map(|k| (k, ring(9.0 - 0.01 * k).collect())).collect();
+    let dir = folder(&rings);
+    let program = assert_cmd::cargo::cargo_bin!("tokosen");
+    let line =
+        format!("ulimit -v 1500000; exec {} densify map.geojson -i 0.5 -o a.geojson --threads 2", program.display());
+    let output = Command::new("sh").current_dir(dir.path()).args(["-c", &line]).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let bytes = fs::metadata(dir.path().join("a.geojson")).unwrap().len();
+    assert!(bytes < 10_000_000, "{bytes} bytes; the input's lines are half of the new ones");
+}

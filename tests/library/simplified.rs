@@ -1,0 +1,76 @@
+//! New contours with fewer vertices: their course is that of the traced lines, within the tolerance, and none cross.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use glam::DVec2;
+use tokosen::contour::{ContourLine, Source};
+use tokosen::slice::{LayerParams, SIMPLIFIED, Target, contour_layers};
+use tokosen::surface::{Surface, SurfaceParams, build};
+
+use crate::common;
+use crate::guarantees::{clean_map, map_of};
+
+fn new_lines(surface: &Surface, step: f64, simplify: Option<f64>) -> Vec<ContourLine> {
+    let targets = vec![Target::Interval { step, base: 0.0 }];
+    let layer =
+        contour_layers(surface, &LayerParams { targets, simplify, ..LayerParams::default() }, &()).unwrap().remove(0);
+    layer.lines.into_iter().filter(|line| line.source == Source::Interpolated).collect()
+}
+
+/// Distance from a point to a line.
+fn distance(p: DVec2, line: &[DVec2]) -> f64 {
+    let to = |pair: &[DVec2]| {
+        let (a, along) = (pair[0], pair[1] - pair[0]);
+        let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        p.distance(a + share * along)
+    };
+    line.windows(2).map(to).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn simplified_lines_follow_the_traced_ones_within_the_tolerance_and_do_not_cross() {
+    let (mut before, mut after, mut largest) = (0, 0, 0.0_f64);
+    for terrain in (1..4).flat_map(common::all_kinds) {
+        let contours = terrain.contours();
+        let Ok(report) = build(clean_map(map_of(&contours)), &SurfaceParams::default(), &()) else { continue };
+        let (surface, step) = (report.value, quarter_of_interval(&contours));
+        for tolerance in [0.01, 0.1, 10.0] {
+            let traced = new_lines(&surface, step, Some(0.0));
+            let simplified = new_lines(&surface, step, Some(tolerance));
+            assert_eq!(traced.len(), simplified.len());
+            for (line, thin) in traced.iter().zip(&simplified) {
+                assert_eq!(line.elevation, thin.elevation);
+                assert_eq!([line.points.first(), line.points.last()], [thin.points.first(), thin.points.last()]);
+                let off = line.points.iter().map(|&p| distance(p, &thin.points));
+                let back = thin.points.iter().map(|&p| distance(p, &line.points));
+                let farthest = off.chain(back).fold(0.0, f64::max);
+                assert!(farthest <= tolerance + 1e-9, "{farthest} with {tolerance}");
+                largest = largest.max(farthest / tolerance);
+                (before, after) = (before + line.points.len(), after + thin.points.len());
+            }
+            let pairs: Vec<_> = simplified.into_iter().map(|line| (line.elevation, line.points)).collect();
+            let all: Vec<_> = pairs.iter().cloned().chain(contours.iter().cloned()).collect();
+            assert!(common::crossings(&all).is_empty(), "{:?}", common::crossings(&all));
+            assert!(common::same_level_crossings(&pairs).is_empty());
+        }
+        // The tolerance that is usual leaves fewer vertices than none.
+        assert!(
+            SIMPLIFIED > 0.0 && count(&new_lines(&surface, step, None)) <= count(&new_lines(&surface, step, Some(0.0)))
+        );
+    }
+    assert!(before > 100_000, "{before} vertices were compared");
+    assert!(after < before * 2 / 3, "{after} of {before} vertices stay");
+    assert!(largest > 0.5, "the tolerance is used");
+}
+
+fn count(lines: &[ContourLine]) -> usize {
+    lines.iter().map(|line| line.points.len()).sum()
+}
+
+/// A quarter of the contour interval.
+fn quarter_of_interval(contours: &[(f64, Vec<DVec2>)]) -> f64 {
+    let mut levels: Vec<f64> = contours.iter().map(|(level, _)| *level).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min) / 4.0
+}
