@@ -37,7 +37,7 @@ pub(super) fn remove_abandoned(folder: &Path) {
 fn is_abandoned(staging: &Path) -> bool {
     let path = staging.join(LOCK);
     let age = fs::metadata(&path).and_then(|meta| meta.modified()).ok().and_then(|time| time.elapsed().ok());
-    if !age.is_some_and(|age| age > YOUNG) {
+    if age.is_none_or(|age| age <= YOUNG) {
         return false;
     }
     let Ok(file) = File::options().write(true).open(&path) else { return false };

@@ -104,12 +104,13 @@ impl Feature {
         self.lines.push(Line { points, z: widened(None, z) });
     }
 
-    /// Bytes of memory, without those of texts.
+    /// Bytes of memory in a table, without those of texts. A feature without geometry is not kept.
     pub fn bytes(&self) -> usize {
         let lines = self.lines.iter().map(|line| size_of::<Line>() + size_of::<DVec2>() * line.points.len());
         let rings = self.polygons.iter().flatten().map(|ring| size_of_val(ring) + size_of::<DVec2>() * ring.len());
         let spots = size_of::<Spot>() * self.spots.len() + size_of::<(usize, Value)>() * self.values.len();
-        size_of::<Self>() + spots + lines.chain(rings).sum::<usize>()
+        let geometry = lines.chain(rings).sum::<usize>();
+        if geometry == 0 && self.spots.is_empty() { 0 } else { size_of::<Self>() + spots + geometry }
     }
 
     /// Extends the z range of the feature's polygons by these vertices.

@@ -144,10 +144,10 @@ mod tests {
             let line = line(&heights, free);
             assert_eq!((line[0].y, line[line.len() - 1].y), (heights[0], heights[499]));
             for pair in line.windows(2) {
-                for k in pair[0].x as usize..=pair[1].x as usize {
-                    let share = (k as f64 - pair[0].x) / (pair[1].x - pair[0].x);
-                    let on_piece = pair[0].lerp(pair[1], share).y;
-                    assert!((on_piece - heights[k]).abs() <= free + 1e-9);
+                let passed = |k: f64| pair[0].x <= k && k <= pair[1].x;
+                for (k, height) in heights.iter().enumerate().map(|(k, z)| (k as f64, z)).filter(|(k, _)| passed(*k)) {
+                    let on_piece = pair[0].lerp(pair[1], (k - pair[0].x) / (pair[1].x - pair[0].x)).y;
+                    assert!((on_piece - height).abs() <= free + 1e-9);
                 }
             }
             assert!(line.len() < most, "{} of 500 vertices with {free}", line.len());

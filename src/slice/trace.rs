@@ -59,12 +59,7 @@ pub fn slice(
     let marks: Vec<Mutex<Vec<u32>>> = (0..rayon::current_num_threads().max(1)).map(|_| Mutex::default()).collect();
     let mut from = 0;
     while from < levels.len() {
-        let mut to = from + 1;
-        let mut size = counts[from];
-        while to < levels.len() && size + counts[to] <= BATCH {
-            size += counts[to];
-            to += 1;
-        }
+        let to = end_of_batch(&counts, from);
         let batch = from as u32..to as u32;
         let crossed = Rows::new(to - from, || {
             ranges.iter().enumerate().flat_map(|(t, &(first, end))| {
@@ -99,6 +94,16 @@ pub fn slice(
     }
     progress.finish();
     lines
+}
+
+/// The end of the batch of levels that begins with `from`: at least one level, and no more crossings than [`BATCH`].
+fn end_of_batch(counts: &[usize], from: usize) -> usize {
+    let mut size = counts[from];
+    let further = counts[from + 1..].iter().take_while(|&&count| {
+        size += count;
+        size <= BATCH
+    });
+    from + 1 + further.count()
 }
 
 /// Difference between a level and the nearest other one, metres; infinite if there is none.

@@ -111,7 +111,7 @@ fn clipped(grid: &Grid, lo: DVec2, hi: DVec2) -> Grid {
 
 /// The least odd whole number that is not below `ratio`, but at most the largest whose square is within `most`.
 fn odd_above(ratio: f64, most: f64) -> usize {
-    let largest = most.sqrt().min(MOST_NODES).max(1.0) as usize;
+    let largest = most.sqrt().clamp(1.0, MOST_NODES) as usize;
     (ratio.min(MOST_NODES).ceil() as usize | 1).min((largest - 1) | 1)
 }
 

@@ -118,7 +118,7 @@ impl Pair {
     }
 
     /// The unit that the elevations of contours had, those of B first; metres for two height maps.
-    pub(super) fn unit(&self) -> ElevationUnit {
+    pub fn unit(&self) -> ElevationUnit {
         self.b.unit.or(self.a.unit).unwrap_or_default()
     }
 

@@ -35,15 +35,15 @@ fn folder(lines: &[(f64, Vec<[f64; 2]>)]) -> TempDir {
     dir
 }
 
+/// A ring of forty vertices around the origin.
+fn ring(radius: f64) -> Vec<[f64; 2]> {
+    let angles = (0..=40).map(|k| std::f64::consts::TAU * f64::from(k % 40) / 40.0);
+    angles.map(|t| [radius * t.cos(), radius * t.sin()]).collect()
+}
+
 /// A hill of eight rings with a radius of at most 100 m.
 fn hill() -> TempDir {
-    let ring = |radius: f64| {
-        (0..=40)
-            .map(|k| std::f64::consts::TAU * f64::from(k % 40) / 40.0)
-            .map(move |t| [radius * t.cos(), radius * t.sin()])
-    };
-    let rings: Vec<_> = (0..8).map(|k| f64::from(k)).map(|k| (10.0 * k, ring(100.0 - 10.0 * k).collect())).collect();
-    folder(&rings)
+    folder(&(0..8).map(f64::from).map(|k| (10.0 * k, ring(100.0 - 10.0 * k))).collect::<Vec<_>>())
 }
 
 #[test]
@@ -121,12 +121,7 @@ fn a_map_that_does_not_fit_is_refused_before_the_work_and_leaves_no_folder() {
 
 #[test]
 fn many_rings_close_together_have_no_more_nodes_and_vertices_than_they_need() {
-    let ring = |radius: f64| {
-        (0..=40)
-            .map(|k| std::f64::consts::TAU * f64::from(k % 40) / 40.0)
-            .map(move |t| [radius * t.cos(), radius * t.sin()])
-    };
-    let rings: Vec<_> = (0..400).map(f64::from).map(|k| (k, ring(9.0 - 0.01 * k).collect())).collect();
+    let rings: Vec<_> = (0..400).map(f64::from).map(|k| (k, ring(9.0 - 0.01 * k))).collect();
     let dir = folder(&rings);
     let program = assert_cmd::cargo::cargo_bin!("tokosen");
     let line =

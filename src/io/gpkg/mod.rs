@@ -3,9 +3,11 @@
 mod merge;
 mod quoted;
 mod read;
+mod target;
 mod wkb;
 mod write;
 
-pub(super) use merge::{check_layers, is_there, merge};
+pub(super) use merge::merge;
 pub(super) use read::read;
+pub(super) use target::{check_layers, is_there};
 pub(super) use write::write;

@@ -212,14 +212,7 @@ fn limit_steps(path: &Path, db: &mut Connection) -> rusqlite::Result<()> {
 }
 
 fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, budget: Option<u64>) -> Result<()> {
-    let broken = |e: rusqlite::Error| {
-        if e.sqlite_error_code() == Some(rusqlite::ErrorCode::OperationInterrupted) {
-            let message =
-                format!("the layer {:?} is a view that does not come to an end; save it as a table", layer.table);
-            return Error::file(path, message);
-        }
-        Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), e)
-    };
+    let broken = |e| unread(path, layer, e);
     let (columns, key) = columns_of(db, layer).map_err(broken)?;
     let mut statement = db.prepare(&format!("SELECT * FROM {}", quoted(&layer.table))).map_err(broken)?;
     if statement.column_count() != columns.len() {
@@ -236,21 +229,14 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, bu
         .collect();
 
     let mut rows = statement.query([]).map_err(broken)?;
-    let (mut count, mut bytes) = (0, 0);
+    let (mut count, mut taken) = (0, 0);
     while let Some(row) = rows.next().map_err(broken)? {
         let id = key.and_then(|key| row.get_ref(key).ok()?.as_i64().ok()).and_then(|id| u64::try_from(id).ok());
         let mut feature = Feature { number: id.unwrap_or(count), ..Feature::default() };
         count += 1;
         for (i, field) in fields.iter().enumerate() {
             let Some(field) = field.filter(|&field| table.wants(field)) else { continue };
-            let value = match row.get_ref(i).map_err(broken)? {
-                ValueRef::Null => Value::Null,
-                ValueRef::Integer(number) => Value::Number(number as f64),
-                ValueRef::Real(number) => Value::Number(number),
-                ValueRef::Text(text) => Value::Text(String::from_utf8_lossy(text).into_owned()),
-                ValueRef::Blob(_) => Value::Text("binary".to_owned()),
-            };
-            table.note(&mut feature.values, field, value);
+            table.note(&mut feature.values, field, value_of(row.get_ref(i).map_err(broken)?));
         }
         let blob = match row.get_ref(geometry).map_err(broken)? {
             ValueRef::Blob(blob) => Some(blob),
@@ -265,19 +251,34 @@ fn read_layer(path: &Path, db: &Connection, layer: &Layer, table: &mut Table, bu
             }
             None => table.leave_out(NO_GEOMETRY),
         }
-        bytes += feature.bytes();
+        taken += feature.bytes();
         if count % ROWS == 0 {
-            let remedy = "choose a part of it, or close other programs";
-            memory::check(
-                GROWTH * bytes as f64,
-                budget,
-                format!("the layer {:?} as far as row {count}", layer.table),
-                remedy,
-            )?;
+            let what = format!("the layer {:?} as far as row {count}", layer.table);
+            memory::check(GROWTH * taken as f64, budget, what, "choose a part of it, or close other programs")?;
         }
         table.push(feature);
     }
     Ok(())
+}
+
+/// Why a layer cannot be read.
+fn unread(path: &Path, layer: &Layer, cause: rusqlite::Error) -> Error {
+    if cause.sqlite_error_code() == Some(rusqlite::ErrorCode::OperationInterrupted) {
+        let message = format!("the layer {:?} is a view that does not come to an end; save it as a table", layer.table);
+        return Error::file(path, message);
+    }
+    Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), cause)
+}
+
+/// The value of a cell.
+fn value_of(cell: ValueRef<'_>) -> Value {
+    match cell {
+        ValueRef::Null => Value::Null,
+        ValueRef::Integer(number) => Value::Number(number as f64),
+        ValueRef::Real(number) => Value::Number(number),
+        ValueRef::Text(text) => Value::Text(String::from_utf8_lossy(text).into_owned()),
+        ValueRef::Blob(_) => Value::Text("binary".to_owned()),
+    }
 }
 
 /// The names of a layer's columns, in the order of `SELECT *`, and the index of the primary key.

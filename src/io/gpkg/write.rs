@@ -6,8 +6,8 @@ use std::path::Path;
 
 use rusqlite::{Connection, params, params_from_iter};
 
-use super::merge::srs_id_in;
 use super::quoted::quoted;
+use super::target::{OWN_SRS_ID, SrsRow, srs_id_in};
 use super::wkb;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
@@ -20,8 +20,6 @@ const APPLICATION_ID: i32 = 0x4750_4B47;
 const USER_VERSION: i32 = 10300;
 /// Written as the time of the last change.
 const LAST_CHANGE: &str = "1970-01-01T00:00:00.000Z";
-/// The smallest id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
-pub(super) const OWN_SRS_ID: i32 = 100_000;
 /// The id of WGS 84, which every file has.
 const WGS84_SRS_ID: i32 = 4326;
 /// The id that the format reserves for plane coordinates of an unknown system.
@@ -74,24 +72,6 @@ CREATE TABLE IF NOT EXISTS gpkg_extensions (
   CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name)
 );
 ";
-
-/// A coordinate reference system as a GeoPackage stores it.
-pub(in crate::io) struct SrsRow {
-    name: String,
-    /// The EPSG code.
-    pub(super) code: Option<i32>,
-    pub(super) definition: String,
-}
-
-impl SrsRow {
-    fn new(crs: &Crs) -> Self {
-        Self {
-            name: crs.name().unwrap_or_else(|| "unnamed".to_owned()),
-            code: crs.epsg.and_then(|code| i32::try_from(code).ok()),
-            definition: crs.wkt1().or(crs.wkt()).unwrap_or("undefined").to_owned(),
-        }
-    }
-}
 
 /// Writes all layers into one new file. If they are to be added to the file `target`, the system has the same id as there.
 pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>, target: Option<&Path>) -> Result<()> {
