@@ -49,7 +49,8 @@ fn simplified_lines_follow_the_traced_ones_within_the_tolerance_and_do_not_cross
                 (before, after) = (before + line.points.len(), after + thin.points.len());
             }
             let pairs: Vec<_> = simplified.into_iter().map(|line| (line.elevation, line.points)).collect();
-            let all: Vec<_> = pairs.iter().cloned().chain(contours.iter().cloned()).collect();
+            let given = surface.map.contours.iter().map(|contour| (contour.elevation, contour.points.clone()));
+            let all: Vec<_> = pairs.iter().cloned().chain(given).collect();
             assert!(common::crossings(&all).is_empty(), "{:?}", common::crossings(&all));
             assert!(common::same_level_crossings(&pairs).is_empty());
         }
