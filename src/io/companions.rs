@@ -77,13 +77,7 @@ mod tests {
 
     use super::*;
     use crate::io::StagedOutput;
-
-    fn names_in(folder: &Path) -> Vec<String> {
-        let mut names: Vec<String> =
-            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
+    use crate::io::staged::tests::names_in;
 
     #[test]
     fn companions_of_the_former_content_go_and_others_stay() {

@@ -207,10 +207,11 @@ fn without_path(error: std::io::Error) -> std::io::Error {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn names_in(folder: &Path) -> Vec<String> {
+    /// The names in a folder, sorted.
+    pub(in crate::io) fn names_in(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =
             fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();

@@ -5,7 +5,6 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use geo::{BoundingRect, Coord, MapCoords};
 use glam::DVec2;
 use tokosen::base::Grid;
@@ -17,6 +16,7 @@ use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, write_con
 use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
 
 use crate::common;
+use crate::running::Running;
 
 /// These tests.
 struct Here;
@@ -43,21 +43,6 @@ impl Folder {
 
     fn read(&self, name: &str) -> ContourMap {
         read_contours(&self.path(name), &ReadOptions::default()).unwrap().value
-    }
-
-    /// Runs the program; gives whether it went well and what it said.
-    fn run(&self, arguments: &str) -> (bool, String) {
-        let mut command = cargo_bin_cmd!("tokosen");
-        let output = command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
-        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
-        assert!(!text.contains("panicked"), "{arguments}: {text}");
-        (output.status.success(), text)
-    }
-
-    fn succeeds(&self, arguments: &str) -> String {
-        let (well, text) = self.run(arguments);
-        assert!(well, "{arguments}: {text}");
-        text
     }
 }
 

@@ -4,15 +4,11 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use rusqlite::Connection;
 use tempfile::TempDir;
 
-fn run(folder: &Path, line: &str) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("tokosen"));
-    command.current_dir(folder).args(line.split_whitespace()).output().unwrap()
-}
+use crate::running::{run, said, tokosen};
 
 fn done(folder: &Path, line: &str) {
     let output = run(folder, line);
@@ -24,10 +20,6 @@ fn refused(folder: &Path, line: &str) -> String {
     let output = run(folder, line);
     assert_eq!(output.status.code(), Some(1), "{line}: {}", said(&output));
     said(&output)
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// A folder with a small map in it, in.geojson.
@@ -220,8 +212,7 @@ fn text_that_cannot_be_printed_is_a_failure() {
     let dir = folder();
     for line in ["check in.geojson --json", "check in.geojson", "densify in.geojson -i 5 -o a.gpkg"] {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("tokosen"));
-        let output = command.current_dir(dir.path()).args(line.split_whitespace()).stdout(full).output().unwrap();
+        let output = tokosen().current_dir(dir.path()).args(line.split_whitespace()).stdout(full).output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{line}");
         assert!(said(&output).contains("cannot write standard output"), "{line}: {}", said(&output));
     }

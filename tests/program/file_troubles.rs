@@ -8,17 +8,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-fn tokosen() -> Command {
-    Command::new(assert_cmd::cargo::cargo_bin!("tokosen"))
-}
-
-fn run(folder: &Path, line: &str) -> Output {
-    tokosen().current_dir(folder).args(line.split_whitespace()).output().unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use crate::running::{run, said, tokosen};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)

@@ -10,5 +10,6 @@ mod derive;
 mod existing_outputs;
 mod file_troubles;
 mod out_of_proportion;
+mod running;
 mod units;
 mod verbs;

@@ -4,19 +4,12 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::json;
 use tempfile::TempDir;
 
-fn run(folder: &Path, line: &str) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("tokosen"));
-    command.current_dir(folder).args(line.split_whitespace()).output().unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use crate::running::{run, said};
 
 /// A folder with lines of these elevations in map.geojson.
 fn folder(lines: &[(f64, Vec<[f64; 2]>)]) -> TempDir {

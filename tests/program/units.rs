@@ -5,12 +5,12 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::{Value, json};
 use tokosen::crs::Crs;
 use tokosen::io::raster::read_standard_errors;
 
 use crate::common;
+use crate::running::{Running, tokosen};
 
 /// These tests.
 struct Here;
@@ -63,21 +63,6 @@ impl Folder {
     fn put(&self, name: &str, content: &Value) -> &Self {
         fs::write(self.path(name), content.to_string()).unwrap();
         self
-    }
-
-    /// Runs the program; gives whether it went well and what it said.
-    fn run(&self, arguments: &str) -> (bool, String) {
-        let mut command = cargo_bin_cmd!("tokosen");
-        let output = command.current_dir(self.0.path()).args(arguments.split_whitespace()).output().unwrap();
-        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
-        assert!(!text.contains("panicked"), "{arguments}: {text}");
-        (output.status.success(), text)
-    }
-
-    fn succeeds(&self, arguments: &str) -> String {
-        let (well, text) = self.run(arguments);
-        assert!(well, "{arguments}: {text}");
-        text
     }
 
     fn json(&self, name: &str) -> Value {
@@ -326,7 +311,7 @@ fn check_points_have_the_unit_of_their_system_or_of_the_contours() {
     folder.succeeds("dem feet.geojson --cell 10 -o dem.tif");
     folder.put("own.geojson", &spot(WITH_HEIGHTS_IN_FEET, 100.0)).put("plain.geojson", &spot(PLANE_IN_FEET, 100.0));
     let bias = |arguments: &str| {
-        let mut command = cargo_bin_cmd!("tokosen");
+        let mut command = tokosen();
         let output = command.current_dir(folder.0.path()).args(arguments.split_whitespace()).output().unwrap();
         let found: Value = serde_json::from_slice(&output.stdout).unwrap();
         found["a"]["points"]["bias"].as_f64().unwrap()

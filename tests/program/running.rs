@@ -1,0 +1,45 @@
+//! Runs the program in a folder.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::common::Folder;
+
+/// The program.
+pub fn tokosen() -> Command {
+    Command::new(assert_cmd::cargo::cargo_bin!("tokosen"))
+}
+
+/// Runs the program with these arguments.
+pub fn run(folder: &Path, arguments: &str) -> Output {
+    tokosen().current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// What it said on standard error.
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs the program in a test's folder.
+pub trait Running {
+    /// Whether it went well, and what it said on both streams.
+    fn run(&self, arguments: &str) -> (bool, String);
+
+    /// Runs the program, which must succeed; gives what it said.
+    fn succeeds(&self, arguments: &str) -> String {
+        let (well, text) = self.run(arguments);
+        assert!(well, "{arguments}: {text}");
+        text
+    }
+}
+
+impl<Tests> Running for Folder<Tests> {
+    fn run(&self, arguments: &str) -> (bool, String) {
+        let output = run(self.0.path(), arguments);
+        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+        assert!(!text.contains("panicked"), "{arguments}: {text}");
+        (output.status.success(), text)
+    }
+}
