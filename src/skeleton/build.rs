@@ -31,7 +31,7 @@ pub fn skeleton(tin: &Tin, regions: &Regions, resolution: f64, tuning: &Skeleton
     let kinds = triangle_kinds(tin);
     let elimination = eliminate(tin, &kinds, regions, resolution);
     let axis = axis(tin, &kinds, regions, &elimination, tuning.join_reach);
-    let heights = axis_heights(tin, regions, &axis.points, tuning.top_reach);
+    let heights = axis_heights(tin, regions, &axis.points, tuning);
     let flow = flow(tin, regions, &axis, heights, tuning);
     let lines = break_lines(tin, regions, &axis, &flow);
     Skeleton { axis, flow, lines, kinds, elimination }

@@ -13,6 +13,7 @@ use super::pieces::AxisPoint;
 use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side};
 use crate::tin::{Tin, VertexKind};
+use crate::tuning::SkeletonTuning;
 
 /// Heights of points inside sub-domains.
 ///
@@ -20,9 +21,7 @@ use crate::tin::{Tin, VertexKind};
 /// shortest ones to visible contour segments on the border of the point's own sub-domain. Where the border has no level
 /// on the side of the ground, the height rises (or falls) as described at [`Cap`]. Every height lies strictly inside
 /// its band. It is NaN where no contour borders the sub-domain.
-///
-/// `top_reach` is [`SkeletonTuning::top_reach`](crate::tuning::SkeletonTuning::top_reach).
-pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reach: f64) -> Vec<f64> {
+pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: &SkeletonTuning) -> Vec<f64> {
     let groups = Groups::new(tin, regions, points);
     // Computed on demand: few maps need it, and it takes time.
     let map_slope = LazyLock::new(|| {
@@ -34,7 +33,7 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], top_reac
     let glimpse = Glimpse::new(tin);
     let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
         .into_par_iter()
-        .map(|r| region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, top_reach), r))
+        .map(|r| region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, tuning), r))
         .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
@@ -83,7 +82,7 @@ fn region_heights(
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
-    (map_slope, top_reach): (&(dyn Fn() -> f64 + Sync), f64),
+    (map_slope, tuning): (&(dyn Fn() -> f64 + Sync), &SkeletonTuning),
     region: usize,
 ) -> Vec<(u32, f64)> {
     let own = groups.points.of(region);
@@ -92,7 +91,7 @@ fn region_heights(
     }
     let borders = groups.borders.of(region);
     let levels = BorderLevels::new(tin, borders);
-    let ground = Ground { tin, glimpse, regions, region: &regions.regions[region], levels, map_slope, top_reach };
+    let ground = Ground { tin, glimpse, regions, region: &regions.regions[region], levels, map_slope, tuning };
     let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
     let mut tops: Vec<(f64, Cap)> = Vec::new();
     let spots = groups.spots.of(region);
@@ -137,8 +136,8 @@ struct Ground<'a> {
     levels: BorderLevels,
     /// Mean slope at the contours of the whole map.
     map_slope: &'a (dyn Fn() -> f64 + Sync),
-    /// Share of the band that a top may use.
-    top_reach: f64,
+    /// The tuned numbers.
+    tuning: &'a SkeletonTuning,
 }
 
 impl Ground<'_> {
@@ -196,7 +195,8 @@ impl Ground<'_> {
             .collect();
         let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
         let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or_else(self.map_slope);
-        Cap::new(self.regions.beyond(level, side), side, widest, slope, self.top_reach, spots)
+        let share = if side == Side::Below { self.tuning.hollow_reach } else { self.tuning.top_reach };
+        Cap::new(self.regions.beyond(level, side), side, widest, slope, share, spots)
     }
 }
 

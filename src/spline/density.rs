@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 
 use super::slopes::slopes;
+use super::wide::WidePlaces;
 use crate::base::Grid;
+use crate::tuning::WideTuning;
 
 /// Limits of the relative contour density. They keep it finite on level ground and on cliffs.
 const DENSITY_LIMITS: (f64, f64) = (1e-3, 1e3);
@@ -26,10 +28,23 @@ pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f
     factor
 }
 
-/// Tension at each node, per square of the eastward step: `k / (mean spacing · local spacing)`.
-pub fn tension(contour_density: &[f32], grid: &Grid, spacing: f64, k: f64) -> Vec<f32> {
+/// Tension at each node, per square of the eastward step: `k / (mean spacing · local spacing)`. In wide places, it
+/// passes from the local spacing to that of the contours around ([`WideTuning`]).
+pub fn tension(
+    contour_density: &[f32],
+    wide: &WidePlaces,
+    grid: &Grid,
+    spacing: f64,
+    k: f64,
+    tuning: &WideTuning,
+) -> Vec<f32> {
     let whole = k * (grid.cell.x / spacing).powi(2);
-    contour_density.par_iter().map(|f| (whole * f64::from(*f)) as f32).collect()
+    let factor = tuning.tension_factor as f32;
+    let at = |((own, share), around): ((&f32, &f32), &f32)| {
+        let density = if *share > 0.0 { own.powf(1.0 - share) * (factor * around).powf(*share) } else { *own };
+        (whole * f64::from(density)) as f32
+    };
+    contour_density.par_iter().zip(&wide.share).zip(&wide.around).map(at).collect()
 }
 
 /// Computes a new value for every node that has all four neighbours. Other nodes keep theirs.

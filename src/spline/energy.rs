@@ -4,7 +4,8 @@
 //! It is the sum of four terms, which are quadratic in the heights:
 //!
 //! * Bending, `Σ w δ²`: second differences δ, eastwards, southwards, and the mixed one twice.
-//! * Tension, `Σ t (Δz - Δg)²`: first differences of the surface z against those of the reference surface g.
+//! * Tension, `Σ t (Δz - f Δg)²`: first differences of the surface z against a share f of those of the reference
+//!   surface g.
 //! * Contours, `Σ λ (z at crossing - level)²`: crossings of contours with edges of the lattice. Along an edge, z is
 //!   linear.
 //! * Pull to zero, `Σ p z²`.
@@ -126,6 +127,9 @@ pub struct Energy<'a> {
     /// Heights of the reference surface, whose first differences the tension draws to. Where they are NaN, it draws to
     /// level ground.
     pub reference: Cow<'a, [f32]>,
+    /// Share of the reference surface's differences that the tension draws to, at each node. An edge has the smaller
+    /// one of its ends.
+    pub follows: Vec<f32>,
     /// Crossings on eastward and on southward edges, summed up.
     pub contours: [EdgeTerms; 2],
     /// Weight of the squared height at every node. It pulls the surface to 0.
@@ -240,9 +244,12 @@ impl Energy<'_> {
         let cols = self.size[0];
         let pull = |side: usize, n: usize, step: usize| {
             let weight = self.tension[side][n];
-            let fall =
-                if weight > 0.0 { f64::from(self.reference[n]) - f64::from(self.reference[n + step]) } else { 0.0 };
-            if fall.is_nan() { 0.0 } else { f64::from(weight) * fall }
+            if weight == 0.0 {
+                return 0.0;
+            }
+            let fall = f64::from(self.reference[n]) - f64::from(self.reference[n + step]);
+            let follows = self.follows[n].min(self.follows[n + step]);
+            if fall.is_nan() { 0.0 } else { f64::from(weight) * fall * f64::from(follows) }
         };
         // A difference across the border of the lattice has weight 0. So the neighbour in the row before does no harm.
         let back = |side: usize, n: usize, step: usize| n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
@@ -327,7 +334,8 @@ pub(super) mod tests {
             ),
             EdgeTerms::new(&[crossing(cols + 1, 0.75), crossing(1, 0.1)], CrossingWeight::even(3.0), &lattice),
         ];
-        Energy { size: [cols, rows], bending, tension, reference, contours, pull: 0.25 }
+        let follows = weights(&|_, _| true);
+        Energy { size: [cols, rows], bending, tension, reference, follows, contours, pull: 0.25 }
     }
 
     /// The energy by its definition.
@@ -344,7 +352,8 @@ pub(super) mod tests {
             for (k, step) in [1, cols].into_iter().enumerate() {
                 if e.tension[k][n] > 0.0 {
                     let fall = f64::from(e.reference[n]) - f64::from(e.reference[n + step]);
-                    sum += f64::from(e.tension[k][n]) * (z[n] - z[n + step] - fall).powi(2);
+                    let follows = f64::from(e.follows[n].min(e.follows[n + step]));
+                    sum += f64::from(e.tension[k][n]) * (z[n] - z[n + step] - follows * fall).powi(2);
                 }
             }
         }

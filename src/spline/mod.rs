@@ -1,12 +1,14 @@
 //! The smooth surface: minimum curvature through the contours, on a working grid.
 //!
 //! It is a minimum-curvature surface (Briggs 1974, Geophysics 39; with tension: Smith and Wessel 1990, Geophysics 55).
-//! It differs from the plain one in three ways:
+//! It differs from the plain one in four ways:
 //!
 //! * Every node stays inside the band of its sub-domain, from the first step on.
 //! * Tension draws its slopes to those of the reference surface, which has the paper's ridge and canyon lines, and not
 //!   to level ground. Where contours are close, the straight way between them is the best guess. So shelves and bulges
 //!   do not arise.
+//! * In wide places, such as valley floors, a slope ends at the contour where the distance between contours jumps
+//!   (`wide`).
 //! * It may bend sharply where it must, most of all along ridge and canyon lines (iteratively reweighted least squares,
 //!   IRLS).
 //!
@@ -37,6 +39,7 @@ mod stages;
 mod stencil;
 mod tile;
 mod unevenness;
+mod wide;
 mod working_grid;
 
 pub(crate) use blur::blurred;

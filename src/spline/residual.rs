@@ -41,6 +41,7 @@ pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
         bending: [nothing(), nothing(), nothing()],
         tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
         reference: vec![f32::NAN; count].into(),
+        follows: vec![1.0; count],
         contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
         pull: 1.0 / (residual_reach * residual_reach),
     };

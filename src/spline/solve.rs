@@ -12,6 +12,7 @@ use super::params::HyperParameters;
 use super::pits::{Limits, breach};
 use super::shelves::shelves;
 use super::stages::{Problem, STEP, solve};
+use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage};
 use crate::base::Grid;
@@ -33,6 +34,8 @@ pub fn spline<'a>(
         if by == 0.0 { Cow::Borrowed(bound) } else { bound.iter().map(|b| b + by).collect() }
     };
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
+    let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
+    let tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
     let problem = Problem {
         lattice,
         contours: &conditions.contours,
@@ -41,7 +44,8 @@ pub fn spline<'a>(
         crease_threshold: hyper_parameters.crease_threshold,
         bounds: [moved(lo, -slack), moved(hi, slack)],
         reference,
-        tension: tension(&contour_density, grid, *spacing, hyper_parameters.tension),
+        tension,
+        wide: wide.share,
         contour_weight: contour_weight(hyper_parameters.noise, grid, *spacing, tuning),
         interval,
         spacing: *spacing,
@@ -54,7 +58,7 @@ pub fn spline<'a>(
     let share = shelves(&heights, reference, grid, tuning);
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
         if !reference[n].is_nan() {
-            *z += share[n] * (reference[n] - *z);
+            *z += share[n] * (1.0 - problem.wide[n]) * (reference[n] - *z);
         }
     });
     if hyper_parameters.noise > 0.0 {

@@ -39,6 +39,8 @@ pub struct Problem<'a> {
     pub reference: &'a [f32],
     /// Tension at each node, per square of the step eastwards.
     pub tension: Vec<f32>,
+    /// How far each node is a wide place, 0 to 1.
+    pub wide: Vec<f32>,
     /// Weight of the square at a crossing, against that of a second difference, on the finest lattice.
     pub contour_weight: CrossingWeight,
     /// Contour interval, metres.
@@ -67,6 +69,7 @@ struct Stage<'a> {
     bounds: [Cow<'a, [f32]>; 2],
     reference: Cow<'a, [f32]>,
     tension: Cow<'a, [f32]>,
+    wide: Cow<'a, [f32]>,
 }
 
 /// The solution on a lattice.
@@ -88,6 +91,7 @@ pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
         bounds: problem.bounds.each_ref().map(|bound| Cow::Borrowed(&**bound)),
         reference: Cow::Borrowed(problem.reference),
         tension: Cow::Borrowed(&problem.tension),
+        wide: Cow::Borrowed(&problem.wide),
     };
     let coarser: Vec<Stage<'_>> = std::iter::successors(finest.coarser(), Stage::coarser).collect();
     let all: usize = finest.lattice.len() + coarser.iter().map(|s| s.lattice.len()).sum::<usize>();
@@ -134,6 +138,7 @@ impl Stage<'_> {
             bounds,
             reference: take(&self.reference).into(),
             tension: tension.into(),
+            wide: take(&self.wide).into(),
         })
     }
 
@@ -221,7 +226,7 @@ impl Stage<'_> {
             (east, south)
         };
         let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
-        let SplineTuning { coarse_contour_weight, crease_weight, .. } = *problem.tuning;
+        let SplineTuning { coarse_contour_weight, crease_weight, wide, .. } = *problem.tuning;
         let weight =
             problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));
         let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
@@ -256,6 +261,7 @@ impl Stage<'_> {
         let is_crease = |kind: usize, n: usize| {
             let [east, south] = &cut;
             is_bent(kind, n)
+                && self.wide[n] <= wide.crease_limit
                 && match kind {
                     0 => east[n - 1] || east[n],
                     1 => south[n - cols] || south[n],
@@ -285,6 +291,7 @@ impl Stage<'_> {
             bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
             tension: std::array::from_fn(|side| (0..count).into_par_iter().map(|n| tension(side, n)).collect()),
             reference: Cow::Borrowed(&self.reference),
+            follows: self.wide.par_iter().map(|share| 1.0 - wide.level_share * share).collect(),
             contours,
             pull: 0.0,
         };
@@ -387,6 +394,7 @@ mod tests {
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
                 reference: &reference,
                 tension: vec![0.0; lattice.len()],
+                wide: vec![0.0; lattice.len()],
                 contour_weight: CrossingWeight::even(100.0),
                 interval: 10.0,
                 spacing,

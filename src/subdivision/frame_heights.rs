@@ -41,7 +41,7 @@ pub(super) fn with_frame_heights(tin: Tin, regions: &Regions, smooth: &dyn Fn(DV
     }
     let (corners, points): (Vec<u32>, Vec<AxisPoint>) = points.into_iter().unzip();
     // The default value, not the one of a surface: the subdivision is made before any surface, and for other uses.
-    let found = axis_heights(&tin, regions, &points, SkeletonTuning::default().top_reach);
+    let found = axis_heights(&tin, regions, &points, &SkeletonTuning::default());
     let mut heights = tin.heights.clone();
     for ((&v, height), region) in corners.iter().zip(found).zip(points.iter().map(|p| p.region)) {
         let band = regions.regions[region as usize].band;

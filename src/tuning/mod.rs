@@ -26,6 +26,7 @@ mod shrinkage;
 mod skeleton;
 mod spline;
 mod trials;
+mod wide;
 
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
@@ -36,6 +37,7 @@ pub use shrinkage::{GainTuning, ShrinkageTuning};
 pub use skeleton::SkeletonTuning;
 pub use spline::SplineTuning;
 pub use trials::TrialTuning;
+pub use wide::WideTuning;
 
 /// Declares a group of numbers, each with type and default value. The documentation of each number states its default.
 macro_rules! tuned {

@@ -1,6 +1,6 @@
 //! The smooth surface.
 
-use super::{GainTuning, GridTuning, ShrinkageTuning, tuned};
+use super::{GainTuning, GridTuning, ShrinkageTuning, WideTuning, tuned};
 
 tuned! {
     /// The solution for the smooth surface, in the order of its steps.
@@ -15,6 +15,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         density_rounds: usize = 3,
+        /// Wide places.
+        wide: WideTuning = WideTuning::default(),
         /// Weight of a contour's vertex on an edge between nodes, against a second difference.
         ///
         /// Tried 500 and 2000: the RMSE of two maps changes by +0.36 % and -0.54 %.

@@ -293,7 +293,7 @@ fn equation_1_takes_the_nearest_contours_in_sight() {
             }
         }
         let points = lines_of(&subdivision, 1.0).axis.points;
-        let heights = axis_heights(tin, regions, &points, SkeletonTuning::default().top_reach);
+        let heights = axis_heights(tin, regions, &points, &SkeletonTuning::default());
         for (p, height) in points.iter().zip(heights) {
             let border = &borders[&p.region];
             let own = p.level.unwrap();

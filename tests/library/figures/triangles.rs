@@ -147,7 +147,7 @@ fn figure_6_heights_along_a_ridge() {
         &sample.subdivision.tin,
         &sample.subdivision.regions,
         &points,
-        SkeletonTuning::default().top_reach,
+        &SkeletonTuning::default(),
     );
     let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0, &SkeletonTuning::default()).lines;
     for (&(x, to_lower), height) in centres.iter().zip(found) {

@@ -1,0 +1,102 @@
+//! Wide places: ground where contours are much further apart than those around it. Valley floors, plains, lakes,
+//! terraces and plateaus are such places.
+//!
+//! Where a steep slope ends at a floor, a surface of minimum curvature carries the slope on into the floor. But a jump
+//! in the distance between contours shows that the slope ends there. So in a wide place
+//!
+//! * the tension is that of the contours around it ([`tension`](super::density::tension)). A slope then ends within a
+//!   share of their spacing, and the floor lies a share of an interval below the last contour;
+//! * the tension draws to level ground by a share, and not only to the slopes of the reference surface. The triangles
+//!   of that surface are large there and would show as facets;
+//! * ridge and canyon lines are no creases. They would show as stars.
+
+use rayon::prelude::*;
+
+use crate::tuning::WideTuning;
+
+/// Number of nodes at contours whose mean is taken as it is. Where there are fewer, nodes further away count too.
+const ENOUGH: f32 = 4.0;
+
+/// What the contours around show about each node.
+pub struct WidePlaces {
+    /// How far the node is a wide place: 0 not at all, 1 in full.
+    pub share: Vec<f32>,
+    /// Relative density of the contours around.
+    pub around: Vec<f32>,
+}
+
+impl WidePlaces {
+    /// Compares the relative contour density of each node with that of the contours around it. `floor` is the lowest
+    /// height that each node may have, NaN outside the frame. It changes from node to node where a contour passes.
+    pub fn new(contour_density: &[f32], floor: &[f32], cols: usize, tuning: &WideTuning) -> Self {
+        let known = contour_density.par_iter().enumerate().map(|(n, density)| {
+            let is_known = density.is_finite() && is_at_contour(floor, n, cols);
+            if is_known { Mean { sum: *density, count: 1.0 } } else { Mean::default() }
+        });
+        let around = spread(known.collect(), cols);
+        let [least, most] = tuning.jump_limits.map(|limit| limit as f32);
+        let share = |(own, around): (&f32, &f32)| {
+            let share = (around / own / least).ln() / (most / least).ln();
+            if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+        };
+        let share = contour_density.par_iter().zip(&around).map(share).collect();
+        Self { share, around }
+    }
+}
+
+/// Whether a contour passes between a node and one of its four neighbours.
+fn is_at_contour(floor: &[f32], n: usize, cols: usize) -> bool {
+    let differs = |m: usize| floor.get(m).is_some_and(|f| !f.is_nan() && *f != floor[n]);
+    let (has_west, has_east) = (!n.is_multiple_of(cols), !(n + 1).is_multiple_of(cols));
+    !floor[n].is_nan()
+        && ((has_west && differs(n - 1))
+            || (has_east && differs(n + 1))
+            || (n >= cols && differs(n - cols))
+            || differs(n + cols))
+}
+
+/// A sum of values and their number.
+#[derive(Debug, Clone, Copy, Default)]
+struct Mean {
+    sum: f32,
+    count: f32,
+}
+
+/// The mean of the known values around each node. The fewer there are nearby, the larger the surroundings: squares of
+/// 2 x 2, 4 x 4, ... nodes, with a steady change from one square to the next.
+fn spread(known: Vec<Mean>, cols: usize) -> Vec<f32> {
+    let rows = known.len() / cols.max(1);
+    if known.is_empty() {
+        return Vec::new();
+    }
+    if known.len() == 1 {
+        let Mean { sum, count } = known[0];
+        return vec![if count > 0.0 { sum / count } else { 1.0 }];
+    }
+    let coarse_cols = cols.div_ceil(2);
+    let coarse_rows = rows.div_ceil(2);
+    let of_square = |k: usize| {
+        let (col, row) = (2 * (k % coarse_cols), 2 * (k / coarse_cols));
+        let nodes = [(col, row), (col + 1, row), (col, row + 1), (col + 1, row + 1)];
+        let inside = nodes.into_iter().filter(|&(i, j)| i < cols && j < rows).map(|(i, j)| known[j * cols + i]);
+        inside.fold(Mean::default(), |a, b| Mean { sum: a.sum + b.sum, count: a.count + b.count })
+    };
+    let squares = (0..coarse_cols * coarse_rows).into_par_iter().map(of_square).collect();
+    let coarse = spread(squares, coarse_cols);
+    let further = |n: usize| {
+        // Centres of squares lie half a node beside the nodes.
+        let place = |i: usize, count: usize| {
+            let at = (i as f32 - 0.5) / 2.0;
+            let next = (at.floor() + 1.0) as usize;
+            (next.saturating_sub(1), next.min(count - 1), at - at.floor())
+        };
+        let ((west, east, u), (north, south, v)) = (place(n % cols, coarse_cols), place(n / cols, coarse_rows));
+        let along = |row: usize| coarse[row * coarse_cols + west] * (1.0 - u) + coarse[row * coarse_cols + east] * u;
+        along(north) * (1.0 - v) + along(south) * v
+    };
+    let at = |(n, mean): (usize, &Mean)| {
+        let missing = ENOUGH - mean.count;
+        if missing > 0.0 { (mean.sum + missing * further(n)) / ENOUGH } else { mean.sum / mean.count }
+    };
+    known.par_iter().enumerate().map(at).collect()
+}

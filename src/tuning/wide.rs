@@ -1,0 +1,35 @@
+//! Wide places of the smooth surface.
+
+use super::tuned;
+
+tuned! {
+    /// Wide places: ground where contours are much further apart than those around it.
+    WideTuning {
+        /// Distance between contours, against that of the contours around, where a place begins to be wide, and where
+        /// it is wide in full.
+        ///
+        /// Tried TODO
+        ///
+        /// Refit: RMSE; error far from contours.
+        jump_limits: [f64; 2] = [2.0, 6.0],
+        /// Tension in a wide place, against that of the contours around.
+        ///
+        /// Tried TODO
+        ///
+        /// Refit: RMSE; error far from contours.
+        tension_factor: f64 = 2.0,
+        /// Share of the reference surface's slopes that the tension does not follow in a wide place. It draws to level
+        /// ground by this share.
+        ///
+        /// Tried TODO
+        ///
+        /// Refit: RMSE; error far from contours; stars and facets on plains.
+        level_share: f32 = 0.4,
+        /// Share of a wide place from which on ridge and canyon lines are no creases.
+        ///
+        /// Tried TODO
+        ///
+        /// Refit: RMSE; stars on plains.
+        crease_limit: f32 = 0.5,
+    }
+}
