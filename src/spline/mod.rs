@@ -33,6 +33,7 @@ mod residual;
 mod reweight;
 mod shelves;
 mod shrinkage;
+mod slack;
 mod slopes;
 mod solve;
 mod stages;

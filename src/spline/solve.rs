@@ -1,7 +1,5 @@
 //! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
-use std::borrow::Cow;
-
 use rayon::prelude::*;
 
 use super::conditions::Conditions;
@@ -11,6 +9,7 @@ use super::lattice::Lattice;
 use super::params::HyperParameters;
 use super::pits::{Limits, breach};
 use super::shelves::shelves;
+use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
@@ -20,19 +19,17 @@ use crate::base::progress::Progress;
 use crate::tuning::SplineTuning;
 
 /// Finds the smooth surface that meets the conditions.
-pub fn spline<'a>(
-    conditions: &'a Conditions<'_>,
+pub fn spline(
+    conditions: &Conditions<'_>,
     hyper_parameters: &HyperParameters,
-    tuning: &'a SplineTuning,
+    tuning: &SplineTuning,
     progress: &dyn Progress,
 ) -> WorkingGrid {
     let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, hollows, .. } = conditions;
     let interval = *interval;
     let lattice = Lattice::of_grid(grid);
     let slack = if hyper_parameters.noise > 0.0 { (tuning.noise_slack * interval) as f32 } else { 0.0 };
-    let moved = |bound: &'a [f32], by: f32| -> Cow<'a, [f32]> {
-        if by == 0.0 { Cow::Borrowed(bound) } else { bound.iter().map(|b| b + by).collect() }
-    };
+    let slack_reach = (tuning.noise_slack_reach * *spacing / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
     let tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
@@ -42,7 +39,7 @@ pub fn spline<'a>(
         spots: conditions.spot_crossings(),
         creases: &conditions.creases,
         crease_threshold: hyper_parameters.crease_threshold,
-        bounds: [moved(lo, -slack), moved(hi, slack)],
+        bounds: with_slack([lo, hi], slack, slack_reach, grid.cols),
         reference,
         tension,
         wide: wide.share,

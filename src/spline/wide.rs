@@ -45,7 +45,7 @@ impl WidePlaces {
 }
 
 /// Whether a contour passes between a node and one of its four neighbours.
-fn is_at_contour(floor: &[f32], n: usize, cols: usize) -> bool {
+pub fn is_at_contour(floor: &[f32], n: usize, cols: usize) -> bool {
     let differs = |m: usize| floor.get(m).is_some_and(|f| !f.is_nan() && *f != floor[n]);
     let (has_west, has_east) = (!n.is_multiple_of(cols), !(n + 1).is_multiple_of(cols));
     !floor[n].is_nan()
