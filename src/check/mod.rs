@@ -13,6 +13,7 @@ mod graph;
 mod grid;
 mod ground;
 mod labels;
+mod lakes;
 mod lines;
 mod widths;
 
@@ -20,6 +21,7 @@ pub use causes::first_causes;
 pub use correction::{Correction, Judged, correct};
 pub(crate) use depressions::contradicted_marks;
 pub(crate) use ground::Ground;
+pub(crate) use lakes::possible_lakes;
 pub use lines::{LineParams, examine, merged};
 
 use self::graph::Graph;

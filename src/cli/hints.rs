@@ -49,6 +49,7 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
 pub fn for_kind(kind: FindingKind) -> Option<&'static str> {
     match kind {
         FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours"),
+        FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level"),
         _ => None,
     }
 }

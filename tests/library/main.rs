@@ -9,6 +9,7 @@ mod area_files;
 mod degenerate;
 mod faults;
 mod figures;
+mod floors;
 mod gsi_files;
 mod invariants;
 mod landforms;

@@ -126,6 +126,8 @@ kinds! {
     TooFewLevels = "too-few-levels", Error, "too few levels for a surface";
     /// The input marks a contour as a depression and the ground inside is higher, or the other way round.
     DepressionMark = "depression-mark", Warning, "depression marks that the contours contradict";
+    /// A hollow inside a single contour looks like water, and no lake was given there.
+    MayBeLake = "may-be-lake", Note, "hollows that may be lakes";
     /// A spot height lies on a contour or on another spot height, with a different elevation; it was left out.
     SpotOnLine = "spot-on-line", Warning, "spot heights on contours";
     /// A spot height does not lie between the two levels around it; it was left out.

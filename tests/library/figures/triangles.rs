@@ -143,12 +143,7 @@ fn figure_6_heights_along_a_ridge() {
             AxisPoint { position, level: Some(low), triangle: sample.triangle_at(place), region }
         })
         .collect();
-    let found = axis_heights(
-        &sample.subdivision.tin,
-        &sample.subdivision.regions,
-        &points,
-        &SkeletonTuning::default(),
-    );
+    let found = axis_heights(&sample.subdivision.tin, &sample.subdivision.regions, &points, &SkeletonTuning::default());
     let lines = skeleton(&sample.subdivision.tin, &sample.subdivision.regions, 1.0, &SkeletonTuning::default()).lines;
     for (&(x, to_lower), height) in centres.iter().zip(found) {
         let wanted = (low * from_upper(x) + to_lower * high) / (from_upper(x) + to_lower);

@@ -1,0 +1,107 @@
+//! Wide places: what the smooth surface does where a slope ends at a floor, and hollows that may be lakes.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use glam::DVec2;
+use tokosen::base::Grid;
+use tokosen::base::error::{Finding, FindingKind};
+use tokosen::clean::{CleanParams, clean};
+use tokosen::contour::{Contour, ContourMap};
+use tokosen::subdomains::Frame;
+use tokosen::surface::{Surface, SurfaceParams, build, heights};
+
+const INTERVAL: f64 = 20.0;
+
+fn built(contours: Vec<Contour>) -> (Surface, Vec<Finding>) {
+    let map = ContourMap { contours, ..ContourMap::default() };
+    let map = clean(map, &CleanParams::default()).unwrap().value;
+    let report = build(map, &SurfaceParams { frame: Frame::Hull, ..SurfaceParams::default() }, &()).unwrap();
+    (report.value, report.findings)
+}
+
+/// A shore that turns in bays: its radius varies by `bays` of itself.
+fn ring(radius: f64, elevation: f64, bays: f64) -> Contour {
+    let at = |k: i32| {
+        let angle = f64::from(k % 240) * std::f64::consts::TAU / 240.0;
+        radius * (1.0 + bays * (7.0 * angle).sin()) * DVec2::from_angle(angle)
+    };
+    Contour { elevation, points: (0..=240).map(at).collect(), feature: 1 }
+}
+
+/// Rings around a hollow of this radius, `spacing` apart, rising outwards from 500 m.
+fn hollow(radius: f64, spacing: f64, bays: f64) -> Vec<Contour> {
+    (0..8).map(|k| ring(radius + f64::from(k) * spacing, 500.0 + f64::from(k) * INTERVAL, bays)).collect()
+}
+
+/// Heights at places.
+fn heights_at(surface: &Surface, places: &[DVec2]) -> Vec<f64> {
+    let cell = |p: &DVec2| Grid { corner: *p + DVec2::new(-0.5, 0.5), cell: DVec2::ONE, cols: 1, rows: 1 };
+    places.iter().map(|p| f64::from(heights(surface, &cell(p), &()).values[0])).collect()
+}
+
+fn lakes(contours: Vec<Contour>) -> Vec<Finding> {
+    built(contours).1.into_iter().filter(|f| f.kind == FindingKind::MayBeLake).collect()
+}
+
+#[test]
+fn a_wide_hollow_among_steep_slopes_may_be_a_lake() {
+    let found = lakes(hollow(600.0, 40.0, 0.02));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].place.unwrap().length() < 60.0 && found[0].elevations == [500.0], "{found:?}");
+    let area: f64 = found[0].message.split("about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((area / (std::f64::consts::PI * 600.0 * 600.0) - 1.0).abs() < 0.01, "{found:?}");
+    // The bowl goes on inwards with its slope: nothing shows water.
+    assert_eq!(lakes(hollow(60.0, 40.0, 0.02)), []);
+    // So far from a slope, a hollow may be anything.
+    assert_eq!(lakes(hollow(600.0, 500.0, 0.02)), []);
+    // A top is no lake.
+    let top = hollow(600.0, 40.0, 0.02).into_iter().map(|c| Contour { elevation: 1000.0 - c.elevation, ..c });
+    assert_eq!(lakes(top.collect()), []);
+    // A shore that is drawn through is a hollow that reaches the frame, or an open end: its other side is unknown.
+    let mut open = hollow(600.0, 40.0, 0.02);
+    open.iter_mut().for_each(|c| c.points.retain(|p| p.x < 300.0));
+    open.iter_mut().for_each(|c| {
+        c.points.pop();
+    });
+    assert_eq!(lakes(open), []);
+}
+
+#[test]
+fn the_floor_of_a_wide_hollow_is_gentle_and_near_its_shore() {
+    let radius = 600.0;
+    let (surface, _) = built(hollow(radius, 40.0, 0.02));
+    let at = |share: f64, angle: f64| share * radius * DVec2::from_angle(angle);
+    let places: Vec<DVec2> =
+        (0..19).flat_map(|k| (0..12).map(move |a| at(f64::from(k) * 0.05, f64::from(a)))).collect();
+    let floor = heights_at(&surface, &places);
+    let depth = |z: f64| (500.0 - z) / INTERVAL;
+    let (least, most) = floor.iter().fold((f64::MAX, f64::MIN), |(a, b), z| (a.min(depth(*z)), b.max(depth(*z))));
+    assert!(least > 0.0 && most < 0.5, "{least} {most} intervals below the shore");
+    // No funnel, no star: the middle half is nearly level.
+    let middle: Vec<f64> = floor[..9 * 12].iter().map(|z| depth(*z)).collect();
+    let (low, high) = middle.iter().fold((f64::MAX, f64::MIN), |(a, b), d| (a.min(*d), b.max(*d)));
+    assert!(high - low < 0.1, "{low} to {high} intervals");
+}
+
+#[test]
+fn a_slope_ends_at_the_contour_where_the_spacing_jumps() {
+    // A flank with contours 10 apart comes down to a plain, whose next contour is 600 further.
+    let at = |x: f64, elevation: f64| Contour {
+        elevation,
+        points: (0..=60).map(|k| DVec2::new(x, f64::from(k) * 10.0)).collect(),
+        feature: 1,
+    };
+    let flank = (0..8).map(|k| (-10.0 * f64::from(k), 500.0 + INTERVAL * f64::from(k)));
+    let plain = [(600.0, 480.0), (1200.0, 460.0), (1800.0, 440.0)];
+    for turned in [1.0, -1.0] {
+        // Turned upside down, it is a plateau above an edge.
+        let lines = flank.clone().chain(plain).map(|(x, z)| at(x, 500.0 + turned * (z - 500.0)));
+        let (surface, _) = built(lines.collect());
+        let places: Vec<DVec2> = (1..12).map(|k| DVec2::new(f64::from(k) * 50.0, 300.0)).collect();
+        for (place, z) in places.iter().zip(heights_at(&surface, &places)) {
+            let straight = 500.0 - turned * INTERVAL * place.x / 600.0;
+            let off = (z - straight).abs() / INTERVAL;
+            assert!(off < 0.2, "{turned}: {off} intervals off the straight way at {place}");
+        }
+    }
+}
