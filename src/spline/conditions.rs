@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::density::contour_density;
 use super::lattice::{Crossing, Lattice};
+use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
 use crate::tuning::SplineTuning;
@@ -41,7 +42,8 @@ impl Conditions<'_> {
         let spots = self.spot_crossings();
         let variances =
             shrinkage::variances(1.0, heights, &contour_density, *spacing, &lattice, &spots, &tuning.shrinkage);
-        curvature_gain::unit_gain(heights, [lo, hi], &variances, *spacing, &lattice, *interval, &tuning.gain)
+        let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide).share;
+        curvature_gain::unit_gain(heights, [lo, hi], (&variances, &wide), *spacing, &lattice, *interval, &tuning.gain)
     }
 
     /// Spot heights as crossings of the edges between nodes.

@@ -22,11 +22,12 @@ const FEWEST: usize = 2;
 /// `heights` are NaN.
 ///
 /// `variances` are the variances half-way between contours ([`super::shrinkage::variances`]). `spacing` is the mean
-/// spacing of the contours, map units.
+/// spacing of the contours, map units. `wide` is the share of a wide place. Where it is 1, there is no gain: beside
+/// the toe of a slope, it would dig a trough.
 pub fn unit_gain(
     heights: &[f32],
     bounds: [&[f32]; 2],
-    variances: &[f32],
+    (variances, wide): (&[f32], &[f32]),
     spacing: f64,
     lattice: &Lattice,
     interval: f64,
@@ -45,7 +46,7 @@ pub fn unit_gain(
         let bulge = (z - mean_around[n]) / unit;
         // The gain starts with slope 0 at a contour. Otherwise there would be a notch along every contour.
         let open = (4.0 * t * (1.0 - t)).powi(2);
-        let by = open * variances[n].sqrt() * bulge / (1.0 + bulge * bulge);
+        let by = (1.0 - wide[n].powi(4)) * open * variances[n].sqrt() * bulge / (1.0 + bulge * bulge);
         if by.is_finite() { by } else { 0.0 }
     };
     (0..heights.len()).into_par_iter().map(at).collect()
@@ -92,7 +93,15 @@ mod tests {
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
         (
-            unit_gain(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &LATTICE, 20.0, &GainTuning::default()),
+            unit_gain(
+                &heights,
+                [&bounds[0], &bounds[1]],
+                (&variances, &vec![0.0; heights.len()]),
+                8.0,
+                &LATTICE,
+                20.0,
+                &GainTuning::default(),
+            ),
             heights,
         )
     }
@@ -113,7 +122,15 @@ mod tests {
         let bounds = [vec![100.0; heights.len()], vec![120.0; heights.len()]];
         let variances = vec![4.0; heights.len()];
         let tuning = GainTuning::default();
-        let by = unit_gain(&heights, [&bounds[0], &bounds[1]], &variances, 8.0, &coarse, 20.0, &tuning);
+        let by = unit_gain(
+            &heights,
+            [&bounds[0], &bounds[1]],
+            (&variances, &vec![0.0; heights.len()]),
+            8.0,
+            &coarse,
+            20.0,
+            &tuning,
+        );
         assert!(by.iter().all(|by| *by == 0.0), "contours are as close as nodes");
     }
 

@@ -28,8 +28,10 @@ pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f
     factor
 }
 
-/// Tension at each node, per square of the eastward step: `k / (mean spacing · local spacing)`. In wide places, it
-/// passes from the local spacing to that of the contours around ([`WideTuning`]).
+/// Tension at each node, per square of the eastward step: `k / (mean spacing · local spacing)`.
+///
+/// In wide places the local spacing passes to that of the contours around. The tension is at least
+/// `1 / (reach · spacing around)²` there: a slope then ends within this reach ([`WideTuning::slope_reach`]).
 pub fn tension(
     contour_density: &[f32],
     wide: &WidePlaces,
@@ -38,11 +40,12 @@ pub fn tension(
     k: f64,
     tuning: &WideTuning,
 ) -> Vec<f32> {
-    let whole = k * (grid.cell.x / spacing).powi(2);
-    let factor = tuning.tension_factor as f32;
+    let step = (grid.cell.x / spacing).powi(2);
+    let (whole, ending) = (k * step, (step / tuning.slope_reach.powi(2)) as f32);
+    let usual = (whole * tuning.tension_factor) as f32;
     let at = |((own, share), around): ((&f32, &f32), &f32)| {
-        let density = if *share > 0.0 { own.powf(1.0 - share) * (factor * around).powf(*share) } else { *own };
-        (whole * f64::from(density)) as f32
+        let own = (whole * f64::from(*own)) as f32;
+        if *share > 0.0 { own.powf(1.0 - share) * (around * usual.max(around * ending)).powf(*share) } else { own }
     };
     contour_density.par_iter().zip(&wide.share).zip(&wide.around).map(at).collect()
 }

@@ -70,8 +70,15 @@ pub fn spline(
             shrinkage::variances(half_way, &heights, &contour_density, *spacing, &lattice, spots, shrinkage);
         shrinkage::shrink(&mut heights, [lo, hi], &variances, shrinkage.max_share);
         if hyper_parameters.curvature_gain > 0.0 {
-            let unit_gain =
-                curvature_gain::unit_gain(&heights, [lo, hi], &variances, *spacing, &lattice, interval, &tuning.gain);
+            let unit_gain = curvature_gain::unit_gain(
+                &heights,
+                [lo, hi],
+                (&variances, &problem.wide),
+                *spacing,
+                &lattice,
+                interval,
+                &tuning.gain,
+            );
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }

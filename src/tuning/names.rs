@@ -29,7 +29,7 @@ pub enum TuneError {
 
 /// Numbers that must be above zero: divisors, and lengths of arrays.
 const ABOVE_ZERO: [&str; 4] =
-    ["spline.grid.", "spline.wide.jump_limits", "spline.wide.tension_factor", "errors.width_classes"];
+    ["spline.grid.", "spline.wide.jump_limits", "spline.wide.slope_reach", "errors.width_classes"];
 
 /// The end of the name of a pair of limits, least and largest.
 const LIMITS: &str = "_limits";

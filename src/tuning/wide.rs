@@ -17,7 +17,14 @@ tuned! {
         /// Tried TODO
         ///
         /// Refit: RMSE; error far from contours.
-        tension_factor: f64 = 2.0,
+        tension_factor: f64 = 1.5,
+        /// How far a slope goes on into a wide place, at most, in spacings of the contours around. The floor at the toe
+        /// of a slope then lies about this share of an interval below its last contour.
+        ///
+        /// Tried TODO
+        ///
+        /// Refit: RMSE; error far from contours.
+        slope_reach: f64 = 0.4,
         /// Share of the reference surface's slopes that the tension does not follow in a wide place. It draws to level
         /// ground by this share.
         ///

@@ -76,7 +76,7 @@ fn the_floor_of_a_wide_hollow_is_gentle_and_near_its_shore() {
     let floor = heights_at(&surface, &places);
     let depth = |z: f64| (500.0 - z) / INTERVAL;
     let (least, most) = floor.iter().fold((f64::MAX, f64::MIN), |(a, b), z| (a.min(depth(*z)), b.max(depth(*z))));
-    assert!(least > 0.0 && most < 0.5, "{least} {most} intervals below the shore");
+    assert!(least > 0.0 && most < 0.65, "{least} {most} intervals below the shore");
     // No funnel, no star: the middle half is nearly level.
     let middle: Vec<f64> = floor[..9 * 12].iter().map(|z| depth(*z)).collect();
     let (low, high) = middle.iter().fold((f64::MAX, f64::MIN), |(a, b), d| (a.min(*d), b.max(*d)));
@@ -85,13 +85,13 @@ fn the_floor_of_a_wide_hollow_is_gentle_and_near_its_shore() {
 
 #[test]
 fn a_slope_ends_at_the_contour_where_the_spacing_jumps() {
-    // A flank with contours 10 apart comes down to a plain, whose next contour is 600 further.
+    // A long flank with contours 10 apart comes down to a plain, whose next contour is 600 further.
     let at = |x: f64, elevation: f64| Contour {
         elevation,
         points: (0..=60).map(|k| DVec2::new(x, f64::from(k) * 10.0)).collect(),
         feature: 1,
     };
-    let flank = (0..8).map(|k| (-10.0 * f64::from(k), 500.0 + INTERVAL * f64::from(k)));
+    let flank = (0..40).map(|k| (-10.0 * f64::from(k), 500.0 + INTERVAL * f64::from(k)));
     let plain = [(600.0, 480.0), (1200.0, 460.0), (1800.0, 440.0)];
     for turned in [1.0, -1.0] {
         // Turned upside down, it is a plateau above an edge.
