@@ -100,3 +100,42 @@ fn spread(known: Vec<Mean>, cols: usize) -> Vec<f32> {
     };
     known.par_iter().enumerate().map(at).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contours every third column in the west, none in the east: floors and relative densities of the nodes.
+    fn toe(cols: usize, rows: usize) -> (Vec<f32>, Vec<f32>) {
+        let floor = |i: usize| if i < cols / 2 { 500.0 - 10.0 * (i / 3) as f32 } else { 0.0 };
+        let density = |i: usize| if i < cols / 2 { 4.0 } else { 0.1 };
+        (0..cols * rows).map(|n| (floor(n % cols), density(n % cols))).unzip()
+    }
+
+    #[test]
+    fn a_floor_beside_dense_contours_is_wide_and_the_slope_is_not() {
+        let (cols, rows) = (61, 33);
+        let (floor, density) = toe(cols, rows);
+        let wide = WidePlaces::new(&density, &floor, cols, &WideTuning::default());
+        let of_column = |i: usize| (0..rows).map(move |j| j * cols + i);
+        assert!((0..27).flat_map(of_column).all(|n| wide.share[n] == 0.0 && (wide.around[n] - 4.0).abs() < 0.1));
+        assert!((33..cols).flat_map(of_column).all(|n| wide.share[n] == 1.0 && wide.around[n] > 2.0));
+        // The same density everywhere is no jump, however low it is.
+        let even = vec![0.1; density.len()];
+        let none = WidePlaces::new(&even, &floor, cols, &WideTuning::default());
+        assert!(none.share.iter().all(|share| *share == 0.0));
+        // Without contours, nothing is known about the ground around.
+        let nothing = WidePlaces::new(&density, &vec![7.0; floor.len()], cols, &WideTuning::default());
+        assert!(nothing.around.iter().all(|around| *around == 1.0));
+    }
+
+    #[test]
+    fn nodes_outside_the_frame_are_no_contours() {
+        let floor = [f32::NAN, 1.0, 1.0, 2.0, 2.0, f32::NAN];
+        let found: Vec<bool> = (0..6).map(|n| is_at_contour(&floor, n, 6)).collect();
+        assert_eq!(found, [false, false, true, true, false, false]);
+        // The last node of a row and the first of the next are no neighbours.
+        let columns: Vec<bool> = (0..6).map(|n| is_at_contour(&[1.0, 1.0, 2.0, 1.0, 1.0, 2.0], n, 3)).collect();
+        assert_eq!(columns, [false, true, true, false, true, true]);
+    }
+}

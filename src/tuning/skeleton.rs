@@ -14,7 +14,7 @@ tuned! {
         /// The same for a hollow. Sediment fills hollows and valleys, so their ground is mostly not far below the last
         /// contour.
         ///
-        /// Tried 0.2, 0.3, 0.45 and 0.9: the RMSE of 24 maps changes by TODO.
+        /// Tried 0.125 and 0.5: the RMSE of nine maps changes by +0.29 % and +0.96 %.
         ///
         /// Refit: RMSE of floors and pits.
         hollow_reach: f64 = 0.25,
