@@ -118,7 +118,7 @@ mod tests {
         let (floor, density) = toe(cols, rows);
         let wide = WidePlaces::new(&density, &floor, cols, &WideTuning::default());
         let of_column = |i: usize| (0..rows).map(move |j| j * cols + i);
-        assert!((0..27).flat_map(of_column).all(|n| wide.share[n] == 0.0 && (wide.around[n] - 4.0).abs() < 0.1));
+        assert!((0..27).flat_map(of_column).all(|n| wide.share[n] == 0.0 && wide.around[n] > 3.0));
         assert!((33..cols).flat_map(of_column).all(|n| wide.share[n] == 1.0 && wide.around[n] > 2.0));
         // The same density everywhere is no jump, however low it is.
         let even = vec![0.1; density.len()];
