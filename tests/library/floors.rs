@@ -98,10 +98,14 @@ fn a_slope_ends_at_the_contour_where_the_spacing_jumps() {
         let lines = flank.clone().chain(plain).map(|(x, z)| at(x, 500.0 + turned * (z - 500.0)));
         let (surface, _) = built(lines.collect());
         let places: Vec<DVec2> = (1..12).map(|k| DVec2::new(f64::from(k) * 50.0, 300.0)).collect();
-        for (place, z) in places.iter().zip(heights_at(&surface, &places)) {
+        let found = heights_at(&surface, &places);
+        // There is no trough beside the toe.
+        assert!(found[..8].windows(2).all(|z| turned * (z[0] - z[1]) > 0.0), "{turned}: {found:?}");
+        for (place, z) in places.iter().zip(found) {
             let straight = 500.0 - turned * INTERVAL * place.x / 600.0;
             let off = (z - straight).abs() / INTERVAL;
-            assert!(off < 0.2, "{turned}: {off} intervals off the straight way at {place}");
+            // Where the slope goes on into the plain, it is 0.8 intervals.
+            assert!(off < 0.5, "{turned}: {off} intervals off the straight way at {place}");
         }
     }
 }
