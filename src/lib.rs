@@ -109,7 +109,7 @@
 //! let ring = |radius: f64, elevation: f64| {
 //!     let angle = |k: i32| f64::from(k % 60) * std::f64::consts::TAU / 60.0;
 //!     let points = (0..=60).map(|k| radius * DVec2::from_angle(angle(k))).collect();
-//!     Contour { elevation, points, feature: 0 }
+//!     Contour { elevation, points, feature: 0.into() }
 //! };
 //! let map = ContourMap { contours: vec![ring(200.0, 10.0), ring(80.0, 20.0)], ..ContourMap::default() };
 //!

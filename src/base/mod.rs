@@ -3,6 +3,7 @@
 
 pub(crate) mod bits;
 pub mod error;
+mod feature;
 mod grid;
 pub(crate) mod memory;
 pub mod progress;
@@ -10,5 +11,6 @@ pub(crate) mod rows;
 pub(crate) mod union_find;
 mod unit;
 
+pub use feature::FeatureId;
 pub use grid::Grid;
 pub use unit::ElevationUnit;

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind, Proposal};
 
 /// Removes findings that only follow from another one:
@@ -16,7 +17,7 @@ pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
 
     let frame_is_moved = findings.iter().any(|f| matches!(f.kind, FarAway | LooksLikeDegrees));
     let known = |f: &&Finding| matches!(f.kind, FarAway | LooksLikeDegrees | LevelJump | ZeroElevation);
-    let known: HashSet<u64> = findings.iter().filter(known).flat_map(|f| f.features.iter().copied()).collect();
+    let known: HashSet<FeatureId> = findings.iter().filter(known).flat_map(|f| f.features.iter().copied()).collect();
     let is_cut = |f: &&Finding| is_cut(f.kind);
     let mut cuts: Vec<Finding> = findings.iter().filter(is_cut).cloned().collect();
     // Sorted by x, to look only at those near a gap.
@@ -39,7 +40,7 @@ fn x_of(finding: &Finding) -> f64 {
     finding.place.map_or(f64::NEG_INFINITY, |p| p.x)
 }
 
-fn all_in(features: &[u64], known: &HashSet<u64>) -> bool {
+fn all_in(features: &[FeatureId], known: &HashSet<FeatureId>) -> bool {
     !features.is_empty() && features.iter().all(|feature| known.contains(feature))
 }
 

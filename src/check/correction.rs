@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn vertices_are_left_out_of_lines_and_rings() {
         let ring = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (2.0, 9.0), (0.0, 4.0), (0.0, 0.0)].map(DVec2::from);
-        let line = Contour { elevation: 10.0, points: ring.to_vec(), feature: 1 };
+        let line = Contour { elevation: 10.0, points: ring.to_vec(), feature: 1.into() };
         let map = ContourMap { contours: vec![line], ..ContourMap::default() };
         let leave_out = |vertex: u32| Correction::LeaveOut { line: 0, vertex };
         let Report { value, findings } = correct(map, &[leave_out(3), leave_out(0), leave_out(3)]);
@@ -119,10 +119,10 @@ mod tests {
 
     #[test]
     fn a_label_and_a_gap_are_mended() {
-        let line = |elevation: f64, points: &[(f64, f64)], feature| Contour {
+        let line = |elevation: f64, points: &[(f64, f64)], feature: u64| Contour {
             elevation,
             points: points.iter().map(|&p| p.into()).collect(),
-            feature,
+            feature: feature.into(),
         };
         let map = ContourMap {
             contours: vec![

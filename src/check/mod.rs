@@ -15,6 +15,7 @@ mod ground;
 mod labels;
 mod lakes;
 mod lines;
+mod sea;
 mod widths;
 
 pub use causes::first_causes;
@@ -22,6 +23,7 @@ pub use correction::{Correction, Judged, correct};
 pub(crate) use depressions::contradicted_marks;
 pub(crate) use ground::Ground;
 pub(crate) use lakes::possible_lakes;
+pub(crate) use sea::possible_sea;
 pub use lines::{LineParams, examine, merged};
 
 use self::graph::Graph;

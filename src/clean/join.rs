@@ -12,6 +12,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::removed::{self, SegmentKey};
+use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
@@ -24,7 +25,7 @@ const LARGEST_GAP: f64 = 0.5;
 pub(super) struct Connector {
     elevation: f64,
     /// Features of the two lines.
-    features: [u64; 2],
+    features: [FeatureId; 2],
     ends: [DVec2; 2],
 }
 
@@ -166,7 +167,7 @@ fn chain(mut lines: Vec<Contour>, partner: &mut [Option<End>]) -> Joined {
 
 /// The line along `way`. Its items are the ends at which each line is entered.
 fn run_together(lines: &[Contour], way: &[End], closes: bool, connectors: &mut Connectors) -> Contour {
-    let feature = way.iter().map(|end| lines[end / 2].feature).min().unwrap_or(0);
+    let feature = way.iter().map(|end| lines[end / 2].feature).min().unwrap_or_default();
     let elevation = lines[way[0] / 2].elevation;
     let mut connect = |from: End, to: End| {
         let ends = [point(lines, from), point(lines, to)];

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     fn united(levels: &[f64]) -> Vec<f64> {
-        let line = |&elevation: &f64| Contour { elevation, points: vec![DVec2::ZERO, DVec2::X], feature: 0 };
+        let line = |&elevation: &f64| Contour { elevation, points: vec![DVec2::ZERO, DVec2::X], feature: 0.into() };
         let mut lines: Vec<Contour> = levels.iter().map(line).collect();
         unite(&mut lines);
         lines.iter().map(|line| line.elevation).collect()

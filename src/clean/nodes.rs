@@ -11,6 +11,7 @@ use glam::DVec2;
 
 use super::removed::Removed;
 use super::segments::Segments;
+use crate::base::FeatureId;
 use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind, Result};
 use crate::contour::Contour;
@@ -31,7 +32,7 @@ pub(super) struct Noded {
 /// A new vertex, with its line's elevation and feature.
 pub(super) struct Node {
     elevation: f64,
-    feature: u64,
+    feature: FeatureId,
     place: DVec2,
 }
 

@@ -4,6 +4,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::canonical::has_repeated_vertex;
+use crate::base::FeatureId;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
@@ -85,7 +86,7 @@ fn drop_bad_points(mut line: Contour) -> (Option<Contour>, Vec<Finding>) {
     (Some(line), findings)
 }
 
-fn kept_points(points: &[DVec2], elevation: f64, feature: u64, findings: &mut Vec<Finding>) -> Vec<DVec2> {
+fn kept_points(points: &[DVec2], elevation: f64, feature: FeatureId, findings: &mut Vec<Finding>) -> Vec<DVec2> {
     let mut kept: Vec<DVec2> = Vec::with_capacity(points.len());
     // One finding per run of equal points, however long.
     let mut in_run = false;

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::base::FeatureId;
 use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
@@ -33,7 +34,7 @@ pub(super) enum Why {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Removed {
     pub(super) elevation: f64,
-    pub(super) feature: u64,
+    pub(super) feature: FeatureId,
     /// Its points: of a spike from the tip to the root.
     pub(super) way: Vec<DVec2>,
     pub(super) why: Why,

@@ -189,7 +189,7 @@ mod tests {
             Contour {
                 elevation: f64::from(r),
                 points: (0..=corners).map(|k| corner(k % corners)).collect(),
-                feature: 0,
+                feature: 0.into(),
             }
         };
         (1..=count).map(ring).collect()

@@ -132,7 +132,8 @@ impl CheckArgs {
             };
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
-        let inputs: Vec<&Path> = self.map.files().collect();
+        let files = self.map.files()?;
+        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
         let layers: &[&str] = if self.writes_map() { &REPAIRED_LAYERS } else { &[FINDINGS_LAYER] };
         check_paths(&inputs, &[PlannedOutput { path, layers }], console.overwrite)?;
         Ok(Some(StagedOutput::create(path)?))

@@ -77,6 +77,13 @@ impl Console {
         }
     }
 
+    /// One line of the summary that only `--verbose` prints.
+    pub fn detail(&self, line: &str) {
+        if self.verbose {
+            self.say(line);
+        }
+    }
+
     /// A result that the user asked for as text, on standard output. `--quiet` does not suppress it.
     pub fn result(&self, text: &str) {
         if let Err(e) = writeln!(std::io::stdout(), "{text}") {

@@ -12,6 +12,7 @@ use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
+use super::part::PartArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
@@ -36,6 +37,8 @@ pub struct DemArgs {
     /// Also draw a picture of the surface and the contours: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -53,11 +56,11 @@ Examples:
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.height_map.grid.check()?;
     args.surface.check()?;
-    let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files());
+    let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files()).chain(args.part.file());
     let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
     let output = DemOutput::open(&args.output, &args.height_map, args.to_unit.unit())?;
 
-    let mut input = job.read()?;
+    let mut input = job.read_part(&args.part)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
         ..args.surface.options(Some(&output.grid), Triangles::Reference, args.to_unit.unit())?
@@ -69,5 +72,5 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     output.commit(&dem, console)?;
-    job.close(terrain.findings.len())
+    job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

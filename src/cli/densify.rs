@@ -1,6 +1,6 @@
 //! `tokosen densify`: contour lines in, denser contour lines out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::base::ElevationUnit;
@@ -20,6 +20,7 @@ use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
 use super::output::{self, DemOutput, HeightMapArgs};
+use super::part::PartArgs;
 use super::plane::ToCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
@@ -27,7 +28,8 @@ use super::unit::{ToUnitArgs, in_feet};
 
 /// Contour lines at a finer interval
 ///
-/// All contours of the input are written unchanged, vertex for vertex, with new lines between them. Each line has the
+/// All contours of the input are written unchanged, vertex for vertex, with new lines between them. If the interval is
+/// coarser than theirs, only the lines at its levels are written. Each line has the
 /// attributes elev, source (input or interpolated), is_index, depression (lower ground inside) and closed. Higher
 /// ground is on the right of its direction. --uncertainty adds err_v and err_h (expected errors of height and position,
 /// in metres and in units of the working CRS) and inferred (the input says little about the ground there: a top, a pit,
@@ -61,18 +63,26 @@ pub struct DensifyArgs {
         value_delimiter = ',',
         allow_negative_numbers = true,
         conflicts_with_all = ["interval", "base"],
-        help_heading = "Output"
-    )]
+        help_heading = "Output", hide_short_help = true)]
     levels: Vec<f64>,
     /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output", hide_short_help = true)]
     base: f64,
+    /// Keep all contours of the input also where the interval is coarser than theirs
+    #[arg(long, help_heading = "Output", hide_short_help = true)]
+    keep_input: bool,
     /// Every Nth level is an index contour; 0 for none
-    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output")]
+    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output", hide_short_help = true)]
     index: u32,
     /// Leave out vertices of new contours where a straight piece stays within this distance of the line; 0 keeps all. No
     /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
-    #[arg(long, value_name = "TOLERANCE", allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(
+        long,
+        value_name = "TOLERANCE",
+        allow_negative_numbers = true,
+        help_heading = "Output",
+        hide_short_help = true
+    )]
     simplify: Option<f64>,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
@@ -84,14 +94,16 @@ pub struct DensifyArgs {
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
     /// Also compare the surface with this height map, at the centres of its cells; see 'tokosen compare --help'
-    #[arg(long, value_name = "RASTER", help_heading = "Output")]
+    #[arg(long, value_name = "RASTER", help_heading = "Output", hide_short_help = true)]
     compare: Option<PathBuf>,
     /// Also write a report of that comparison, with maps, charts and tables: .html
-    #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", requires = "compare", help_heading = "Output", hide_short_help = true)]
     report: Option<PathBuf>,
     /// Also draw a picture of the surface and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -121,7 +133,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
-    let mut input = job.read()?;
+    let mut input = job.read_part(&args.part)?;
     input.findings.append(&mut findings);
     let back = args.to_crs.way(&input.reprojection, unit)?;
     let options = Options {
@@ -129,7 +141,14 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth, unit)?
     };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
-    let params = LayerParams { targets, unit, index_every: args.index, simplify: args.simplify, memory: None };
+    let params = LayerParams {
+        targets: targets.clone(),
+        unit,
+        index_every: args.index,
+        simplify: args.simplify,
+        keep_input: args.keep_input,
+        memory: None,
+    };
     let layers = terrain.contours_with(params, console)?;
     let written = console.step("writing", || {
         let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
@@ -144,15 +163,17 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
         describe(written.get(k).or(written.first()), layer, unit, console);
+        args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
     }
     if let (Some(output), Some(dem)) = (dem_output, &dem) {
         output.commit(dem, console)?;
     }
     job.commit_picture()?;
+    let outside = terrain.findings_outside;
     if let Some(reference) = reference {
         reference.compare(args, terrain, console)?;
     }
-    summary::close(findings.len(), console);
+    summary::close_part(findings.len(), outside, console);
     Ok(())
 }
 
@@ -179,7 +200,7 @@ impl Reference {
     fn compare(self, args: &DensifyArgs, terrain: Terrain, console: &Console) -> Result<(), Failure> {
         let Some(nodes) = self.side.nodes() else { return Ok(()) };
         console.say("");
-        let side = Side::of_terrain(&args.input.map.contours, args.surface.surface.kind(), terrain);
+        let side = Side::of_terrain(Path::new(&args.input.map.name()), args.surface.surface.kind(), terrain);
         let pair = Pair::on(side, self.side, nodes, console)?;
         let found = measure(&pair, &MeasureOptions::default(), console)?;
         if let Some(page) = self.page {
@@ -209,8 +230,18 @@ impl DensifyArgs {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs = contours.chain([&self.dem, &self.report].into_iter().flatten().map(|path| path.as_path().into()));
-        let inputs = others.chain(self.surface.files());
+        let inputs = others.chain(self.surface.files()).chain(self.part.file());
         Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)
+    }
+
+    /// Says that contours of the input are left out, if they are.
+    fn explain_coarse(&self, target: &Target, interval: f64, console: &Console) {
+        if !self.keep_input && target.is_coarser(self.to_unit.unit(), interval) {
+            console.say(&format!(
+                "           the interval is coarser than the {interval} m of the input: contours at other levels are left \
+                 out (--keep-input keeps them)"
+            ));
+        }
     }
 
     fn targets(&self) -> Result<Vec<Target>, Failure> {

@@ -11,7 +11,7 @@ use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale};
 use tokosen::io::layer::{STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content, write_layers};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
@@ -20,6 +20,7 @@ use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::build;
 use super::output::{self, GridArgs, extension};
+use super::part::PartArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
 
@@ -79,6 +80,8 @@ pub struct DeriveArgs {
     steep_height: f64,
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -113,15 +116,15 @@ struct SourceDem {
 
 /// Runs the verb.
 pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
-    let is_raster = content(&args.input.map.contours)? == Content::HeightMap;
+    let is_raster = args.input.map.content()? == Content::HeightMap;
     args.check(is_raster, console)?;
     let outputs = args.open()?;
     let SourceDem { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
-    check(&dem).map_err(|error| error.in_file(&args.input.map.contours))?;
+    check(&dem).map_err(|error| error.in_file(args.input.map.file()))?;
     // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {
-        let checked = all_right(&args.input.map.contours.display().to_string(), &findings);
+        let checked = all_right(&args.input.map.name(), &findings);
         checked.map_err(|error| summary::after_findings(error, &findings, console))?;
     }
 
@@ -162,6 +165,7 @@ impl DeriveArgs {
         let for_contours = (self.grid.given())
             .or(self.input.map.points.as_ref().map(|_| "--points"))
             .or_else(|| self.input.about_contours())
+            .or_else(|| self.part.given())
             .or_else(|| self.surface.given());
         if let Some(flag) = for_contours.filter(|_| is_raster) {
             return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));
@@ -181,8 +185,10 @@ impl DeriveArgs {
         if let Some(path) = &self.steep {
             output::check_vector(path, "steep places are written as .gpkg, .geojson or .shp")?;
         }
-        let inputs: Vec<&Path> =
-            self.input.map.files().chain(self.grid.like.as_deref()).chain(self.surface.files()).collect();
+        let files = self.input.map.files()?;
+        let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
+        let inputs = inputs.chain(self.part.file());
+        let inputs: Vec<&Path> = inputs.collect();
         let planned = |path| PlannedOutput { path, layers: &[STEEP_LAYER] };
         Ok(check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>(), console.overwrite)?)
     }
@@ -202,7 +208,7 @@ impl DeriveArgs {
     }
 
     fn read_raster(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let path = &self.input.map.contours;
+        let path = self.input.map.file();
         let read = console.step("reading", || read_dem(path))?;
         let dem = read.value.dem;
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
@@ -212,7 +218,7 @@ impl DeriveArgs {
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let mut input = self.input.read(console)?;
+        let mut input = self.input.read_part(Some(&self.part), console)?;
         let grid = self.grid.spec()?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         let options = self.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;

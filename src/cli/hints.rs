@@ -1,6 +1,6 @@
 //! The library's errors and findings as the user sees them: the message, with the flag that helps.
 
-use tokosen::base::error::{CrsNeed, Error, FindingKind, ZCoordinate};
+use tokosen::base::error::{CrsNeed, Error, Finding, FindingKind, ZCoordinate};
 
 /// The message of an error with its causes and the flag that helps. Some errors contain the text of their cause, some
 /// causes end with the text of the error above; these are not repeated.
@@ -33,9 +33,7 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::NoElevations { .. } => " (-a z takes the 0 all the same)".to_owned(),
         Error::FlatLayers { .. } => "; name the layers with contours: --layer A,B".to_owned(),
         Error::LayerAmbiguous { what: "lines", .. } => "; choose one with --layer".to_owned(),
-        Error::LayerAmbiguous { .. } => {
-            "; copy the right one to a file of its own, for instance with 'ogr2ogr one.gpkg all.gpkg LAYER'".to_owned()
-        }
+        Error::LayerAmbiguous { .. } => "; choose one by its name, in quotes: 'FILE|layername=NAME'".to_owned(),
         Error::Exists { .. } => "; --overwrite replaces it, or choose another name".to_owned(),
         Error::LayerExists { is_input: false, .. } => {
             "; --overwrite replaces the layer, or choose another file".to_owned()
@@ -45,11 +43,15 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
     sentence + &hint
 }
 
-/// The flag that helps with findings of a kind.
-pub fn for_kind(kind: FindingKind) -> Option<&'static str> {
-    match kind {
-        FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours"),
-        FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level"),
+/// The flag that helps with findings of the kind of this one.
+pub fn for_kind_of(finding: &Finding) -> Option<String> {
+    match finding.kind {
+        FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours".into()),
+        FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level".into()),
+        FindingKind::MayBeSea => {
+            let level = finding.elevations.first()?;
+            Some(format!("--sea {level} makes the ground beyond the coast level"))
+        }
         _ => None,
     }
 }

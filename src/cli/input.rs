@@ -9,6 +9,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::map::MapArgs;
+use super::part::PartArgs;
 use super::summary;
 
 #[derive(Debug, Clone, Args)]
@@ -18,11 +19,11 @@ pub struct InputArgs {
     pub map: MapArgs,
     /// Smooth the contours: fit a curve to each within this tolerance, and space its vertices evenly [units of the
     /// working CRS]. The input's vertices are then not kept
-    #[arg(long, value_name = "TOLERANCE")]
+    #[arg(long, value_name = "TOLERANCE", hide_short_help = true)]
     pub fit: Option<f64>,
     /// Add vertices until the distance between neighbours on a line is at most S times the distance to the nearest
     /// other contour. The input's own vertices stay; with --fit, all vertices lie on the fitted curve
-    #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true, hide_short_help = true)]
     pub sample: Option<f64>,
 }
 
@@ -35,9 +36,15 @@ impl InputArgs {
 
     /// Reads and prepares the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
+        self.read_part(None, console)
+    }
+
+    /// Reads and prepares a part of the map, if one is given.
+    pub fn read_part(&self, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
+        part.map(|part| part.add_to(&mut input)).transpose()?;
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));
         input.sampled.iter().for_each(|sampled| describe_sample(sampled, console));

@@ -1,7 +1,7 @@
 //! What the verbs share. Before the work, paths are checked and outputs are opened. After it, findings and summary are
 //! printed, and the files get their final names.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use tokosen::base::ElevationUnit;
@@ -15,6 +15,7 @@ use tokosen::{Input, Options, Terrain};
 use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
+use super::part::PartArgs;
 use super::surface::{SurfaceArgs, WaterArgs};
 use super::{output, summary};
 
@@ -34,8 +35,9 @@ impl<'a> Job<'a> {
         picture: Option<&'p Path>,
         console: &'a Console,
     ) -> Result<Self, Failure> {
+        let files = args.map.files()?;
         let mut inputs: Vec<&Path> = inputs.into_iter().collect();
-        inputs.extend(args.map.files());
+        inputs.extend(files.iter().map(PathBuf::as_path));
         let mut outputs: Vec<PlannedOutput<'_>> = outputs.into_iter().map(Into::into).collect();
         outputs.extend(picture.map(PlannedOutput::from));
         check_paths(&inputs, &outputs, console.overwrite)?;
@@ -46,6 +48,11 @@ impl<'a> Job<'a> {
     /// Reads and prepares the contours.
     pub fn read(&self) -> Result<Input, Failure> {
         self.args.read(self.console)
+    }
+
+    /// Reads and prepares a part of the contours, if one is given.
+    pub fn read_part(&self, part: &PartArgs) -> Result<Input, Failure> {
+        self.args.read_part(Some(part), self.console)
     }
 
     /// Builds the surface between them.
@@ -86,9 +93,14 @@ impl<'a> Job<'a> {
 
     /// Puts the picture in its place, and prints the end of the summary.
     pub fn close(self, findings: usize) -> Result<(), Failure> {
+        self.close_part(findings, 0)
+    }
+
+    /// The same for a part of the map, with `outside` findings outside of it.
+    pub fn close_part(self, findings: usize, outside: usize) -> Result<(), Failure> {
         let console = self.console;
         self.commit_picture()?;
-        summary::close(findings, console);
+        summary::close_part(findings, outside, console);
         Ok(())
     }
 }

@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use tokosen::contour::{ContourMap, find_interval};
 use tokosen::crs::Crs;
+use tokosen::io::{Content, VectorSource, content};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
 use super::console::Console;
 use super::failure::Failure;
+use super::source::source;
 use super::unit::UnitArg;
 use super::{memory, plane};
 
@@ -17,38 +19,41 @@ use super::{memory, plane};
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
     /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf),
-    /// or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system
-    pub contours: PathBuf,
+    /// or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
+    /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours'
+    #[arg(required = true, value_name = "CONTOURS", value_parser = source())]
+    pub contours: Vec<VectorSource>,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
     pub elevation_field: Option<String>,
     /// Layer of a GeoPackage with several, or layers of a DXF: A,B
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
-    /// Spot heights: points with an elevation, which the surface then passes through
-    #[arg(long, value_name = "FILE")]
-    pub points: Option<PathBuf>,
+    /// Spot heights: points with an elevation, which the surface then passes through. A vector file, or text with columns
+    /// such as x,y,z or lon,lat,elev (.csv, .txt, .xyz)
+    #[arg(long, value_name = "FILE", value_parser = source())]
+    pub points: Option<VectorSource>,
     /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
     /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     pub unit: Option<UnitArg>,
     /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
     /// Projected system in metres to work in, the working CRS [default: the input's own; for degrees and feet the
     /// Japanese plane rectangular zone or the UTM zone of the data, or a transverse Mercator about them]
-    #[arg(long, value_name = "CRS", value_parser = plane::crs)]
+    #[arg(long, value_name = "CRS", value_parser = plane::crs, hide_short_help = true)]
     pub work_crs: Option<Crs>,
     /// Join line ends of one elevation up to this distance, and close rings with such a gap [units of the working CRS]
-    #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true, hide_short_help = true)]
     pub snap: f64,
     /// How far to repair the contours. Safe repairs, also made without this option, are those of repeated points,
     /// duplicates, line ends within --snap and crossings. At a crossing, vertices that stray across the other line are
     /// removed; otherwise the shorter crossing part is removed
-    #[arg(long, value_enum, value_name = "HOW")]
+    #[arg(long, value_enum, value_name = "HOW", hide_short_help = true)]
     pub repair: Option<RepairArg>,
     /// Stop with exit status 1 if there is an error or a warning about the input, instead of going on with safe repairs
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub strict: bool,
 }
 
@@ -77,9 +82,46 @@ impl RepairArg {
 const SNAP: f64 = 0.01;
 
 impl MapArgs {
-    /// The files that are read.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        std::iter::once(&self.contours).chain(&self.points).map(PathBuf::as_path)
+    /// The files that are read: patterns and folders are expanded.
+    pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let contours = self.sources()?;
+        Ok(contours.into_iter().chain(self.points.clone()).map(|source| source.path).collect())
+    }
+
+    /// The sources of the contours: patterns and folders are expanded.
+    pub fn sources(&self) -> Result<Vec<VectorSource>, Failure> {
+        let sources = self.contours.iter().map(VectorSource::expand).collect::<Result<Vec<_>, _>>()?;
+        Ok(sources.into_iter().flatten().collect())
+    }
+
+    /// What the input holds. Several files must hold contours.
+    pub fn content(&self) -> Result<Content, Failure> {
+        let sources = self.sources()?;
+        let contents = sources.iter().map(|source| content(&source.path)).collect::<Result<Vec<_>, _>>()?;
+        match (sources.as_slice(), contents.as_slice()) {
+            ([VectorSource { layer: Some(_), .. }], [Content::HeightMap]) => {
+                Err(Failure::Usage("a height map has no layers: leave out |layername=".into()))
+            }
+            (_, [only]) => Ok(*only),
+            (sources, contents) => match contents.iter().position(|content| *content == Content::HeightMap) {
+                Some(k) => {
+                    let path = sources[k].path.display();
+                    Err(Failure::Usage(format!("{path} is a height map; only one height map can be the input")))
+                }
+                None => Ok(Content::Contours),
+            },
+        }
+    }
+
+    /// The file of the input, if it is one; otherwise the first.
+    pub fn file(&self) -> &Path {
+        self.contours.first().map_or(Path::new(""), |source| &source.path)
+    }
+
+    /// The input in words.
+    pub fn name(&self) -> String {
+        let names: Vec<String> = self.contours.iter().map(|source| source.path.display().to_string()).collect();
+        names.join(", ")
     }
 
     /// The flags that apply to contours, and whether they are given.
@@ -112,9 +154,9 @@ impl MapArgs {
             work_crs: self.work_crs.clone(),
             memory: memory::available(),
         };
-        let mut input = Input::read_with(&self.contours, &options, console)?;
-        if let Some(path) = &self.points {
-            input.read_spots(path, console)?;
+        let mut input = Input::read_all(&self.sources()?, &options, console)?;
+        if let Some(source) = &self.points {
+            input.read_spots(source, console)?;
         }
         console.set_input(&input);
         Ok(input)
@@ -128,8 +170,9 @@ impl MapArgs {
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
         let interval = find_interval(&map.contours).map_or("unknown".into(), |i| format!("{} m", i.step));
-        console.say(&format!("input      {}", self.contours.display()));
-        let size = format!("{} lines, {} vertices", map.contours.len(), map.vertex_count());
+        console.say(&format!("input      {}", self.name()));
+        let vertices = if console.verbose { format!(", {} vertices", map.vertex_count()) } else { String::new() };
+        let size = format!("{} lines{vertices}", map.contours.len());
         let what = match distinct.len() {
             0 => "none".to_owned(),
             1 => format!("{size}, all at {low} m"),

@@ -18,16 +18,19 @@ mod map;
 mod memory;
 mod mesh;
 mod output;
+mod part;
 mod plane;
 mod regions;
 mod skeleton;
+mod source;
+mod suggest;
 mod summary;
 mod surface;
 mod unit;
 
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use console::Console;
 use failure::Failure;
@@ -55,7 +58,7 @@ Examples:
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
 
-'tokosen help VERB' or 'tokosen VERB --help' shows all options of a verb.";
+'tokosen VERB -h' shows the usual options of a verb, 'tokosen VERB --help' all of them.";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -83,13 +86,16 @@ struct Common {
     #[arg(long, global = true)]
     overwrite: bool,
     /// Number of threads [default: all cores]; the result does not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), hide_short_help = true)]
     threads: Option<u16>,
 }
 
 /// Parses the arguments, runs the verb, and turns its outcome into an exit status.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => suggest::with_right_flag(error, &Cli::command()).exit(),
+    };
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
         return ExitCode::from(1);

@@ -13,6 +13,9 @@ use super::hints;
 
 /// Findings of one kind that are shown without `--verbose`.
 const SHOWN: usize = 3;
+/// So many findings of one kind are the rule on this map, and the first ones say nothing about the others. Then only
+/// their number is shown.
+const MANY: usize = 1000;
 
 /// Prints the findings: the count of each kind and its first places.
 pub fn findings(findings: &[Finding], console: &Console) {
@@ -48,17 +51,23 @@ fn by_kind(findings: &[Finding]) -> BTreeMap<FindingKind, Vec<&Finding>> {
 
 fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Console, &str)) {
     print(console, &format!("{title}: {}", list.len()));
-    let shown = if console.verbose { list.len() } else { SHOWN };
+    let shown = match list.len() {
+        all if console.verbose => all,
+        MANY.. => 0,
+        _ => SHOWN,
+    };
     for finding in list.iter().take(shown) {
         print(console, &format!("    {}", console.text_of(finding)));
         if let (true, Some(proposal)) = (console.verbose, &finding.proposal) {
             print(console, &format!("        proposed: {proposal}"));
         }
     }
-    if list.len() > shown {
+    if shown == 0 {
+        print(console, "    --verbose lists them");
+    } else if list.len() > shown {
         print(console, &format!("    and {} more; --verbose lists them", list.len() - shown));
     }
-    if let Some(hint) = list.first().and_then(|finding| hints::for_kind(finding.kind)) {
+    if let Some(hint) = list.first().and_then(|finding| hints::for_kind_of(finding)) {
         print(console, &format!("    {hint}"));
     }
 }
@@ -71,8 +80,17 @@ pub fn close_severities(findings: &[Finding], console: &Console) {
     times(console);
 }
 
-/// Prints what the surface consists of.
+/// Prints how the surface was made and how good it is. What it consists of is a detail.
 pub fn surface(surface: &Surface, console: &Console) {
+    let how = match &surface.chosen {
+        None => "",
+        Some(chosen) => match chosen.reason {
+            Reason::Given => "; smoothness as given",
+            Reason::Hidden => "; smoothness chosen automatically",
+            Reason::FellBack => "; usual smoothness, there are too few levels to choose one",
+        },
+    };
+    console.say(&format!("surface    {}{how}", kind(surface)));
     let lines = |kind| surface.break_lines.iter().filter(|l| l.kind == kind).count();
     let inside = (0..surface.tin.len() as u32).filter(|&t| surface.tin.is_inside(t)).count();
     let skeleton = if surface.break_lines.is_empty() {
@@ -80,7 +98,10 @@ pub fn surface(surface: &Surface, console: &Console) {
     } else {
         format!(", {} ridge lines, {} canyon lines", lines(BreakKind::Ridge), lines(BreakKind::Canyon))
     };
-    console.say(&format!("surface    {} sub-domains, {inside} triangles{skeleton}", surface.regions.regions.len()));
+    console.detail(&format!("           {} sub-domains, {inside} triangles{skeleton}", surface.regions.regions.len()));
+    if let Some(chosen) = &surface.chosen {
+        hyper_parameters(chosen, console);
+    }
     let water = || surface.regions.regions.iter().filter_map(|region| region.water);
     if let (Some(lowest), Some(highest)) = (water().reduce(f64::min), water().reduce(f64::max)) {
         let heights = if lowest < highest {
@@ -91,12 +112,12 @@ pub fn surface(surface: &Surface, console: &Console) {
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
     if let Some(chosen) = &surface.chosen {
-        self::chosen(chosen, console);
+        accuracy(chosen, console);
     }
     if let Some(errors) = &surface.errors {
         let model = &errors.model;
         let provenance = match model.provenance {
-            Provenance::Hidden { places } => format!("from {places} places on hidden contours"),
+            Provenance::Hidden { places } => format!("learnt at {places} places on hidden contours"),
             Provenance::Usual => "that of usual terrain: there are too few levels to hide some".into(),
         };
         let valid: Vec<f64> = errors.errors.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
@@ -105,8 +126,17 @@ pub fn surface(surface: &Surface, console: &Console) {
     }
 }
 
-/// Prints the hyper-parameters of the smooth surface and its estimated accuracy.
-fn chosen(chosen: &Chosen, console: &Console) {
+/// The kind of a surface in words.
+fn kind(surface: &Surface) -> &'static str {
+    match (&surface.chosen, surface.break_lines.is_empty()) {
+        (Some(_), _) => "smooth",
+        (None, false) => "triangles with ridge and canyon lines",
+        (None, true) => "triangles",
+    }
+}
+
+/// Prints the hyper-parameters of the smooth surface.
+fn hyper_parameters(chosen: &Chosen, console: &Console) {
     let why = match chosen.reason {
         Reason::Given => "as given",
         Reason::Hidden if chosen.is_mended => "chosen by cross-validation on hidden levels, wrong elevations corrected",
@@ -122,19 +152,23 @@ fn chosen(chosen: &Chosen, console: &Console) {
         Reason::Hidden => format!(", crease threshold {crease_threshold:.2}, curvature gain {curvature_gain:.2}"),
         _ => String::new(),
     };
-    console.say(&format!("tension    {tension:.2}{others}, {why}{smoothed}"));
+    console.detail(&format!("           tension {tension:.2}{others}, {why}{smoothed}"));
+}
+
+/// Prints the expected accuracy of the smooth surface.
+fn accuracy(chosen: &Chosen, console: &Console) {
     let (Some(hidden), Some(implied)) = (&chosen.hidden, &chosen.implied) else { return };
     console.say(&format!(
-        "accuracy   RMSE {}, LE90 {} at {} places on hidden contours, from those at an interval of {} m",
+        "accuracy   expected error of heights: about {} (RMSE); 90 % of them are within {}",
+        metres(implied.rmse),
+        metres(implied.le90)
+    ));
+    console.detail(&format!(
+        "           from {} places on hidden contours: RMSE {}, LE90 {} with contours {} m apart; these are {} m apart",
+        hidden.count,
         metres(hidden.rmse),
         metres(hidden.le90),
-        hidden.count,
-        hidden.interval
-    ));
-    console.say(&format!(
-        "           estimate: RMSE {}, LE90 {} with all contours, {} m apart",
-        metres(implied.rmse),
-        metres(implied.le90),
+        hidden.interval,
         implied.interval
     ));
 }
@@ -145,14 +179,26 @@ fn metres(value: f64) -> String {
     format!("{value:.decimals$} m")
 }
 
-/// Prints the number of findings and the time of each step.
-pub fn close(findings: usize, console: &Console) {
-    console.say(&format!("findings   {}", if findings == 0 { "none".into() } else { findings.to_string() }));
+/// Prints the number of findings and the time. `outside` is the number of those outside of the part of the map that is
+/// written.
+pub fn close_part(findings: usize, outside: usize, console: &Console) {
+    let elsewhere = if outside == 0 { String::new() } else { format!(" ({outside} more outside of this part)") };
+    let count = if findings == 0 { "none".into() } else { findings.to_string() };
+    console.say(&format!("findings   {count}{elsewhere}"));
     times(console);
+}
+
+/// Prints the number of findings and the time.
+pub fn close(findings: usize, console: &Console) {
+    close_part(findings, 0, console);
 }
 
 fn times(console: &Console) {
     let total = console.elapsed().as_secs_f64();
     let steps: Vec<String> = console.times().iter().map(|(name, t)| format!("{name} {:.2}", t.as_secs_f64())).collect();
-    console.say(&format!("time       {total:.2} s ({})", steps.join(", ")));
+    if console.verbose {
+        console.say(&format!("time       {total:.2} s ({})", steps.join(", ")));
+    } else {
+        console.say(&format!("time       {total:.1} s"));
+    }
 }

@@ -1,9 +1,11 @@
 //! The arguments about the surface.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use clap::builder::TypedValueParser;
 use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::io::VectorSource;
 use tokosen::subdomains::Frame;
 use tokosen::surface::{SurfaceKind, Triangles};
 use tokosen::tuning::Tuning;
@@ -12,27 +14,28 @@ use tokosen::{GridSpec, Input, Options};
 use super::failure::Failure;
 use super::flags::first_given;
 use super::memory;
+use super::source::source;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
     /// How heights between contours are interpolated
-    #[arg(long, value_enum, default_value_t = KindArg::Spline)]
+    #[arg(long, value_enum, default_value_t = KindArg::Spline, hide_short_help = true)]
     pub surface: KindArg,
     #[command(flatten)]
     pub frame: FrameArgs,
     #[command(flatten)]
     pub water: WaterArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true, hide_short_help = true)]
     pub resolution: f64,
     /// Tension of the smooth surface: 0 is minimum curvature, 10 and more is close to the surface with ridge and canyon
     /// lines [default: chosen from the contours]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, hide_short_help = true)]
     pub tension: Option<f64>,
     /// Noise of the contours: 0 for smooth ones, 1 for those with jitter, as from unsmoothed lidar [default: chosen
     /// from the contours]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, hide_short_help = true)]
     pub noise: Option<f64>,
     /// Another value of a tuned number, for scripts/sweep.py
     #[arg(long, value_name = "NAME=VALUE", hide = true)]
@@ -46,8 +49,26 @@ const RESOLUTION: f64 = 1.0;
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
     /// Outer border: the convex hull of the contours, their bounding box, or a polygon in a vector file
-    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull")]
-    pub frame: String,
+    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull", value_parser = source().map(FrameArg::of))]
+    pub frame: FrameArg,
+}
+
+/// An outer border.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FrameArg {
+    Hull,
+    Box,
+    File(VectorSource),
+}
+
+impl FrameArg {
+    fn of(source: VectorSource) -> Self {
+        match source.path.to_str() {
+            Some("hull") => Self::Hull,
+            Some("bbox") => Self::Box,
+            _ => Self::File(source),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -81,7 +102,7 @@ impl SurfaceArgs {
     pub fn given(&self) -> Option<&'static str> {
         first_given([
             (self.surface != KindArg::Spline, "--surface"),
-            (self.frame.frame != "hull", "--frame"),
+            (self.frame.frame != FrameArg::Hull, "--frame"),
             (self.water.water.is_some(), "--water"),
             (self.water.sea.is_some(), "--sea"),
             (self.resolution != RESOLUTION, "--resolution"),
@@ -154,14 +175,18 @@ fn tuning(given: &[String]) -> Result<Tuning, Failure> {
 impl FrameArgs {
     /// The boundary file, if the frame is one.
     pub fn file(&self) -> Option<&Path> {
-        (!matches!(self.frame.as_str(), "hull" | "bbox")).then(|| Path::new(&self.frame))
+        match &self.frame {
+            FrameArg::File(source) => Some(&source.path),
+            FrameArg::Hull | FrameArg::Box => None,
+        }
     }
 
     /// Sets the frame of an input; reads the boundary polygon if there is one.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
-        match self.file() {
-            Some(path) => input.read_boundary(path)?,
-            None => input.frame = if self.frame == "bbox" { Frame::Box } else { Frame::Hull },
+        match &self.frame {
+            FrameArg::File(source) => input.read_boundary(source)?,
+            FrameArg::Hull => input.frame = Frame::Hull,
+            FrameArg::Box => input.frame = Frame::Box,
         }
         Ok(())
     }
@@ -171,8 +196,8 @@ impl FrameArgs {
 pub struct WaterArgs {
     /// Lakes: polygons that are level, at their elevation attribute or z, otherwise at the height of their shore; holes
     /// are islands
-    #[arg(long, value_name = "FILE")]
-    pub water: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", value_parser = source())]
+    pub water: Option<VectorSource>,
     /// Level of the sea [metres, or the unit of --to-unit if the command has it]; the input must have contours at it.
     /// Ground that reaches down only to contours of this level becomes level sea
     #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
@@ -182,7 +207,7 @@ pub struct WaterArgs {
 impl WaterArgs {
     /// The file with lakes, if there is one.
     pub fn file(&self) -> Option<&Path> {
-        self.water.as_deref()
+        self.water.as_ref().map(|source| source.path.as_path())
     }
 
     /// The level of the sea, metres. It was given in `unit`.
@@ -196,7 +221,7 @@ impl WaterArgs {
             return Err(Failure::Usage(format!("--sea is {sea}, which is no elevation")));
         }
         match &self.water {
-            Some(path) => Ok(input.read_lakes(path)?),
+            Some(source) => Ok(input.read_lakes(source)?),
             None => Ok(()),
         }
     }

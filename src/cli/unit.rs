@@ -6,10 +6,13 @@ use tokosen::base::ElevationUnit;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnitArg {
     /// Metres
+    #[value(aliases = ["metre", "metres", "meter", "meters"])]
     M,
     /// International feet
+    #[value(aliases = ["feet", "foot"])]
     Ft,
     /// US survey feet
+    #[value(aliases = ["usft", "ftus", "us-feet", "us-foot", "us-survey-feet", "us-survey-foot"])]
     UsFt,
 }
 
@@ -30,7 +33,7 @@ pub struct ToUnitArgs {
     /// Unit of the heights that are written, and of the heights in other options: -i 2 --to-unit ft gives contours every
     /// 2 feet. Elevations of an input in this unit come back exactly. Pictures, and printed figures about the input and
     /// the surface, stay in metres
-    #[arg(long, value_enum, default_value_t = UnitArg::M)]
+    #[arg(long, value_enum, default_value_t = UnitArg::M, hide_short_help = true)]
     pub to_unit: UnitArg,
 }
 

@@ -257,7 +257,7 @@ mod tests {
     }
 
     fn clipped(lines: &[&[(f64, f64)]]) -> Clipped {
-        let contours = lines.iter().map(|points| Contour { elevation: 10.0, points: line(points), feature: 1 });
+        let contours = lines.iter().map(|points| Contour { elevation: 10.0, points: line(points), feature: 1.into() });
         clip(ContourMap { contours: contours.collect(), ..ContourMap::default() }, &area())
     }
 
@@ -273,7 +273,7 @@ mod tests {
     fn a_ring_across_the_border_keeps_its_inner_part_in_one_piece() {
         let ring = line(&[(5.0, 2.0), (15.0, 2.0), (15.0, 8.0), (5.0, 8.0), (5.0, 2.0)]);
         let map = ContourMap {
-            contours: vec![Contour { elevation: 10.0, points: ring, feature: 1 }],
+            contours: vec![Contour { elevation: 10.0, points: ring, feature: 1.into() }],
             spots: vec![DVec3::new(1.0, 1.0, 3.0), DVec3::new(11.0, 1.0, 3.0), DVec3::new(0.0, 4.0, 3.0)],
             ..ContourMap::default()
         };
@@ -331,7 +331,7 @@ mod tests {
             interiors: [[(x: 4.0, y: 4.0), (x: 4.0, y: 6.0), (x: 6.0, y: 6.0), (x: 6.0, y: 4.0)]],
         );
         let other = polygon![(x: 12.0, y: 0.0), (x: 14.0, y: 0.0), (x: 14.0, y: 10.0), (x: 12.0, y: 10.0)];
-        let contours = vec![Contour { elevation: 1.0, points: line(&[(-1.0, 5.0), (20.0, 5.0)]), feature: 1 }];
+        let contours = vec![Contour { elevation: 1.0, points: line(&[(-1.0, 5.0), (20.0, 5.0)]), feature: 1.into() }];
         let found = clip(ContourMap { contours, ..ContourMap::default() }, &MultiPolygon::new(vec![holed, other]));
         let found: Vec<_> = found.map.contours.into_iter().map(|c| c.points).collect();
         let expected =
@@ -344,7 +344,7 @@ mod tests {
         assert!(pieces(&[]).is_empty());
         assert!(pieces(&[&[], &[(20.0, 5.0)]]).is_empty());
         let map = ContourMap {
-            contours: vec![Contour { elevation: 1.0, points: line(&[(1.0, 1.0), (2.0, 2.0)]), feature: 1 }],
+            contours: vec![Contour { elevation: 1.0, points: line(&[(1.0, 1.0), (2.0, 2.0)]), feature: 1.into() }],
             ..ContourMap::default()
         };
         assert!(clip(map, &MultiPolygon::new(Vec::new())).map.contours.is_empty());

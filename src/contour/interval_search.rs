@@ -297,7 +297,7 @@ mod tests {
     use super::*;
 
     fn line(elevation: f64, vertices: usize) -> Contour {
-        Contour { elevation, points: (0..vertices).map(|i| DVec2::new(i as f64, 0.0)).collect(), feature: 0 }
+        Contour { elevation, points: (0..vertices).map(|i| DVec2::new(i as f64, 0.0)).collect(), feature: 0.into() }
     }
 
     fn found(levels: &[f64]) -> Option<Interval> {

@@ -2,7 +2,7 @@
 
 use geo::Polygon;
 
-use crate::base::ElevationUnit;
+use crate::base::{ElevationUnit, FeatureId};
 
 /// A lake, a reservoir, a piece of the sea: level ground at one height.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +11,8 @@ pub struct Lake {
     pub polygon: Polygon<f64>,
     /// Height of the water, metres, if it is known.
     pub height: Option<f64>,
-    /// Number of the feature in the file that it came from, for messages.
-    pub feature: u64,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
 }
 
 impl Lake {

@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn distinct_levels_are_sorted_and_finite() {
         let lines: Vec<Contour> = [30.0, f64::NAN, -0.0, 10.0, 0.0, 30.0, f64::INFINITY]
-            .map(|elevation| Contour { elevation, points: vec![DVec2::ZERO, DVec2::X], feature: 0 })
+            .map(|elevation| Contour { elevation, points: vec![DVec2::ZERO, DVec2::X], feature: 0.into() })
             .into();
         assert_eq!(distinct_levels(&lines), [0.0, 10.0, 30.0]);
         assert_eq!(distinct_levels(&[]), [0.0; 0]);

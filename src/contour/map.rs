@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DVec2, DVec3};
 
 use super::unit_hint::UnitHint;
-use crate::base::ElevationUnit;
+use crate::base::{ElevationUnit, FeatureId};
 use crate::crs::Crs;
 
 /// A line of one elevation.
@@ -17,8 +17,8 @@ pub struct Contour {
     pub elevation: f64,
     /// The vertices in order.
     pub points: Vec<DVec2>,
-    /// Number of the feature in the file that the line came from, for messages.
-    pub feature: u64,
+    /// The feature that the line came from, for messages.
+    pub feature: FeatureId,
 }
 
 impl Contour {
@@ -42,7 +42,7 @@ pub struct ContourMap {
     pub spots: Vec<DVec3>,
     /// Features, by number, that the input marks as depression contours (true) or as ordinary contours (false). The
     /// marks are only compared with the contours.
-    pub depressions: BTreeMap<u64, bool>,
+    pub depressions: BTreeMap<FeatureId, bool>,
     /// Positions where cleaning removed a piece of a line that met another line or itself. The rest of the line may be
     /// wrong there. So nothing is learnt from the ground around.
     pub mended: Vec<DVec2>,

@@ -41,7 +41,7 @@ mod tests {
     fn map(crs: Option<u32>) -> ContourMap {
         let points = vec![DVec2::new(138.7, 35.3), DVec2::new(138.8, 35.4)];
         ContourMap {
-            contours: vec![Contour { elevation: 10.0, points, feature: 1 }],
+            contours: vec![Contour { elevation: 10.0, points, feature: 1.into() }],
             spots: vec![DVec3::new(138.7, 35.3, 5.0)],
             mended: vec![DVec2::new(138.8, 35.4)],
             crs: crs.map(Crs::from_epsg),

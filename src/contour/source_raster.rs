@@ -105,7 +105,7 @@ mod tests {
     const CENTRE: DVec2 = DVec2::new(100.5, -7.25);
 
     fn contour(elevation: f64, points: Vec<DVec2>) -> Contour {
-        Contour { elevation, points, feature: 0 }
+        Contour { elevation, points, feature: 0.into() }
     }
 
     /// Rings around a hill, through the places where they cross rows and columns.

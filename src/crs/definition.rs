@@ -146,7 +146,7 @@ impl Definition {
 }
 
 /// The name of a system in messages.
-pub(super) fn label(crs: &Crs) -> String {
+pub(crate) fn label(crs: &Crs) -> String {
     match (crs.name(), crs.epsg) {
         (Some(name), Some(code)) if !name.starts_with("EPSG:") => format!("{name} (EPSG:{code})"),
         (Some(name), _) => name,

@@ -7,12 +7,14 @@
 
 mod definition;
 mod esri;
+mod proj_string;
 mod reprojection;
 mod system;
 mod transform;
 mod wkt;
 mod working;
 
+pub(crate) use definition::label;
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};
 pub use transform::Transform;

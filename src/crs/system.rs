@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::proj_string;
 use super::esri;
 use super::wkt::{self, Node};
 use crate::base::ElevationUnit;
@@ -42,6 +43,14 @@ impl Crs {
     /// The system of an EPSG code, with its WKT where the built-in table has it.
     pub fn from_epsg(code: u32) -> Self {
         Self { epsg: Some(code), wkt: definition(code).map(|d| d.wkt.to_owned()) }
+    }
+
+    /// The system of a PROJ string such as `+proj=utm +zone=33 +datum=WGS84`; `None` if the text is none.
+    ///
+    /// # Errors
+    /// A sentence if the built-in table has no entry with these parameters, or several of different datums.
+    pub fn from_proj(text: &str) -> Option<Result<Self, String>> {
+        proj_string::is_proj(text).then(|| proj_string::from_proj(text))
     }
 
     /// The system that a WKT describes.

@@ -21,6 +21,8 @@ const NAMES: &[&str] = &[
     "level",
     "contour",
     "contours",
+    "property_value",
+    "propertyvalue",
     "alti",
     "alt",
     "altitude",

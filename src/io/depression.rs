@@ -8,16 +8,17 @@ use std::collections::BTreeMap;
 
 use super::attributes::{FLAGS, KINDS};
 use super::table::{Field, Table, Value};
+use crate::base::FeatureId;
 
 /// The marks of the features with lines: true for a depression. False only comes from a yes/no attribute.
 ///
 /// If no feature says yes, the attribute was never filled in, and no mark is returned.
-pub(super) fn marks(table: &Table) -> BTreeMap<u64, bool> {
+pub(super) fn marks(table: &Table) -> BTreeMap<FeatureId, bool> {
     let mut marks = BTreeMap::new();
     for feature in table.features.iter().filter(|feature| !feature.lines.is_empty()) {
         let found = feature.values.iter().filter_map(|(field, value)| mark(&table.fields[*field], value));
         if let Some(found) = found.reduce(|a, b| a || b) {
-            marks.insert(feature.number, found);
+            marks.insert(feature.number.into(), found);
         }
     }
     if !marks.values().any(|&is_depression| is_depression) {

@@ -30,6 +30,8 @@ mod shapefile;
 mod staged;
 mod table;
 mod text;
+mod text_points;
+mod vector_source;
 mod water;
 
 use std::path::{Path, PathBuf};
@@ -48,6 +50,7 @@ pub use content::{Content, content};
 pub use format::VectorFormat;
 pub use paths::{PlannedOutput, check_paths};
 pub use staged::{StagedOutput, discard_unfinished};
+pub use vector_source::VectorSource;
 
 /// How to read a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -76,7 +79,8 @@ pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<Contou
     elevation::contour_map(path, table, options.elevation_field.as_deref())
 }
 
-/// Reads points of known height.
+/// Reads points of known height, from a vector file or from text with columns (`.csv`, `.tsv`, `.txt`, `.xyz`). Text
+/// names its columns in the first line: `x,y,z`, `lon,lat,elev` and the like; or it has three columns without names.
 ///
 /// # Errors
 /// The file cannot be read, has no points, or does not make clear where the heights are.
@@ -130,6 +134,9 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     };
     if gsi::is_source(path) {
         return gsi::read(path, &request);
+    }
+    if request.purpose == Purpose::Spots && text_points::is_source(path) {
+        return text_points::read(path, &request);
     }
     let format = VectorFormat::from_path(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;

@@ -20,7 +20,7 @@ pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Ve
     let lake = |m: super::area::Member| Lake {
         height: heights.get(&m.feature).copied(),
         polygon: m.polygon,
-        feature: m.feature,
+        feature: m.feature.into(),
     };
     Ok(members.into_iter().map(lake).collect())
 }

@@ -199,7 +199,7 @@ mod tests {
         let contour = |k: i32| {
             let x = f64::from(10 * k) - 35.0;
             let points = (-4..=4).map(|j| far + DVec2::new(x, 10.0 * f64::from(j))).collect();
-            Contour { elevation: f64::from(10 * k), points, feature: 0 }
+            Contour { elevation: f64::from(10 * k), points, feature: 0.into() }
         };
         let shifted = |ring: &LineString<f64>| ring.0.iter().map(|c| (c.x + far.x, c.y + far.y)).collect();
         let area: MultiPolygon<f64> = polygons

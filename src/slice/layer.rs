@@ -37,6 +37,9 @@ pub struct LayerParams {
     /// Largest distance between a new contour and its simplified course, map units; 0 keeps all vertices. If `None`,
     /// [`SIMPLIFIED`] times the mean spacing of the contours.
     pub simplify: Option<f64>,
+    /// Whether a layer at a coarser interval than that of the input has the contours of the input at all levels. Without
+    /// it, such a layer has only its own levels.
+    pub keep_input: bool,
     /// Memory that the layers may take, bytes. Layers that need more are an error. No limit if `None`.
     pub memory: Option<u64>,
 }
@@ -44,12 +47,21 @@ pub struct LayerParams {
 impl Default for LayerParams {
     /// No targets, levels in metres, every fifth level an index contour, lines simplified, no limit of memory.
     fn default() -> Self {
-        Self { targets: Vec::new(), unit: ElevationUnit::Metre, index_every: 5, simplify: None, memory: None }
+        Self {
+            targets: Vec::new(),
+            unit: ElevationUnit::Metre,
+            index_every: 5,
+            simplify: None,
+            keep_input: false,
+            memory: None,
+        }
     }
 }
 
-/// The contour lines of each target: all input contours unchanged, and new contours at the other levels.
+/// The contour lines of each target: the input contours unchanged, and new contours at the other levels.
 ///
+/// * All input contours are in a layer, unless its interval is coarser than theirs: then those at its levels
+///   ([`LayerParams::keep_input`]).
 /// * A level of the input is not traced again where the input contours are complete.
 /// * Where such a contour ends inside the map, a new line goes on from its end. A gap closure is a line too.
 /// * New lines that would run into a closed contour of their own level are left out and counted (dead ends).
@@ -100,7 +112,9 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     let right = ascends_right(map, &surface.tin, &surface.regions);
     let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
         let index = |level: f64| is_index(target, surface.interval.step, params, level);
-        let input = map.contours.par_iter().zip(&right).map(|(c, &right)| {
+        let is_coarser = !params.keep_input && target.is_coarser(params.unit, surface.interval.step);
+        let is_kept = |level: f64| !is_coarser || wanted.contains(&level);
+        let input = map.contours.par_iter().zip(&right).filter(|(c, _)| is_kept(c.elevation)).map(|(c, &right)| {
             let mut points = c.points.clone();
             if !right {
                 points.reverse();

@@ -63,6 +63,12 @@ impl Target {
         Ok(levels.into_iter().map(|level: f64| unit.metres(level)).collect())
     }
 
+    /// Whether this is an interval, in `unit`, that is larger than `interval` metres.
+    pub fn is_coarser(&self, unit: ElevationUnit, interval: f64) -> bool {
+        // Feet that became metres and back have rounding errors.
+        matches!(self, Self::Interval { step, .. } if unit.metres(*step) > interval * (1.0 + 1e-9))
+    }
+
     /// The name of the layer for levels in `unit`: `contours_2m`, `contours_2ft`, `contours_2usft`, or `contours` for a
     /// list of levels.
     pub fn layer_name(&self, unit: ElevationUnit) -> String {

@@ -9,7 +9,7 @@ use super::prepare::{Prepared, prepare};
 use super::water::{DrySubdivision, Water, settle};
 use crate::base::error::{Report, Result};
 use crate::base::progress::Progress;
-use crate::check::{Correction, Ground, Judged, contradicted_marks, judge, possible_lakes};
+use crate::check::{Correction, Ground, Judged, contradicted_marks, judge, possible_lakes, possible_sea};
 use crate::contour::{ContourMap, Interval};
 use crate::subdomains::{CarriedRegions, Frame, FrameRing, GapEdges, MapExtent, Regions, loose_frame_edges};
 use crate::tin::{Tin, TinInput, Triangulation};
@@ -106,6 +106,7 @@ impl Prepared {
         findings.extend(of_labels);
         findings.extend(contradicted_marks(&map, &tin, &sub_domains));
         findings.extend(possible_lakes(&map, &tin, &sub_domains));
+        findings.extend(possible_sea(&tin, &sub_domains));
         let tin = with_frame_heights(tin, &sub_domains, &|_| None);
         progress.finish();
         let given = triangulation.input().len();

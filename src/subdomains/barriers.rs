@@ -102,7 +102,7 @@ mod tests {
         let contours = lines.iter().map(|&(elevation, points)| Contour {
             elevation,
             points: points.iter().map(|&p| p.into()).collect(),
-            feature: 0,
+            feature: 0.into(),
         });
         let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
         let ring = frame_ring(&map, &Frame::Hull);

@@ -216,7 +216,7 @@ mod tests {
         let contours = lines.iter().map(|&(elevation, points)| Contour {
             elevation,
             points: points.iter().map(|&p| p.into()).collect(),
-            feature: 0,
+            feature: 0.into(),
         });
         ContourMap { contours: contours.collect(), ..ContourMap::default() }
     }

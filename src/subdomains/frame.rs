@@ -172,7 +172,7 @@ mod tests {
     fn map() -> ContourMap {
         let line = |elevation: f64, y: f64| {
             let points = [0.0, 37.0, 100.0].map(|x| DVec2::new(5e5 + x, 4e6 + y)).to_vec();
-            Contour { elevation, points, feature: 0 }
+            Contour { elevation, points, feature: 0.into() }
         };
         ContourMap { contours: vec![line(10.0, 0.0), line(20.0, 55.5), line(30.0, 100.0)], ..ContourMap::default() }
     }
@@ -221,7 +221,7 @@ mod tests {
         let (a, b) = (DVec2::new(-1e7, 0.1), DVec2::new(6.791_015_624_999_999, -14_755.998_480_224_609));
         let on_line = [9, 5, 80, 128, 256, 10, 12, 16, 96].map(|k| a.lerp(b, f64::from(k) / 1024.0));
         let points = std::iter::once(a).chain(on_line).chain([b, DVec2::new(-9_890_000.0, 310_000.1), a]).collect();
-        let contour = Contour { elevation: 0.0, points, feature: 0 };
+        let contour = Contour { elevation: 0.0, points, feature: 0.into() };
         let map = ContourMap { contours: vec![contour], ..ContourMap::default() };
         let ring = frame_ring(&map, &Frame::Hull).rings().next().unwrap();
         let coord = |k: usize| {

@@ -110,7 +110,7 @@ pub(super) fn contours(coords: &[[f64; 2]], offsets: &[usize], elevations: &[f64
     let lines = offsets.windows(2).zip(elevations).zip(0..);
     let contour = |((ends, &elevation), feature): ((&[usize], &f64), u64)| {
         let points = coords[ends[0]..ends[1]].iter().map(|p| DVec2::from_array(*p)).collect();
-        Contour { elevation, points, feature }
+        Contour { elevation, points, feature: feature.into() }
     };
     Ok(lines.map(contour).collect())
 }

@@ -1,9 +1,12 @@
 //! The ground between contours, and what it gives: contours, height maps, errors, meshes.
 
+use geo::MultiPolygon;
+
 use super::grid::GridSpec;
 use super::input::Input;
 use super::options::Options;
-use crate::base::error::{Error, Finding, Result};
+use super::part::{clip_lines, drop_outside, mask};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
 use crate::base::{ElevationUnit, Grid};
 use crate::contour::ContourLayer;
@@ -11,6 +14,7 @@ use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
+use crate::subdomains::{Frame, FrameRing};
 use crate::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
@@ -26,6 +30,10 @@ pub struct Terrain {
     pub reprojection: Reprojection,
     /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
+    /// The part of the map that results cover, if it is not the whole.
+    part: Option<MultiPolygon<f64>>,
+    /// Number of findings outside of the frame polygon or the part; they are not in `findings`.
+    pub findings_outside: usize,
     memory: Option<u64>,
 }
 
@@ -49,16 +57,28 @@ impl Terrain {
             input.prepare(&options.preparation, progress)?;
         }
         let cells = options.cells(&input.reprojection)?;
+        let part = input.part.take();
+        if let Some(part) = &part {
+            input.frame = part.frame(std::mem::take(&mut input.frame));
+        }
+        let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
         let params = options.surface(input, cells.as_ref());
         if let Some(cells) = &cells {
             cells.check_room(&input.map, &params.frame, params.memory)?;
         }
         let built = build(std::mem::take(&mut input.map), &params, progress);
-        let surface = input.found(built)?;
+        let mut surface = input.found(built)?;
         input.check_strict()?;
-        let findings = std::mem::take(&mut input.findings);
+        let mut findings = std::mem::take(&mut input.findings);
+        let part = part.map(|part| part.of(&surface.frame.area));
+        if let Some(area) = &part {
+            // It is the window that reaches beyond the map, and nobody asked for it.
+            findings.retain(|finding| finding.kind != FindingKind::FrameBeyondMap);
+            surface.frame = FrameRing { area: area.clone() };
+        }
+        let findings_outside = if is_whole { 0 } else { drop_outside(&mut findings, &surface.frame.area) };
         let (reprojection, unit) = (input.reprojection.clone(), input.unit);
-        Ok(Self { surface, findings, reprojection, unit, memory: options.memory })
+        Ok(Self { surface, findings, reprojection, unit, part, findings_outside, memory: options.memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -76,7 +96,11 @@ impl Terrain {
     /// # Errors
     /// As [`contour_layers`].
     pub fn contours_with(&self, params: LayerParams, progress: &dyn Progress) -> Result<Vec<ContourLayer>> {
-        contour_layers(&self.surface, &LayerParams { memory: self.memory, ..params }, progress)
+        let mut layers = contour_layers(&self.surface, &LayerParams { memory: self.memory, ..params }, progress)?;
+        if let Some(area) = &self.part {
+            layers.iter_mut().for_each(|layer| clip_lines(&mut layer.lines, area));
+        }
+        Ok(layers)
     }
 
     /// The contours of the input alone, as a layer.
@@ -104,7 +128,11 @@ impl Terrain {
     /// # Errors
     /// As [`Terrain::dem`].
     pub fn dem_with(&self, grid: &GridSpec, progress: &dyn Progress) -> Result<Dem> {
-        let dem = grid.over(&self.reprojection)?.heights(&self.surface, progress)?;
+        let cells = grid.over(&self.reprojection)?;
+        let mut dem = cells.heights(&self.surface, progress)?;
+        if let Some(area) = &self.part {
+            mask(&mut dem, area, &|p| cells.on_plane(p));
+        }
         match grid {
             GridSpec::Cells { file, .. } if dem.values.iter().all(|height| height.is_nan()) => match file {
                 Some(file) => Err(Error::NoOverlap.in_file(file)),

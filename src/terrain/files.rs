@@ -1,19 +1,21 @@
 //! Reading of the facade's inputs from files.
 
-use std::path::Path;
+use std::mem::take;
+use std::path::{Path, PathBuf};
 
 use super::compare::{Pair, Side};
 use super::grid::GridSpec;
-use super::input::{Input, InputOptions};
+use super::input::{Input, InputOptions, in_metres};
 use super::measure::add_check_points;
+use super::sheets::{Sheet, joined};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
-use crate::base::error::{Finding, Report, Result};
+use crate::base::error::{Error, Finding, Report, Result};
 use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
-use crate::io::{ReadOptions, read_area, read_contours, read_spot_heights, read_water};
+use crate::io::{ReadOptions, VectorSource, read_area, read_contours, read_spot_heights, read_water};
 
 impl Input {
     /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
@@ -27,13 +29,42 @@ impl Input {
     /// Reads contours and the spot heights that come with them.
     ///
     /// # Errors
-    /// As [`read_contours`] and [`Input::from_map`]; the error names the file.
+    /// As [`Input::read_all`].
     pub fn read_with(path: &Path, options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
+        Self::read_all(&[path.into()], options, progress)
+    }
+
+    /// Reads the contours of files as one map, and the spot heights that come with them. Lines that end at the edge of one
+    /// sheet and go on in the next one are joined by [`Input::prepare`].
+    ///
+    /// The map is in the coordinate reference system of the first file that names one. Lines of files in another system
+    /// are transformed, with a finding. Each file may have a unit of elevations of its own. The layer of the options is
+    /// that of files which name none.
+    ///
+    /// # Errors
+    /// As [`read_contours`] and [`Input::from_map`]; the error names the file. If no file is given.
+    pub fn read_all(sources: &[VectorSource], options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
+        let sheet = |source: &VectorSource| {
+            let layer = source.layer.clone().or_else(|| options.layer.clone());
+            let reading =
+                ReadOptions { elevation_field: options.elevation_field.clone(), layer, memory: options.memory };
+            let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
+            let Report { value: map, findings } = read;
+            Ok(Sheet { file: source.path.clone(), map, findings, unit })
+        };
         step(progress, "reading", || {
-            let InputOptions { elevation_field, layer, memory, .. } = options.clone();
-            let read = read_contours(path, &ReadOptions { elevation_field, layer, memory })?;
-            let input = Self::from_report(read, options).map_err(|error| error.in_file(path))?;
-            Ok(Self { file: Some(path.to_owned()), ..input })
+            let mut sheets = sources.iter().map(sheet).collect::<Result<Vec<Sheet>>>()?;
+            let files: Vec<PathBuf> = sheets.iter().map(|sheet| sheet.file.clone()).collect();
+            let Some(unit) = sheets.first().map(|sheet| sheet.unit) else {
+                return Err(Error::Parameter("no file is given".into()));
+            };
+            let read = match sheets.as_mut_slice() {
+                [one] => Report { value: take(&mut one.map), findings: take(&mut one.findings) },
+                _ => joined(sheets)?,
+            };
+            let input = Self::from_metres(read, unit, options);
+            let input = input.map_err(|error| if let [file] = &files[..] { error.in_file(file) } else { error })?;
+            Ok(Self { files, ..input })
         })
     }
 
@@ -41,10 +72,12 @@ impl Input {
     ///
     /// # Errors
     /// As [`read_spot_heights`] and [`Input::add_spots`]; the error names the file.
-    pub fn read_spots(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
+    pub fn read_spots(&mut self, source: &VectorSource, progress: &dyn Progress) -> Result<()> {
+        let path = &source.path;
         step(progress, "reading", || {
             let mut about = Vec::new();
-            let SpotHeights { points, crs, unit_hint } = read_spot_heights(path, &self.reading())?.collect(&mut about);
+            let SpotHeights { points, crs, unit_hint } =
+                read_spot_heights(path, &self.reading(source))?.collect(&mut about);
             let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
             for finding in &mut about {
                 let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
@@ -60,8 +93,9 @@ impl Input {
     ///
     /// # Errors
     /// As [`read_water`] and [`Input::add_lakes`]; the error names the file.
-    pub fn read_lakes(&mut self, path: &Path) -> Result<()> {
-        let (lakes, crs) = read_water(path, &self.reading())?.collect(&mut self.findings);
+    pub fn read_lakes(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (lakes, crs) = read_water(path, &self.reading(source))?.collect(&mut self.findings);
         self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
@@ -69,14 +103,25 @@ impl Input {
     ///
     /// # Errors
     /// As [`read_area`] and [`Input::set_boundary`]; the error names the file.
-    pub fn read_boundary(&mut self, path: &Path) -> Result<()> {
-        let (area, crs) = read_area(path, &self.reading())?;
+    pub fn read_boundary(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (area, crs) = read_area(path, &self.reading(source))?;
         self.set_boundary(&area, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
+    /// Reads the polygons of the part of the map that results cover.
+    ///
+    /// # Errors
+    /// As [`read_area`] and [`Input::set_part`]; the error names the file.
+    pub fn read_part(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (area, crs) = read_area(path, &self.reading(source))?;
+        self.set_part(&area, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
     /// How further files are read.
-    fn reading(&self) -> ReadOptions {
-        ReadOptions { memory: self.memory, ..ReadOptions::default() }
+    fn reading(&self, source: &VectorSource) -> ReadOptions {
+        ReadOptions { layer: source.layer.clone(), memory: self.memory, ..ReadOptions::default() }
     }
 }
 
@@ -112,11 +157,12 @@ impl Side {
 pub fn read_check_points(
     found: &mut Comparison,
     pair: &Pair,
-    (path, unit): (&Path, Option<ElevationUnit>),
+    (source, unit): (&VectorSource, Option<ElevationUnit>),
     memory: Option<u64>,
     findings: &mut Vec<Finding>,
 ) -> Result<()> {
-    let reading = ReadOptions { memory, ..ReadOptions::default() };
+    let path = &source.path;
+    let reading = ReadOptions { layer: source.layer.clone(), memory, ..ReadOptions::default() };
     let mut checks = read_spot_heights(path, &reading)?.collect(findings);
     let crs = checks.crs.as_ref().filter(|crs| crs.height_unit().is_some());
     let hint = checks.unit_hint.as_ref();

@@ -169,6 +169,11 @@ impl Cells {
         })
     }
 
+    /// The place of a centre of a cell on the working plane, if it has one.
+    pub fn on_plane(&self, centre: DVec2) -> Option<DVec2> {
+        self.apart.as_ref().map_or(Some(centre), |apart| apart.way.forward(centre))
+    }
+
     /// The standard errors of such heights; `None` if the surface has none.
     pub fn standard_errors(&self, surface: &Surface, dem: &Dem) -> Option<Vec<f32>> {
         match &self.apart {

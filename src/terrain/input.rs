@@ -5,12 +5,13 @@
 //! coordinate reference system of its own.
 
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use geo::MultiPolygon;
 use glam::DVec3;
 
 use super::arrays;
+use super::part::Part;
 use super::plane::{named, on_plane};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
@@ -59,14 +60,16 @@ pub struct Input {
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
     pub sampled: Option<Sampled>,
-    /// The file of the contours.
-    pub(super) file: Option<PathBuf>,
+    /// The files of the contours.
+    pub(super) files: Vec<PathBuf>,
     /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
     /// The unit that the caller asks for.
     pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
     pub(super) memory: Option<u64>,
+    /// The part of the map that is asked for.
+    pub(super) part: Option<Part>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }
@@ -101,10 +104,14 @@ impl Input {
     }
 
     pub(super) fn from_report(read: Report<ContourMap>, options: &InputOptions) -> Result<Self> {
+        let (read, unit) = in_metres(read, options);
+        Self::from_metres(read, unit, options)
+    }
+
+    /// Takes a map with its elevations in metres; they were in `unit`.
+    pub(super) fn from_metres(read: Report<ContourMap>, unit: ElevationUnit, options: &InputOptions) -> Result<Self> {
         let mut findings = Vec::new();
         let map = read.collect(&mut findings);
-        let unit = unit_of(&map, options, &mut findings);
-        let map = named(map.in_metres(unit), options.crs.as_ref(), &mut findings);
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
         let (asked_unit, memory) = (options.unit, options.memory);
         Ok(Self { map, findings, reprojection, unit, asked_unit, memory, ..Self::default() })
@@ -115,14 +122,18 @@ impl Input {
         self.unit
     }
 
-    /// The file of the contours, if they are from one.
-    pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
+    /// The files of the contours, if they are from files. Features name them by their number, from 1.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// The name of the input in messages.
     pub fn name(&self) -> Cow<'_, str> {
-        self.file.as_ref().map_or("the contours".into(), |file| file.display().to_string().into())
+        match self.files.as_slice() {
+            [] => "the contours".into(),
+            [file] => file.display().to_string().into(),
+            [first, others @ ..] => format!("{} and {} more", first.display(), others.len()).into(),
+        }
     }
 
     /// Adds spot heights (x, y, height), which the surface then passes through. They are in the contours' coordinate
@@ -185,6 +196,16 @@ impl Input {
         self.frame = Frame::Polygon(self.reprojection.bring(crs)?.boundary(area)?);
         Ok(())
     }
+}
+
+/// A map as it was read with its elevations in metres and the system that the caller names, and the unit that its
+/// elevations had.
+pub(super) fn in_metres(read: Report<ContourMap>, options: &InputOptions) -> (Report<ContourMap>, ElevationUnit) {
+    let mut findings = Vec::new();
+    let map = read.collect(&mut findings);
+    let unit = unit_of(&map, options, &mut findings);
+    let value = named(map.in_metres(unit), options.crs.as_ref(), &mut findings);
+    (Report { value, findings }, unit)
 }
 
 /// The unit of the elevations of a map as it was read. Elevations in the findings about it become metres.

@@ -15,8 +15,11 @@ mod input;
 mod json;
 mod measure;
 mod options;
+mod part;
 mod plane;
 mod prepare;
+#[cfg(feature = "io")]
+mod sheets;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 mod units;

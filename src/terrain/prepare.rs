@@ -243,9 +243,9 @@ impl Input {
 
     /// The result; its error names the file of the contours.
     fn named<T>(&self, result: Result<T>) -> Result<T> {
-        result.map_err(|error| match &self.file {
-            Some(file) => error.in_file(file),
-            None => error,
+        result.map_err(|error| match self.files.as_slice() {
+            [file] => error.in_file(file),
+            _ => error,
         })
     }
 }

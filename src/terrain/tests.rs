@@ -22,7 +22,7 @@ fn sample() -> PathBuf {
 
 fn ring(radius: f64, elevation: f64) -> Contour {
     let angle = |k: i32| f64::from(k % 60) * std::f64::consts::TAU / 60.0;
-    Contour { elevation, points: (0..=60).map(|k| radius * DVec2::from_angle(angle(k))).collect(), feature: 0 }
+    Contour { elevation, points: (0..=60).map(|k| radius * DVec2::from_angle(angle(k))).collect(), feature: 0.into() }
 }
 
 fn hill() -> ContourMap {
@@ -168,7 +168,7 @@ fn further_inputs_come_from_memory() {
     input.add_spots([spot], Some(&Crs::from_epsg(6668))).unwrap();
     assert!(input.map.spots[0].distance(DVec3::new(1.0, 2.0, 25.0)) < 1e-4, "{}", input.map.spots[0]);
     let square = Rect::new((120.0, -10.0), (140.0, 10.0)).to_polygon();
-    input.add_lakes([Lake { polygon: square, height: Some(14.0), feature: 1 }], None).unwrap();
+    input.add_lakes([Lake { polygon: square, height: Some(14.0), feature: 1.into() }], None).unwrap();
     let sheet = Rect::new((-150.0, -150.0), (150.0, 150.0)).to_polygon();
     input.set_boundary(&MultiPolygon::new(vec![sheet]), None).unwrap();
     assert!(matches!(input.frame, Frame::Polygon(_)));

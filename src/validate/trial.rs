@@ -297,7 +297,7 @@ mod tests {
     }
 
     fn line(elevation: f64, points: impl IntoIterator<Item = (f64, f64)>) -> Contour {
-        Contour { elevation, points: points.into_iter().map(DVec2::from).collect(), feature: 1 }
+        Contour { elevation, points: points.into_iter().map(DVec2::from).collect(), feature: 1.into() }
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub fn map_of(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
     let contours = lines.iter().enumerate().map(|(i, (elevation, points))| Contour {
         elevation: *elevation,
         points: points.clone(),
-        feature: i as u64,
+        feature: (i as u64).into(),
     });
     ContourMap { contours: contours.collect(), ..ContourMap::default() }
 }

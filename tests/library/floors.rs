@@ -25,7 +25,7 @@ fn ring(radius: f64, elevation: f64, bays: f64) -> Contour {
         let angle = f64::from(k % 240) * std::f64::consts::TAU / 240.0;
         radius * (1.0 + bays * (7.0 * angle).sin()) * DVec2::from_angle(angle)
     };
-    Contour { elevation, points: (0..=240).map(at).collect(), feature: 1 }
+    Contour { elevation, points: (0..=240).map(at).collect(), feature: 1.into() }
 }
 
 /// Rings around a hollow of this radius, `spacing` apart, rising outwards from 500 m.
@@ -89,7 +89,7 @@ fn a_slope_ends_at_the_contour_where_the_spacing_jumps() {
     let at = |x: f64, elevation: f64| Contour {
         elevation,
         points: (0..=60).map(|k| DVec2::new(x, f64::from(k) * 10.0)).collect(),
-        feature: 1,
+        feature: 1.into(),
     };
     let flank = (0..40).map(|k| (-10.0 * f64::from(k), 500.0 + INTERVAL * f64::from(k)));
     let plain = [(600.0, 480.0), (1200.0, 460.0), (1800.0, 440.0)];

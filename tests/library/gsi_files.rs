@@ -447,7 +447,7 @@ fn contours_and_spot_heights_come_with_east_first() {
     assert_eq!((map.contours[0].elevation, map.contours[1].elevation), (120.0, 110.5));
     assert_eq!(map.contours[0].points, [DVec2::new(137.65, 36.35), DVec2::new(137.652, 36.351)]);
     assert!(map.contours[1].is_closed());
-    assert_eq!(map.depressions, [(1, true)].into());
+    assert_eq!(map.depressions, [(1.into(), true)].into());
     assert_eq!(map.spots, [DVec3::new(137.655, 36.355, 131.2), DVec3::new(137.65, 36.35, 120.0)]);
     assert_eq!(kinds(&report), [FindingKind::MissingElevation]);
     assert!(report.findings[0].message.contains("line 2"), "{:?}", report.findings);
@@ -493,7 +493,7 @@ fn a_legacy_encoding_is_read_as_declared() {
     let text = dataset(&contour("K1", "凹地等高線", "100", "36.35 137.70 36.36 137.70 36.36 137.71 36.35 137.70"));
     let text = text.replace("UTF-8", "Shift_JIS");
     let map = contours(&folder.write("a.xml", encoding_rs::SHIFT_JIS.encode(&text).0)).value;
-    assert_eq!(map.depressions, [(0, true)].into());
+    assert_eq!(map.depressions, [(0.into(), true)].into());
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn sample(name: &str) -> Subdivision {
 }
 
 fn map_of(lines: Vec<(f64, Vec<DVec2>)>) -> ContourMap {
-    let contours = lines.into_iter().map(|(elevation, points)| Contour { elevation, points, feature: 0 });
+    let contours = lines.into_iter().map(|(elevation, points)| Contour { elevation, points, feature: 0.into() });
     ContourMap { contours: contours.collect(), ..ContourMap::default() }
 }
 
@@ -284,9 +284,9 @@ fn outlines_tile_the_frame_on_any_terrain() {
 fn contradictions(rings: Vec<(f64, Vec<DVec2>)>, marks: &[(u64, bool)]) -> Vec<String> {
     let mut map = map_of(rings);
     for (contour, feature) in map.contours.iter_mut().zip(0..) {
-        contour.feature = feature;
+        contour.feature = u64::into(feature);
     }
-    map.depressions = marks.iter().copied().collect();
+    map.depressions = marks.iter().map(|&(feature, mark)| (feature.into(), mark)).collect();
     let map = clean(map, &CleanParams::default()).unwrap().value;
     let findings = subdivide(map, &Frame::Hull, &()).unwrap().findings;
     findings.into_iter().filter(|f| f.kind == FindingKind::DepressionMark).map(|f| f.message).collect()

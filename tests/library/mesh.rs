@@ -270,7 +270,7 @@ fn meshes_of_all_terrain_are_sound() {
     proptest!(ProptestConfig { cases: 6, ..common::draws() }, |(seed in 0u64..10_000)| {
         for terrain in common::all_kinds(seed) {
             let contours = terrain.contours().into_iter().map(|(elevation, points): (f64, Vec<DVec2>)| {
-                Contour { elevation, points, feature: 0 }
+                Contour { elevation, points, feature: 0.into() }
             });
             let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
             let map = clean(map, &CleanParams::default()).unwrap().value;

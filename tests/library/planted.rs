@@ -21,12 +21,12 @@ const JUDGED: [FindingKind; 7] = [
 ];
 
 fn line(elevation: f64, points: &[(f64, f64)], feature: u64) -> Contour {
-    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature }
+    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: feature.into() }
 }
 
 fn ring(elevation: f64, centre: DVec2, radius: f64, feature: u64) -> Contour {
     let at = |k: i32| centre + radius * DVec2::from_angle(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
-    Contour { elevation, points: (0..=40).map(at).collect(), feature }
+    Contour { elevation, points: (0..=40).map(at).collect(), feature: feature.into() }
 }
 
 /// Rings around the origin from the outermost to the innermost, with the features 1, 2, ...
@@ -43,7 +43,7 @@ fn slope(elevations: &[f64]) -> Vec<Contour> {
         (0..=100).map(f64::from).map(move |x| DVec2::new(x, y(x))).collect()
     };
     let lines = elevations.iter().enumerate();
-    lines.map(|(k, &elevation)| Contour { elevation, points: course(k), feature: k as u64 + 1 }).collect()
+    lines.map(|(k, &elevation)| Contour { elevation, points: course(k), feature: (k as u64 + 1).into() }).collect()
 }
 
 fn levels(count: usize) -> Vec<f64> {
@@ -59,20 +59,25 @@ fn subdivided(contours: Vec<Contour>) -> (Subdivision, Vec<Finding>) {
     (report.value, findings)
 }
 
+/// The numbers of the features that a finding is about.
+fn numbers(finding: &Finding) -> Vec<u64> {
+    finding.features.iter().map(|feature| feature.number()).collect()
+}
+
 fn found(contours: Vec<Contour>) -> Vec<(FindingKind, Vec<u64>, Option<f64>)> {
     let told = subdivided(contours).1;
     let proposed = |f: &Finding| match f.proposal {
         Some(Proposal::Relabel { to, .. }) => Some(to),
         _ => None,
     };
-    told.into_iter().map(|f| (f.kind, f.features.clone(), proposed(&f))).collect()
+    told.into_iter().map(|f| (f.kind, numbers(&f), proposed(&f))).collect()
 }
 
 /// The lines without the points of one of them from `from` to `to`.
 fn cut(mut lines: Vec<Contour>, which: usize, from: usize, to: usize) -> Vec<Contour> {
     let mut rest = lines[which].clone();
     rest.points.drain(..to);
-    rest.feature += 100;
+    rest.feature = (rest.feature.number() + 100).into();
     lines[which].points.truncate(from + 1);
     lines.push(rest);
     lines
@@ -125,7 +130,7 @@ fn what_can_be_mended_in_two_ways_is_told_and_not_mended() {
     for (innermost, feature) in [([150.0, 130.0], 6), ([140.0, 160.0], 7)] {
         let (subdivision, told) = subdivided(hill(&[&levels(5)[..], &innermost].concat()));
         assert_eq!(told.len(), 1, "{told:?}");
-        assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::WrongLabel, &[feature][..]));
+        assert_eq!((told[0].kind, numbers(&told[0])), (FindingKind::WrongLabel, vec![feature]));
         assert!(told[0].message.contains("unless a contour beside it is wrong or missing"), "{told:?}");
         assert_eq!((told[0].proposal.clone(), subdivision.corrections), (None, Vec::new()));
     }
@@ -180,8 +185,8 @@ fn a_missing_contour_beside_a_wrong_label_is_told_too() {
     };
     for lines in [without(slope(&elevations)), without(hill(&elevations))] {
         let told = subdivided(lines).1;
-        let kinds: Vec<_> = told.iter().map(|f| (f.kind, &f.features[..])).collect();
-        assert_eq!(kinds, [(FindingKind::SkippedLevel, &[4][..]), (FindingKind::WrongLabel, &[4][..])], "{told:?}");
+        let kinds: Vec<_> = told.iter().map(|f| (f.kind, numbers(f))).collect();
+        assert_eq!(kinds, [(FindingKind::SkippedLevel, vec![4]), (FindingKind::WrongLabel, vec![4])], "{told:?}");
         assert!(
             told[0].message.contains("between contours 120 and 150") && told[0].message.contains("130 to 140"),
             "{told:?}"
@@ -206,7 +211,7 @@ fn a_long_gap_is_told_once() {
     for (from, to) in [(30, 60), (35, 70)] {
         let (_, told) = subdivided(cut(slope(&levels(7)), 3, from, to));
         assert_eq!(told.len(), 1, "{told:?}");
-        assert_eq!((told[0].kind, &told[0].features[..]), (FindingKind::Gap, &[4, 104][..]));
+        assert_eq!((told[0].kind, numbers(&told[0])), (FindingKind::Gap, vec![4, 104]));
     }
     let mut rings = hill(&levels(7));
     rings[3].points.drain(..8);
@@ -282,7 +287,7 @@ mod random {
             let innermost = lines.get(k + 1).is_none_or(|next| next.points[0].distance(lines[k].points[0]) > 60.0);
             let truth: Vec<f64> = lines.iter().map(|line| line.elevation).collect();
             lines[k].elevation += 10.0 * f64::from(by) * if which % 2 == 0 { 1.0 } else { -1.0 };
-            let feature = lines[k].feature;
+            let feature = lines[k].feature.number();
             let subdivision = subdivided(lines.clone()).0;
             let mended = correct(subdivision.map, &subdivision.corrections).value.contours;
             let told = found(lines);
@@ -292,7 +297,7 @@ mod random {
             prop_assert!(told[0].1[..] == [feature] || or_the_one_around, "{}: {:?}", feature, told);
             // If anything is mended it is that line, and where one level fits it alone it has its own again.
             for line in mended {
-                let level = truth[line.feature as usize - 1];
+                let level = truth[line.feature.number() as usize - 1];
                 let may_differ = line.feature == feature && (innermost || subdivision.corrections.is_empty());
                 prop_assert!(line.elevation == level || may_differ, "{:?}", told);
             }

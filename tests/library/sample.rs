@@ -15,7 +15,7 @@ fn clean_map(lines: &[(f64, Vec<DVec2>)]) -> ContourMap {
     let contours = (0u64..).zip(lines).map(|(feature, (elevation, points))| Contour {
         elevation: *elevation,
         points: points.clone(),
-        feature,
+        feature: feature.into(),
     });
     let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
     clean(map, &CleanParams::default()).expect("the terrain's contours are no heap of crossings").value
@@ -113,7 +113,7 @@ proptest! {
         let run = |lines: &[(f64, Vec<DVec2>)], threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             let mut result = pool.install(|| sampled(&clean_map(lines), &SampleParams::default()));
-            result.map.contours.iter_mut().for_each(|c| c.feature = 0);
+            result.map.contours.iter_mut().for_each(|c| c.feature = 0.into());
             result
         };
         let one = run(&lines, 1);

@@ -31,7 +31,7 @@ fn of_terrain(terrain: &Terrain) -> Subdivision {
     let contours = terrain.contours().into_iter().enumerate().map(|(i, (elevation, points))| Contour {
         elevation,
         points,
-        feature: i as u64,
+        feature: (i as u64).into(),
     });
     tiling_of(ContourMap { contours: contours.collect(), ..ContourMap::default() })
 }

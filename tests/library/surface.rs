@@ -19,11 +19,11 @@ use crate::common::{self, Terrain};
 fn ring(center: (f64, f64), radius: f64, elevation: f64) -> Contour {
     let corner =
         |k: i32| DVec2::from(center) + radius * DVec2::from_angle(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
-    Contour { elevation, points: (0..=40).map(corner).collect(), feature: 0 }
+    Contour { elevation, points: (0..=40).map(corner).collect(), feature: 0.into() }
 }
 
 fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {
-    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: 0 }
+    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: 0.into() }
 }
 
 fn surface_of(contours: Vec<Contour>, spots: Vec<DVec3>, frame: Frame) -> (Surface, Vec<Finding>) {
@@ -145,7 +145,7 @@ fn bowl(levels: usize) -> Vec<Contour> {
     let circle = |k: usize| {
         let radius = 200.0 * (1.0 - k as f64 / 10.0).sqrt();
         let corner = |j: usize| radius * DVec2::from_angle((j % 240) as f64 * std::f64::consts::TAU / 240.0);
-        Contour { elevation: -10.0 * k as f64, points: (0..=240).map(corner).collect(), feature: 0 }
+        Contour { elevation: -10.0 * k as f64, points: (0..=240).map(corner).collect(), feature: 0.into() }
     };
     (0..levels).map(circle).collect()
 }
@@ -184,7 +184,7 @@ fn cells_on_vertices_of_contours_have_their_level() {
 
 #[test]
 fn wrong_labels_do_not_change_how_the_surface_is_drawn() {
-    let to_map = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0 };
+    let to_map = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0.into() };
     let mut contours: Vec<Contour> = crate::common::fractal(3, 120, 120).contours().into_iter().map(to_map).collect();
     let chosen = |contours: &[Contour]| surface_of(contours.to_vec(), Vec::new(), Frame::Hull).0.chosen.unwrap();
     let before = chosen(&contours);
@@ -279,7 +279,7 @@ fn rmse_of_few_levels(ground: fn(u64, usize, usize) -> Terrain, kind: SurfaceKin
         let (low, high) =
             terrain.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |m, z| (m.0.min(*z), m.1.max(*z)));
         let terrain = Terrain { interval: (high - low) / 4.0, ..terrain };
-        let to_contour = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0 };
+        let to_contour = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0.into() };
         let contours = terrain.contours().into_iter().map(to_contour).collect();
         let map = clean(ContourMap { contours, ..ContourMap::default() }, &CleanParams::default()).unwrap().value;
         let corner = terrain.origin + DVec2::new(-0.5, 0.5) * terrain.cell;

@@ -71,7 +71,7 @@ fn contours() -> Vec<Contour> {
                 at = to;
             }
             if points.len() > 2 {
-                found.push(Contour { elevation: level, points, feature: found.len() as u64 });
+                found.push(Contour { elevation: level, points, feature: (found.len() as u64).into() });
             }
         }
     }
@@ -144,7 +144,7 @@ fn grounds(kind: SurfaceKind) -> Vec<Ground> {
                 "hills" => common::hills(seed, size, size),
                 _ => common::meanders(seed, size, size),
             };
-            let to_contour = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0 };
+            let to_contour = |(elevation, points): (f64, Vec<DVec2>)| Contour { elevation, points, feature: 0.into() };
             let contours = terrain.contours().into_iter().map(to_contour).collect();
             let corner = terrain.origin + DVec2::new(-0.5, 0.5) * terrain.cell;
             let grid = Grid { corner, cell: DVec2::splat(terrain.cell), cols: size, rows: size };
@@ -207,7 +207,7 @@ fn errors_of_triangles_are_hardly_larger_than_stated() {
 fn the_error_is_zero_on_contours_and_largest_between() {
     let straight = |k: i32| {
         let points = (0..=40).map(|i| DVec2::new(f64::from(i) * 10.0, f64::from(k) * 40.0)).collect();
-        Contour { elevation: f64::from(k) * STEP, points, feature: 0 }
+        Contour { elevation: f64::from(k) * STEP, points, feature: 0.into() }
     };
     let grid = Grid { corner: DVec2::new(-5.0, 405.0), cell: DVec2::splat(10.0), cols: 41, rows: 41 };
     let surface =
@@ -226,7 +226,7 @@ fn the_error_is_zero_on_contours_and_largest_between() {
 fn few_levels_fall_back_to_usual_terrain() {
     let ring = |radius: f64, elevation: f64| {
         let corner = |k: i32| radius * DVec2::from_angle(f64::from(k % 60) * std::f64::consts::TAU / 60.0);
-        Contour { elevation, points: (0..=60).map(corner).collect(), feature: 0 }
+        Contour { elevation, points: (0..=60).map(corner).collect(), feature: 0.into() }
     };
     let rings = vec![ring(300.0, 10.0), ring(200.0, 20.0), ring(100.0, 30.0)];
     let surface = surface(rings, SurfaceKind::Spline, Triangles::Smooth, None);

@@ -262,7 +262,7 @@ fn geojson_in_every_shape() {
     );
     let report = read(&geojson(&dir, &text));
     let map = report.value;
-    let got: Vec<_> = map.contours.iter().map(|c| (c.feature, c.elevation, c.points.len())).collect();
+    let got: Vec<_> = map.contours.iter().map(|c| (c.feature.number(), c.elevation, c.points.len())).collect();
     assert_eq!(got, [(0, 10.0, 2), (1, 20.0, 2), (1, 20.0, 2), (3, 30.5, 2)]);
     assert_eq!(map.spots, [DVec3::new(4.0, 4.0, 30.5), DVec3::new(7.0, 7.0, 40.0), DVec3::new(8.0, 8.0, 40.0)]);
     assert_eq!(map.crs.unwrap().epsg, Some(25832));
@@ -524,7 +524,7 @@ fn deleted_records_take_their_shape_with_them() {
     let dir = tempfile::tempdir().unwrap();
     let path = flat_shapefile(&dir, &dbf(b"ELEV", b'N', 8, 0, &["10", "20", "30"], Some(1)), 3);
     let map = read(&path).value;
-    let got: Vec<_> = map.contours.iter().map(|c| (c.feature, c.elevation, c.points[0].x)).collect();
+    let got: Vec<_> = map.contours.iter().map(|c| (c.feature.number(), c.elevation, c.points[0].x)).collect();
     assert_eq!(got, [(0, 10.0, 0.0), (2, 30.0, 2.0)]);
 }
 

@@ -24,7 +24,7 @@ fn circle(center: (f64, f64), radius: f64) -> Vec<DVec2> {
 }
 
 fn contour(elevation: f64, points: Vec<DVec2>) -> Contour {
-    Contour { elevation, points, feature: 0 }
+    Contour { elevation, points, feature: 0.into() }
 }
 
 fn ring_of(points: &[DVec2]) -> LineString<f64> {
@@ -33,7 +33,7 @@ fn ring_of(points: &[DVec2]) -> LineString<f64> {
 
 fn lake(height: Option<f64>, exterior: &[DVec2], holes: &[Vec<DVec2>]) -> Lake {
     let holes = holes.iter().map(|h| ring_of(h)).collect();
-    Lake { polygon: Polygon::new(ring_of(exterior), holes), height, feature: 1 }
+    Lake { polygon: Polygon::new(ring_of(exterior), holes), height, feature: 1.into() }
 }
 
 fn surface_with(contours: Vec<Contour>, water: Water, kind: SurfaceKind) -> (Surface, Vec<Finding>) {

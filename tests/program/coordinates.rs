@@ -58,7 +58,11 @@ fn hill(crs: u32, middle: DVec2, radius: f64, step: f64) -> ContourMap {
     let ring = |k: u32| {
         let radius = radius * (1.0 - 0.15 * f64::from(k));
         let place = |i: u32| middle + radius * DVec2::from_angle(f64::from(i % 72) * std::f64::consts::TAU / 72.0);
-        Contour { elevation: step * f64::from(k + 1), points: (0..=72).map(place).collect(), feature: u64::from(k) }
+        Contour {
+            elevation: step * f64::from(k + 1),
+            points: (0..=72).map(place).collect(),
+            feature: u64::from(k).into(),
+        }
     };
     ContourMap { contours: (0..5).map(ring).collect(), crs: Some(Crs::from_epsg(crs)), ..ContourMap::default() }
 }

@@ -10,6 +10,8 @@ mod derive;
 mod existing_outputs;
 mod file_troubles;
 mod out_of_proportion;
+mod parts;
 mod running;
+mod several_files;
 mod units;
 mod verbs;

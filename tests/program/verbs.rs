@@ -794,19 +794,25 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let folder = Folder::new();
     let input = sample("caryville_20m.gpkg");
     let dem = format!("dem {} --cell 20 -o dem.tif", input.display());
-    let (chosen, _) = folder.succeeds(&dem);
+    let (plain, _) = folder.succeeds(&dem);
+    for words in ["smooth; smoothness chosen automatically", "expected error of heights: about ", " m (RMSE); 90 % of"]
+    {
+        assert!(plain.contains(words), "no {words:?} in {plain}");
+    }
+    assert!(!plain.contains("tension") && plain.lines().count() <= 10, "{plain}");
+    let (chosen, _) = folder.succeeds(&format!("{dem} -v"));
     for words in [
         ", crease threshold 0.",
         ", curvature gain 0.",
         "chosen by cross-validation on hidden levels",
         "LE90",
-        "an interval of 40 m",
-        "with all contours, 20 m apart",
+        "with contours 40 m apart",
+        "these are 20 m apart",
     ] {
         assert!(chosen.contains(words), "no {words:?} in {chosen}");
     }
-    let (given, _) = folder.succeeds(&format!("{dem} --tension 5 --noise 1"));
-    assert!(given.contains("tension    5.00, as given; noise 1") && !given.contains("accuracy"), "{given}");
+    let (given, _) = folder.succeeds(&format!("{dem} --tension 5 --noise 1 -v"));
+    assert!(given.contains("tension 5.00, as given; noise 1") && !given.contains("accuracy"), "{given}");
     fs::remove_file(folder.path("dem.tif")).unwrap();
     folder.fails(&format!("{dem} --tension -1"), USAGE, &["tension is -1"]);
 
@@ -818,8 +824,8 @@ fn the_summary_tells_how_the_smooth_surface_was_drawn() {
     let crs = r#""crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::6677"}}"#;
     let rings = [ring(0.0, 90.0), ring(10.0, 60.0), ring(20.0, 30.0)].join(",");
     folder.put("few.geojson", format!("{{\"type\":\"FeatureCollection\",{crs},\"features\":[{rings}]}}"));
-    let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif");
-    assert!(few.contains("tension    3.50, the default: there are too few levels"), "{few}");
+    let (few, _) = folder.succeeds("dem few.geojson --cell 5 -o few.tif -v");
+    assert!(few.contains("tension 3.50, the default: there are too few levels"), "{few}");
 }
 
 #[test]

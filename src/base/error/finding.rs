@@ -4,6 +4,8 @@ use std::fmt;
 
 use glam::DVec2;
 
+use crate::base::FeatureId;
+
 /// How bad it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -74,6 +76,8 @@ kinds! {
     UnknownCrs = "unknown-crs", Note, "coordinate reference system unknown";
     /// Files are in several coordinate reference systems. They were treated as one system.
     MixedCrs = "mixed-crs", Warning, "different coordinate reference systems treated as one";
+    /// One of several files is in another coordinate reference system; its lines were transformed.
+    OtherCrs = "other-crs", Note, "files transformed to the coordinate reference system of the others";
     /// Coordinates are degrees where a plane is expected, or the other way round.
     LooksLikeDegrees = "looks-like-degrees", Error, "coordinates that look like degrees";
     /// A square of a height map occurs twice.
@@ -128,6 +132,8 @@ kinds! {
     DepressionMark = "depression-mark", Warning, "depression marks that the contours contradict";
     /// A hollow inside a single contour looks like water, and no lake was given there.
     MayBeLake = "may-be-lake", Note, "hollows that may be lakes";
+    /// The lowest contours look like a coast, and no sea level was given.
+    MayBeSea = "may-be-sea", Note, "contours that may be a coast";
     /// A spot height lies on a contour or on another spot height, with a different elevation; it was left out.
     SpotOnLine = "spot-on-line", Warning, "spot heights on contours";
     /// A spot height does not lie between the two levels around it; it was left out.
@@ -200,8 +206,8 @@ pub struct Finding {
     pub place: Option<DVec2>,
     /// A sentence for people.
     pub message: String,
-    /// Numbers of the features that it is about, in the file.
-    pub features: Vec<u64>,
+    /// The features that it is about.
+    pub features: Vec<FeatureId>,
     /// The elevations of those lines, metres.
     pub elevations: Vec<f64>,
     /// The correction, where one is known.
@@ -227,7 +233,8 @@ impl Finding {
 
     /// The same finding, also about a line: the number of its feature, and its elevation. Call it again for further
     /// lines; nothing is listed twice.
-    pub fn about(mut self, feature: u64, elevation: f64) -> Self {
+    pub fn about(mut self, feature: impl Into<FeatureId>, elevation: f64) -> Self {
+        let feature = feature.into();
         if !self.features.contains(&feature) {
             self.features.push(feature);
         }

@@ -164,6 +164,14 @@ pub enum Error {
          reference systems?"
     )]
     NoOverlap,
+    /// The part of the map that is asked for lies outside of it.
+    #[error("the part that is asked for ({}) lies outside of the contours ({})", span(part), span(map))]
+    PartOutside {
+        /// Corners of the box around the part, on the working plane.
+        part: [DVec2; 2],
+        /// Corners of the box around the contours.
+        map: [DVec2; 2],
+    },
     /// No field and no coordinate is known to hold the elevations.
     #[error("no field is known to hold elevations, and {z}; {fields}")]
     NoElevationField {
@@ -304,6 +312,11 @@ impl fmt::Display for ZCoordinate {
             Self::Varies => "z varies along every line",
         })
     }
+}
+
+/// A box in words.
+fn span([lo, hi]: &[DVec2; 2]) -> String {
+    format!("x {:.1} to {:.1}, y {:.1} to {:.1}", lo.x, hi.x, lo.y, hi.y)
 }
 
 fn inside(in_polygon: bool) -> &'static str {

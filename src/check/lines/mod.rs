@@ -22,6 +22,7 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use super::Judged;
+use crate::base::FeatureId;
 use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::ContourMap;
@@ -50,7 +51,7 @@ pub fn examine(map: &ContourMap, params: &LineParams) -> Judged {
     judged.findings.extend(levels::find(map));
     let reported =
         judged.findings.iter().filter(|f| matches!(f.kind, FindingKind::FarAway | FindingKind::LooksLikeDegrees));
-    let reported: HashSet<u64> = reported.flat_map(|f| f.features.iter().copied()).collect();
+    let reported: HashSet<FeatureId> = reported.flat_map(|f| f.features.iter().copied()).collect();
     judged.findings.extend(short::find(map, &shape, &ends, &reported));
     judged.findings.sort_by(compare);
     judged

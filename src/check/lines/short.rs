@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::ends::At;
 use super::shape::Shape;
+use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::{Contour, ContourMap};
 
@@ -17,7 +18,7 @@ const SHORT: f64 = 1e-3;
 const FLAT: f64 = 1e-6;
 
 /// Finds these lines. Features in `reported` have another finding already.
-pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &HashSet<u64>) -> Vec<Finding> {
+pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &HashSet<FeatureId>) -> Vec<Finding> {
     let found = map.contours.par_iter().enumerate().filter_map(|(i, line)| {
         let length = shape.lengths[i];
         // Lines without any length are left to cleaning. Pieces that others continue are parts of a line.

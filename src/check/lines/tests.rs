@@ -12,14 +12,14 @@ use crate::crs::Crs;
 const PARAMS: LineParams = LineParams { snap: 0.01 };
 
 fn line(feature: u64, elevation: f64, points: &[(f64, f64)]) -> Contour {
-    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature }
+    Contour { elevation, points: points.iter().map(|&p| p.into()).collect(), feature: feature.into() }
 }
 
 /// A ring of 40 vertices.
 fn ring(feature: u64, elevation: f64, centre: (f64, f64), radius: f64) -> Contour {
     let at =
         |k: i32| DVec2::from(centre) + radius * DVec2::from_angle(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
-    Contour { elevation, points: (0..=40).map(at).collect(), feature }
+    Contour { elevation, points: (0..=40).map(at).collect(), feature: feature.into() }
 }
 
 fn map(contours: Vec<Contour>) -> ContourMap {
@@ -51,7 +51,7 @@ fn one_of_three_pieces_is_relabelled() {
     assert_eq!(kinds(&judged.findings), [FindingKind::LevelJump; 2]);
     for finding in &judged.findings {
         assert_eq!(finding.proposal, Some(Proposal::Relabel { from: 70.0, to: 10.0 }));
-        assert_eq!((finding.features[0], &finding.elevations[..]), (2, &[70.0, 10.0][..]));
+        assert_eq!((finding.features[0], &finding.elevations[..]), (2.into(), &[70.0, 10.0][..]));
     }
     assert_eq!(judged.findings[0].place, Some(DVec2::new(9.0, 0.0)));
     assert_eq!(judged.corrections, [Correction::Label { line: 1, elevation: 10.0 }]);
@@ -136,7 +136,7 @@ fn a_vertex_far_away_is_reported_and_its_line_stays_near() {
         lines[0].points[40] = lines[0].points[0];
         let findings = found(lines.clone());
         assert_eq!(kinds(&findings), [FindingKind::FarAway]);
-        assert_eq!((findings[0].place, &findings[0].features[..]), (Some(lines[0].points[at]), &[1][..]));
+        assert_eq!((findings[0].place, &findings[0].features[..]), (Some(lines[0].points[at]), &[1.into()][..]));
     }
     // A long way out and back over many vertices is none, nor a narrow inlet on a line that has such steps.
     let inlet = [(0.0, 0.0), (400.0, 0.0), (800.0, 0.0), (810.0, 9000.0), (820.0, 0.0), (1200.0, 0.0), (1600.0, 0.0)];
@@ -180,7 +180,7 @@ fn degrees_are_reported_where_a_projected_system_is_given() {
     let mixed = [&large[..], &small[..1]].concat();
     let findings = examine(&with(&mixed, utm), &PARAMS).findings;
     assert_eq!(kinds(&findings), [FindingKind::LooksLikeDegrees]);
-    assert_eq!((&findings[0].features[..], &findings[0].elevations[..]), (&[1][..], &[10.0][..]));
+    assert_eq!((&findings[0].features[..], &findings[0].elevations[..]), (&[1.into()][..], &[10.0][..]));
     assert_eq!(kinds_of(with(&[&large[..1], &small[..]].concat(), None)), [FindingKind::LooksLikeDegrees]);
     // A small plan near the origin.
     assert_eq!(kinds_of(map(vec![ring(1, 1.0, (50.0, 50.0), 30.0)])), []);
@@ -195,7 +195,7 @@ fn levels_that_stand_for_no_data_are_reported() {
     assert_eq!(found(hill(&[])), []);
     let findings = found(hill(&[0.0, -9999.0, -9999.0 * 0.3048, 1e38, 0.0]));
     assert_eq!(kinds(&findings), [FindingKind::ZeroElevation; 5]);
-    let features: Vec<u64> = findings.iter().flat_map(|f| f.features.clone()).collect();
+    let features: Vec<FeatureId> = findings.iter().flat_map(|f| f.features.clone()).collect();
     assert_eq!(features.len(), 5);
     // A wrong number that stands for nothing, and a coast.
     assert_eq!(found(hill(&[40.0])), []);

@@ -67,7 +67,7 @@ fn absurd_coordinates_are_no_places() {
     let tiny = [1e-300, 2e-300, -1e-308].map(|y| Contour {
         elevation: y,
         points: vec![DVec2::new(y, y), DVec2::new(1.0, y)],
-        feature: 1,
+        feature: 1.into(),
     });
     assert_eq!(cleaned(tiny.into(), 0.0).value.contours.len(), 1);
 }
@@ -77,7 +77,7 @@ fn coordinates_too_small_for_products_are_zero() {
     // As they stand, their products underflow, and the line seems to meet itself wherever it is looked at.
     let points = [(1.0, 0.0), (0.0, 0.0), (1e-320, -2.876694929374245e-94), (-0.0, 4.320544865689347e-154)];
     let points = points.map(|p| DVec2::new(p.0, p.1)).into();
-    let report = cleaned(vec![Contour { elevation: 0.0, points, feature: 1 }], 0.0);
+    let report = cleaned(vec![Contour { elevation: 0.0, points, feature: 1.into() }], 0.0);
     assert_eq!(report.value.contours, [line(1, 0.0, &[(0, 0), (1, 0)])]);
 }
 
@@ -100,7 +100,7 @@ fn a_line_turned_round_is_as_near_as_before() {
 fn on_a_large_map_lines_are_further_apart() {
     let line = |feature: u64, size: f64, y: f64| {
         let points = vec![DVec2::new(size, y), DVec2::new(2.0 * size, y)];
-        Contour { elevation: feature as f64, points, feature }
+        Contour { elevation: feature as f64, points, feature: feature.into() }
     };
     let findings = |size: f64, apart: f64, separation: f64| {
         let params = CleanParams { snap: 0.0, separation };
@@ -306,7 +306,7 @@ fn crossing_levels_lose_one_segment() {
     assert!(parts.iter().all(|part| message.contains(part)), "{message}");
     assert_eq!(
         (&report.findings[0].features[..], &report.findings[0].elevations[..]),
-        (&[1, 2][..], &[10.0, 20.0][..])
+        (&[1.into(), 2.into()][..], &[10.0, 20.0][..])
     );
 }
 
@@ -433,7 +433,7 @@ fn a_line_upon_another_level_goes_as_one() {
 #[test]
 fn near_levels_count_as_touching() {
     let beside =
-        |y: f64| Contour { elevation: 20.0, points: vec![DVec2::new(2.0, y), DVec2::new(3.0, 9.0)], feature: 2 };
+        |y: f64| Contour { elevation: 20.0, points: vec![DVec2::new(2.0, y), DVec2::new(3.0, 9.0)], feature: 2.into() };
     let base = line(1, 10.0, &[(0, 0), (9, 0)]);
     let near = cleaned(vec![base.clone(), beside(1e-7)], 0.0);
     assert_eq!(kinds(&near), [FindingKind::LevelsCross]);

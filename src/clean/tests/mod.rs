@@ -12,7 +12,7 @@ use crate::contour::{Contour, ContourMap};
 /// A line through whole coordinates.
 fn line(feature: u64, elevation: f64, points: &[(i32, i32)]) -> Contour {
     let points = points.iter().map(|&(x, y)| DVec2::new(x.into(), y.into())).collect();
-    Contour { elevation, points, feature }
+    Contour { elevation, points, feature: feature.into() }
 }
 
 fn map(contours: Vec<Contour>) -> ContourMap {

@@ -144,12 +144,15 @@ fn lines(size: i64, most: usize) -> impl Strategy<Value = Vec<Contour>> {
             if close {
                 points.extend(points.first().copied());
             }
-            let contour =
-                Contour { elevation: 10.0 * level as f64, points: points.into_iter().map(to_map).collect(), feature };
+            let contour = Contour {
+                elevation: 10.0 * level as f64,
+                points: points.into_iter().map(to_map).collect(),
+                feature: feature.into(),
+            };
             if again == 0 {
                 let mut copy = contour.clone();
                 copy.points.reverse();
-                lines.push(Contour { feature: 1000 + feature, ..copy });
+                lines.push(Contour { feature: (1000 + feature).into(), ..copy });
             }
             lines.push(contour);
         }
@@ -317,7 +320,7 @@ proptest! {
             .map(|(feature, (points, elevation))| Contour {
                 elevation: *elevation,
                 points: points.iter().map(|p| DVec2::new(p.0, p.1)).collect(),
-                feature,
+                feature: feature.into(),
             })
             .collect();
         let spots: Vec<DVec3> = spots.iter().map(|s| DVec3::new(s.0, s.1, s.2)).collect();
@@ -346,7 +349,7 @@ proptest! {
             .map(|(steps, level)| {
                 let mut at = DVec2::new(steps[0].0, steps[0].1);
                 let points = steps.iter().map(|s| { at += stride * DVec2::new(s.0, s.1); at }).collect();
-                Contour { elevation: (*level).into(), points, feature: 0 }
+                Contour { elevation: (*level).into(), points, feature: 0.into() }
             })
             .collect();
         let segments = Segments::new(&contours).expect("few");
@@ -384,7 +387,7 @@ fn the_number_of_threads_changes_nothing() {
             let x = f64::from(k) * 0.5;
             DVec2::new(x, f64::from(i) * 3.0 + 8.0 * (x * (0.05 + 0.001 * f64::from(i))).sin())
         });
-        Contour { elevation: f64::from(i % 3) * 10.0, points: points.collect(), feature: i.into() }
+        Contour { elevation: f64::from(i % 3) * 10.0, points: points.collect(), feature: (i as u64).into() }
     };
     let input: Vec<Contour> = (0..40).map(wave).collect();
     let run = |threads| {

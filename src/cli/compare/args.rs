@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tokosen::io::VectorSource;
 
 use crate::cli::input::InputArgs;
 use crate::cli::output::GridArgs;
+use crate::cli::source::source;
 use crate::cli::surface::SurfaceArgs;
 
 /// Differences between two height maps or surfaces of contours
@@ -15,7 +17,7 @@ use crate::cli::surface::SurfaceArgs;
 /// is interpolated at the cell centres of B.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
-#[command(mut_arg("contours", |arg| arg.index(1).value_name("A").help(
+#[command(mut_arg("contours", |arg| arg.index(1).num_args(1).value_name("A").help(
     "What is compared: a height map (.tif, .asc, .exr, .png) or contour lines (.gpkg, .geojson, .shp, .fgb, .dxf), or a .xml, .zip or \
      folder of 基盤地図情報")))]
 #[command(mut_arg("points", |arg| arg.help(
@@ -24,8 +26,8 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub input: InputArgs,
     /// The reference: a height map or contour lines
-    #[arg(index = 2, value_name = "B", help_heading = "Input")]
-    pub b: PathBuf,
+    #[arg(index = 2, value_name = "B", help_heading = "Input", value_parser = source())]
+    pub b: VectorSource,
     /// Stated accuracy of the reference, as a standard deviation [m]; it decides which differences are significant
     /// [default: that of a product of 基盤地図情報]
     #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true)]

@@ -5,7 +5,7 @@ mod side;
 
 pub use args::CompareArgs;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, difference};
@@ -30,8 +30,8 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let pair = side::read(args, contents, &mut findings, console)?;
     let options = MeasureOptions { sigma: args.sigma, interval: args.interval };
     let measured = measure(&pair, &options, console).and_then(|mut found| {
-        if let Some(path) = &args.input.map.points {
-            let points = (path.as_path(), args.input.map.unit.map(UnitArg::unit));
+        if let Some(source) = &args.input.map.points {
+            let points = (source, args.input.map.unit.map(UnitArg::unit));
             read_check_points(&mut found, &pair, points, memory::available(), &mut findings)?;
         }
         Ok(found)
@@ -76,7 +76,7 @@ pub fn draw(staged: &StagedOutput, pair: &Pair, found: &Comparison, console: &Co
 
 /// Checks what can be checked before anything is read, and returns what A and B are.
 fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure> {
-    let contents = [content(&args.input.map.contours)?, content(&args.b)?];
+    let contents = [args.input.map.content()?, content(&args.b.path)?];
     for (name, value) in [("sigma", args.sigma), ("interval", args.interval)] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
             return Err(Failure::Usage(format!("--{name} is {value}, it must be more than 0")));
@@ -101,7 +101,8 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     if contents != [Content::HeightMap; 2] {
         args.surface.check()?;
     }
-    let files = args.input.map.files().chain([args.b.as_path()]);
+    let files = args.input.map.files()?;
+    let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
     let inputs: Vec<&Path> = files.chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<PlannedOutput<'_>> = args.output.iter().chain(&args.report).map(|p| p.as_path().into()).collect();
     check_paths(&inputs, &outputs, console.overwrite)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
-use tokosen::io::Content;
+use tokosen::io::{Content, VectorSource};
 use tokosen::surface::Triangles;
 use tokosen::terrain::{Nodes, Pair, Side};
 
@@ -23,7 +23,7 @@ pub fn read(
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Pair, Failure> {
-    let (path_a, path_b) = (&args.input.map.contours, &args.b);
+    let (path_a, path_b) = (args.input.map.file(), args.b.path.as_path());
     // Height maps come first, because the surface is built for their cells.
     let dem = |path: &Path, content: Content, findings: &mut Vec<Finding>| -> Result<Option<Side>, Failure> {
         match content {
@@ -47,12 +47,12 @@ pub fn read(
     let mut nodes = nodes_of(&dem_b).or_else(|| nodes_of(&dem_a)).map(|grid| (grid, crs));
     let b = match dem_b {
         Some(side) => side,
-        None => side_of_contours(args, path_b, &mut nodes, findings, console)?,
+        None => side_of_contours(args, args.b.clone(), &mut nodes, findings, console)?,
     };
     label("B", findings);
     let a = match dem_a {
         Some(side) => side,
-        None => side_of_contours(args, path_a, &mut nodes, findings, console)?,
+        None => side_of_contours(args, args.input.map.contours[0].clone(), &mut nodes, findings, console)?,
     };
     label("A", findings);
     let Some(nodes) = nodes else {
@@ -66,19 +66,20 @@ pub fn read(
 /// yet, they become the cells that the arguments ask for.
 fn side_of_contours(
     args: &CompareArgs,
-    path: &Path,
+    source: VectorSource,
     nodes: &mut Option<Nodes>,
     findings: &mut Vec<Finding>,
     console: &Console,
 ) -> Result<Side, Failure> {
     // The surface must not be built with the points that check it.
-    let map = MapArgs { contours: path.to_owned(), points: None, ..args.input.map.clone() };
+    let path = source.path.clone();
+    let map = MapArgs { contours: vec![source], points: None, ..args.input.map.clone() };
     let mut input = InputArgs { map, ..args.input.clone() }.read(console)?;
     if let Some((_, crs @ None)) = nodes {
         *crs = input.reprojection.input_crs().cloned();
     }
     let grid = match nodes {
-        Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.to_owned()) },
+        Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.clone()) },
         None => args.grid.spec()?,
     };
     let options = args.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
@@ -91,5 +92,5 @@ fn side_of_contours(
     if nodes.is_none() {
         *nodes = Some(terrain.cells(&grid)?);
     }
-    Ok(Side::of_terrain(path, args.surface.surface.kind(), terrain))
+    Ok(Side::of_terrain(&path, args.surface.surface.kind(), terrain))
 }

@@ -45,7 +45,7 @@ mod tests {
         let line = |points: &[(f64, f64)]| Contour {
             elevation: 0.0,
             points: points.iter().map(|&p| p.into()).collect(),
-            feature: 0,
+            feature: 0.into(),
         };
         let contours = [line(&[(500_000.0, 0.0), (500_100.0, 0.0)]), line(&[(500_000.0, 30.0), (500_000.0, 90.0)])];
         let grid = Grid { corner: DVec2::new(500_045.0, 25.0), cell: DVec2::splat(10.0), cols: 2, rows: 2 };

@@ -73,7 +73,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
                     invalid.known += 1;
                     let points = finite_points(points, feature.number, elevation, &mut findings);
                     if !points.is_empty() {
-                        contours.push(Contour { elevation, points, feature: feature.number });
+                        contours.push(Contour { elevation, points, feature: feature.number.into() });
                     }
                 }
                 Outcome::Missing(reason) => {

@@ -127,7 +127,7 @@ fn text_is_taken_if_it_is_a_number() {
     let report = read(None, &["elev"], rows).unwrap();
     assert_eq!(report.value.contours.len(), 2);
     let missing = report.findings.iter().find(|f| f.kind == FindingKind::MissingElevation).unwrap();
-    assert_eq!((&missing.features[..], missing.place), (&[1][..], Some(DVec2::new(1.0, 0.0))));
+    assert_eq!((&missing.features[..], missing.place), (&[1.into()][..], Some(DVec2::new(1.0, 0.0))));
     assert!(missing.message.contains("\"n/a\""), "{missing}");
     let error = message(read(Some("kind"), &["kind"], &[(&[text("index")], None)]));
     assert!(error.contains("\"index\""), "{error}");

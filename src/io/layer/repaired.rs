@@ -19,14 +19,14 @@ const SPOT_COLUMNS: &[Column] = &[Column { name: "elev", kind: Kind::Height }];
 
 /// The contours of a map.
 ///
-/// The attributes are `elev`, `feature` (the feature's number in the input; the smallest one of a joined line) and
+/// The attributes are `elev`, `feature` (the feature's number in its file; the smallest one of a joined line) and
 /// `depression` (the mark in the input, if there is one).
 pub fn of_map(map: &ContourMap) -> Layer<'_> {
     let rows = map.contours.iter().map(|line| Row {
         shape: Shape::Contour(&line.points, line.elevation),
         cells: vec![
             Cell::Real(line.elevation),
-            i64::try_from(line.feature).map_or(Cell::Null, Cell::Int),
+            i64::try_from(line.feature.number()).map_or(Cell::Null, Cell::Int),
             map.depressions.get(&line.feature).map_or(Cell::Null, |&mark| Cell::Bool(mark)),
         ],
     });

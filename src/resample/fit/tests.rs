@@ -7,7 +7,7 @@ fn ring(radius: f64, wave: f64, elevation: f64, n: u32) -> Contour {
         let a = f64::from(k % n) / f64::from(n) * std::f64::consts::TAU;
         DVec2::new(500_000.0, 4e6) + (radius + wave * (7.0 * a).sin()) * DVec2::from_angle(a)
     };
-    Contour { elevation, points: (0..=n).map(point).collect(), feature: 0 }
+    Contour { elevation, points: (0..=n).map(point).collect(), feature: 0.into() }
 }
 
 fn fitted(contours: Vec<Contour>, tolerance: f64) -> Fitted {
@@ -42,7 +42,7 @@ fn half_the_tolerance_takes_more_control_points() {
 fn ends_stay_bit_for_bit() {
     let points: Vec<DVec2> =
         (0..300).map(|k| DVec2::new(f64::from(k) * 3.1, 40.0 * (f64::from(k) / 17.0).sin())).collect();
-    let line = Contour { elevation: 5.0, points: points.clone(), feature: 0 };
+    let line = Contour { elevation: 5.0, points: points.clone(), feature: 0.into() };
     let result = fitted(vec![line.clone()], 1.0);
     let out = &result.map.contours[0];
     assert!(result.unchanged == 0 && out.points.len() < 300);
@@ -66,7 +66,7 @@ fn no_tolerance_is_refused() {
 
 fn small_ring(at: DVec2, radius: f64, elevation: f64) -> Contour {
     let point = |k: u32| at + radius * DVec2::from_angle(f64::from(k % 12) / 12.0 * std::f64::consts::TAU);
-    Contour { elevation, points: (0..=12).map(point).collect(), feature: 9 }
+    Contour { elevation, points: (0..=12).map(point).collect(), feature: 9.into() }
 }
 
 /// A long line with a narrow spike, and what lies in or beside it.
@@ -75,7 +75,7 @@ fn spiked(others: Vec<Contour>, spots: Vec<glam::DVec3>) -> (ContourMap, Fitted)
     for (k, y) in [(198, 1.0), (199, 2.5), (200, 3.0), (201, 2.5), (202, 1.0)] {
         points[k].y = y;
     }
-    let mut contours = vec![Contour { elevation: 10.0, points, feature: 0 }];
+    let mut contours = vec![Contour { elevation: 10.0, points, feature: 0.into() }];
     contours.extend(others);
     let map = ContourMap { contours, spots, ..ContourMap::default() };
     let map = clean::clean(map, &CleanParams::default()).expect("sound").value;
@@ -96,7 +96,7 @@ fn no_line_passes_over_a_smaller_one() {
     assert!(height_at(&free.map, 200.0) < 1.4, "the spike has to go, or the test tests nothing");
     assert_eq!(free.narrowed, [0; 3]);
     let inside = DVec2::new(200.0, 2.0);
-    let open = Contour { elevation: 20.0, points: vec![inside, inside + DVec2::new(0.2, 0.3)], feature: 3 };
+    let open = Contour { elevation: 20.0, points: vec![inside, inside + DVec2::new(0.2, 0.3)], feature: 3.into() };
     for other in [small_ring(inside, 0.3, 20.0), open] {
         let (_, result) = spiked(vec![other], Vec::new());
         assert!(height_at(&result.map, 200.0) > 1.9, "{result:?}");
@@ -115,7 +115,7 @@ fn no_line_passes_over_a_spot_height() {
 fn one_sharp_corner_does_not_set_the_density_of_a_line() {
     let mut points: Vec<DVec2> = (0..=2000).map(|k| DVec2::new(f64::from(k), 0.0)).collect();
     points.extend((1..=2000).map(|k| DVec2::new(2000.0, f64::from(k))));
-    let result = fitted(vec![Contour { elevation: 5.0, points, feature: 0 }], 0.1);
+    let result = fitted(vec![Contour { elevation: 5.0, points, feature: 0.into() }], 0.1);
     assert!(result.unchanged == 0 && result.vertices_after < 1000, "{} {}", result.vertices_after, result.unchanged);
 }
 

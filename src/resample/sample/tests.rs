@@ -3,7 +3,7 @@ use glam::DVec2;
 use crate::resample::sample::*;
 
 fn line(elevation: f64, points: &[(f64, f64)]) -> Contour {
-    Contour { elevation, points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(), feature: 0 }
+    Contour { elevation, points: points.iter().map(|&(x, y)| DVec2::new(x, y)).collect(), feature: 0.into() }
 }
 
 fn two_lines(apart: f64) -> ContourMap {

@@ -8,6 +8,7 @@ use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 
+use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
 use crate::geometry::{Border, rings};
 use crate::subdomains::Band;
@@ -18,7 +19,7 @@ use crate::tin::{Tin, TinInput, VertexKind};
 pub(crate) struct WaterBody {
     pub area: MultiPolygon<f64>,
     pub height: f64,
-    pub feature: u64,
+    pub feature: FeatureId,
     /// The shore inside the frame, with a vertex wherever it meets a contour of its level.
     pub shores: Vec<Vec<DVec2>>,
     /// Whether it is used.

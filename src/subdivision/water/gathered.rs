@@ -104,7 +104,7 @@ mod tests {
 
     fn square(x: f64, y: f64, height: f64) -> WaterBody {
         let area = polygon![(x: x, y: y), (x: x + 1.0, y: y), (x: x + 1.0, y: y + 1.0), (x: x, y: y + 1.0)].into();
-        WaterBody { area, height, feature: 0, shores: Vec::new(), used: true }
+        WaterBody { area, height, feature: 0.into(), shores: Vec::new(), used: true }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use super::gathered::Gathered;
 use super::height::{level_along, lowest_on_shore};
 use super::net::Net;
 use super::nodes::{Reach, conflict, node};
+use crate::base::FeatureId;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::clean::is_height;
@@ -76,14 +77,14 @@ pub(crate) fn settle(
         let line = move |ring: &geo::LineString<f64>| Contour {
             elevation: body.height,
             points: ring.coords().map(|c| DVec2::new(c.x, c.y)).collect(),
-            feature: id,
+            feature: id.into(),
         };
         rings(&body.area).map(line)
     });
     let shore_lines = ContourMap { contours: shore_lines.collect(), ..ContourMap::default() };
     let Clipped { map: shore_lines, area } = clip(shore_lines, &dry.frame.area);
     for Contour { points, feature, .. } in shore_lines.contours {
-        water_bodies[feature as usize].shores.push(points);
+        water_bodies[feature.number() as usize].shores.push(points);
     }
     for body in &mut water_bodies {
         let place = first_vertex(&body.area);
@@ -168,7 +169,7 @@ fn height_of(lake: &Lake, dry: &DrySubdivision, levels: &[f64], net: &Net, near:
     Ok(nearest.filter(|level| (level - height).abs() <= SAME_LEVEL).or(Some(height)))
 }
 
-fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
+fn crossed(feature: FeatureId, height: f64, clash: &Clash) -> Finding {
     let course = if clash.is_extension { "the extension to the frame of contour" } else { "contour" };
     let message = format!(
         "the lake of feature {feature} at {} is crossed or touched by {course} {}; it is cut back from it",
@@ -178,7 +179,7 @@ fn crossed(feature: u64, height: f64, clash: &Clash) -> Finding {
     Finding::at(FindingKind::LakeCutBack, clash.place, message).about(feature, height).of_elevations([clash.level])
 }
 
-fn left_out(feature: u64, height: Option<f64>, place: DVec2, why: &str) -> Finding {
+fn left_out(feature: FeatureId, height: Option<f64>, place: DVec2, why: &str) -> Finding {
     let message = format!("the lake of feature {feature} {why}; it is left out");
     Finding::at(FindingKind::LakeLeftOut, place, message).about(feature, height.unwrap_or(f64::NAN))
 }

@@ -102,11 +102,11 @@ impl Bytes<'_> {
             }
             let feature = map.contours.len() as u64;
             match tag & 7 {
-                0..=4 => map.contours.push(Contour { elevation, points, feature }),
+                0..=4 => map.contours.push(Contour { elevation, points, feature: feature.into() }),
                 5 => map.spots.extend(points.iter().map(|p| DVec3::new(p.x, p.y, elevation))),
                 6 => lakes.extend(polygon(&points).map(|polygon| {
                     let height = (tag & 8 != 0).then_some(elevation);
-                    Lake { polygon, height, feature }
+                    Lake { polygon, height, feature: feature.into() }
                 })),
                 _ => area.extend(polygon(&points)),
             }

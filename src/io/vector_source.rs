@@ -1,0 +1,145 @@
+//! Names what is read: a vector file and, if it has several, one of its layers; and the files that a folder or a pattern
+//! stands for.
+
+use std::path::{Path, PathBuf};
+
+use super::format::VectorFormat;
+use super::gsi;
+use crate::base::error::{Error, Result};
+
+/// The key before the name of a layer, as QGIS writes it: `all.gpkg|layername=Lakes`.
+const LAYER_KEY: &str = "layername=";
+/// Other keys that QGIS writes after a path.
+const OTHER_KEYS: [&str; 5] = ["layerid=", "subset=", "geometrytype=", "uniquegeometrytype=", "option:"];
+/// Signs of a pattern.
+const WILDCARDS: [char; 3] = ['*', '?', '['];
+
+/// A vector file, and a layer of it if it is named.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VectorSource {
+    /// The file, or a folder or an archive of 基盤地図情報.
+    pub path: PathBuf,
+    /// The layer, by its name.
+    pub layer: Option<String>,
+}
+
+impl<P: Into<PathBuf>> From<P> for VectorSource {
+    fn from(path: P) -> Self {
+        Self { path: path.into(), layer: None }
+    }
+}
+
+impl VectorSource {
+    /// Takes a path, or a path and a layer as QGIS writes them: `all.gpkg|layername=Lakes`.
+    ///
+    /// # Errors
+    /// A sentence if something else than a layer is named after the path.
+    pub fn from_text(text: &str) -> Result<Self, String> {
+        let plain = || Ok(Self::from(text));
+        let Some((path, rest)) = text.split_once('|').filter(|_| !Path::new(text).exists()) else { return plain() };
+        let mut source = Self::from(path);
+        for part in rest.split('|') {
+            let lower = part.to_ascii_lowercase();
+            if lower.starts_with(LAYER_KEY) {
+                source.layer = Some(part[LAYER_KEY.len()..].to_owned());
+            } else if let Some(key) = OTHER_KEYS.iter().find(|key| lower.starts_with(**key)) {
+                let key = key.trim_end_matches(['=', ':']);
+                return Err(format!("{part:?} is not read ({key}); name a layer as FILE|layername=NAME"));
+            } else {
+                return plain();
+            }
+        }
+        Ok(source)
+    }
+
+    /// The files that this stands for. A pattern (`sheets/*.shp`) gives the files that match, a folder without files of
+    /// 基盤地図情報 the vector files in it, both in the order of their names. Everything else gives itself.
+    ///
+    /// # Errors
+    /// No file matches the pattern, the pattern is wrong, or a folder cannot be read.
+    pub fn expand(&self) -> Result<Vec<Self>> {
+        let text = self.path.to_string_lossy();
+        let paths = if !self.path.exists() && text.contains(WILDCARDS) {
+            matching(&self.path, &text)?
+        } else if self.path.is_dir() {
+            vector_files(&self.path)?
+        } else {
+            Vec::new()
+        };
+        if paths.is_empty() {
+            return Ok(vec![self.clone()]);
+        }
+        Ok(paths.into_iter().map(|path| Self { path, layer: self.layer.clone() }).collect())
+    }
+}
+
+fn matching(path: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
+    let wrong = |e: glob::PatternError| Error::file(path, format!("is no pattern of file names: {e}"));
+    let found = glob::glob(pattern).map_err(wrong)?;
+    let paths = found.collect::<Result<Vec<PathBuf>, _>>().map_err(|e| {
+        let path = e.path().to_owned();
+        Error::io("read", &path, e.into())
+    })?;
+    if paths.is_empty() {
+        return Err(Error::file(path, "no file matches this pattern"));
+    }
+    Ok(paths)
+}
+
+/// The vector files in a folder, by name. None if it may hold files of 基盤地図情報, which are read as one map anyway.
+fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let failed = |e| Error::io("read", folder, e);
+    let entries = std::fs::read_dir(folder).map_err(failed)?;
+    let mut files: Vec<PathBuf> = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(failed)?.path();
+        if gsi::is_source(&path) {
+            return Ok(Vec::new());
+        }
+        let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+        // A file called .json may hold anything.
+        if VectorFormat::from_path(&path).is_ok() && !is_json {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_is_named_as_in_qgis() {
+        let read = |text: &str| VectorSource::from_text(text);
+        let layer = |path: &str, layer: &str| VectorSource { path: path.into(), layer: Some(layer.to_owned()) };
+        assert_eq!(read("all.gpkg"), Ok("all.gpkg".into()));
+        assert_eq!(read("a b/all.gpkg|layername=Inns jø"), Ok(layer("a b/all.gpkg", "Inns jø")));
+        assert_eq!(read("all.gpkg|LayerName=x"), Ok(layer("all.gpkg", "x")));
+        assert_eq!(read("odd|name.gpkg"), Ok("odd|name.gpkg".into()));
+        for wrong in ["all.gpkg|layerid=0", "all.gpkg|layername=x|subset=\"elev\" > 3"] {
+            assert!(read(wrong).is_err_and(|message| message.contains("|layername=NAME")), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn patterns_and_folders_are_their_files_in_order() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["b.shp", "a.shp", "a.shx", "a.dbf", "notes.json", "c.gpkg"] {
+            std::fs::write(folder.path().join(name), "").expect("a file");
+        }
+        let names = |path: &str| -> Vec<String> {
+            let found = VectorSource::from(folder.path().join(path)).expand().expect("files");
+            found.iter().map(|s| s.path.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect()
+        };
+        assert_eq!(names("*.shp"), ["a.shp", "b.shp"]);
+        assert_eq!(names(""), ["a.shp", "b.shp", "c.gpkg"]);
+        assert_eq!(names("missing.shp"), ["missing.shp"]);
+        let none = VectorSource::from(folder.path().join("*.dxf")).expand();
+        assert!(none.is_err_and(|e| e.to_string().contains("no file matches")));
+        std::fs::write(folder.path().join("FG-GML-1-ALL.zip"), "").expect("a file");
+        let kept = VectorSource::from(folder.path()).expand().expect("the folder");
+        assert_eq!(kept, [VectorSource::from(folder.path())]);
+    }
+}

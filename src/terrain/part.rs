@@ -1,0 +1,196 @@
+//! A part of a map: results end at its border, and the contours around it still count.
+//!
+//! The surface is built over a window around the part. The window is so wide that what lies beyond it has no say in the
+//! part. Lines that do not meet the window are left out first, so a part of a large map takes little time.
+
+use std::collections::HashSet;
+
+use geo::{BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::input::Input;
+use crate::base::error::{Error, Finding, Result};
+use crate::contour::{Contour, ContourLine, ContourMap, clip};
+use crate::crs::Crs;
+use crate::dem::Dem;
+use crate::geometry::Border;
+use crate::subdomains::{Frame, frame_ring};
+
+/// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
+const SPACINGS: f64 = 12.0;
+/// Its least width beyond the part, as a share of the part's longer side.
+const SHARE: f64 = 0.1;
+/// Levels that a window has, if the map has them: fewer do not show the interval.
+const LEVELS: usize = 4;
+/// Growth of a window that is too small.
+const GROWTH: f64 = 1.6;
+
+/// A part of a map, on the working plane.
+#[derive(Debug, Clone)]
+pub(super) struct Part {
+    /// The part.
+    area: MultiPolygon<f64>,
+    /// The window around it.
+    window: Rect<f64>,
+    /// The convex hull of the whole map, and the box around it.
+    hull: MultiPolygon<f64>,
+    boxed: MultiPolygon<f64>,
+}
+
+impl Input {
+    /// Limits results to an area of the map: lines end at its border, height maps cover it. The contours around it still
+    /// count, unlike with [`Input::set_boundary`]. The area is in the contours' coordinate reference system if `crs` is
+    /// `None`. Call it before [`Input::prepare`]: lines far from the area are left out.
+    ///
+    /// # Errors
+    /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
+    pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
+        let area = self.reprojection.bring(crs)?.boundary(area)?;
+        let part = Part::new(area, &self.map)?;
+        part.cut(&mut self.map);
+        self.part = Some(part);
+        Ok(())
+    }
+
+    /// [`Input::set_part`] for an upright box: least x, least y, greatest x, greatest y.
+    ///
+    /// # Errors
+    /// As [`Input::set_part`], and [`Error::Parameter`] if the box has no width or no height.
+    pub fn set_extent(&mut self, [west, south, east, north]: [f64; 4], crs: Option<&Crs>) -> Result<()> {
+        if !(west < east && south < north && [west, south, east, north].iter().all(|v| v.is_finite())) {
+            let message = "the extent has no width or no height; it is least x, least y, greatest x, greatest y";
+            return Err(Error::Parameter(message.into()));
+        }
+        let corners = Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north });
+        self.set_part(&corners.to_polygon().into(), crs)
+    }
+}
+
+impl Part {
+    fn new(area: MultiPolygon<f64>, map: &ContourMap) -> Result<Self> {
+        let [hull, boxed] = [Frame::Hull, Frame::Box].map(|frame| frame_ring(map, &frame).area);
+        let (Some(inner), Some(whole)) = (area.bounding_rect(), boxed.bounding_rect()) else {
+            return Err(Error::NoContours { in_polygon: false });
+        };
+        if inner.min().x >= whole.max().x
+            || inner.max().x <= whole.min().x
+            || inner.min().y >= whole.max().y
+            || inner.max().y <= whole.min().y
+        {
+            return Err(Error::PartOutside { part: corners(&inner), map: corners(&whole) });
+        }
+        Ok(Self { window: window(map, &inner, &whole), area, hull, boxed })
+    }
+
+    /// Leaves out what does not meet the window.
+    fn cut(&self, map: &mut ContourMap) {
+        map.contours.retain(|line| meets(line, &self.window));
+        map.spots.retain(|spot| holds(&self.window, spot.truncate()));
+    }
+
+    /// The frame of the surface: what lies inside the window.
+    pub(super) fn frame(&self, wanted: Frame) -> Frame {
+        let whole = match &wanted {
+            Frame::Hull => &self.hull,
+            Frame::Box => &self.boxed,
+            Frame::Polygon(area) => area,
+        };
+        let window = MultiPolygon::from(self.window.to_polygon());
+        if window.contains(whole) { wanted } else { Frame::Polygon(whole.intersection(&window)) }
+    }
+
+    /// The part of the ground that is asked for; `ground` is all that there is.
+    pub(super) fn of(&self, ground: &MultiPolygon<f64>) -> MultiPolygon<f64> {
+        // An intersection moves vertices by a rounding error; then a grid could get a further column.
+        if ground.contains(&self.area) { self.area.clone() } else { ground.intersection(&self.area) }
+    }
+}
+
+/// Cuts the lines of a layer at the border of an area.
+pub(super) fn clip_lines(lines: &mut Vec<ContourLine>, area: &MultiPolygon<f64>) {
+    let numbered = (0u64..).zip(lines.iter_mut()).map(|(k, line)| Contour {
+        elevation: line.elevation,
+        points: std::mem::take(&mut line.points),
+        feature: k.into(),
+    });
+    let map = ContourMap { contours: numbered.collect(), ..ContourMap::default() };
+    let pieces = clip(map, area).map.contours;
+    *lines =
+        pieces.into_iter().map(|c| ContourLine { points: c.points, ..lines[c.feature.number() as usize] }).collect();
+}
+
+/// Leaves out the heights of cells whose centres lie outside of an area. `on_plane` leads from a centre to the plane of
+/// the area.
+pub(super) fn mask(dem: &mut Dem, area: &MultiPolygon<f64>, on_plane: &(dyn Fn(DVec2) -> Option<DVec2> + Sync)) {
+    let border = Border::new(area);
+    let is_in = |p: DVec2| border.contains(p) || border.edge_at(p).is_some();
+    let grid = dem.grid;
+    dem.values.par_iter_mut().enumerate().filter(|(_, value)| !value.is_nan()).for_each(|(k, value)| {
+        let centre = grid.center(k % grid.cols, k / grid.cols);
+        if !on_plane(centre).is_some_and(is_in) {
+            *value = f32::NAN;
+        }
+    });
+}
+
+/// Leaves out the findings whose place is outside of an area, and returns their number.
+pub(super) fn drop_outside(findings: &mut Vec<Finding>, area: &MultiPolygon<f64>) -> usize {
+    let border = Border::new(area);
+    let before = findings.len();
+    findings.retain(|finding| finding.place.is_none_or(|p| border.contains(p) || border.edge_at(p).is_some()));
+    before - findings.len()
+}
+
+/// A box around the part, so wide that it holds enough contours around it.
+fn window(map: &ContourMap, part: &Rect<f64>, whole: &Rect<f64>) -> Rect<f64> {
+    let mut reach = SHARE * part.width().max(part.height());
+    loop {
+        let window = Rect::new(
+            Coord { x: part.min().x - reach, y: part.min().y - reach },
+            Coord { x: part.max().x + reach, y: part.max().y + reach },
+        );
+        if window.contains(whole) {
+            return window;
+        }
+        let kept: Vec<&Contour> = map.contours.iter().filter(|line| meets(line, &window)).collect();
+        let length: f64 = kept.iter().flat_map(|line| line.points.windows(2)).map(|w| within(w, &window)).sum();
+        let spacing = window.width() * window.height() / length;
+        let is_around = kept
+            .iter()
+            .flat_map(|line| &line.points)
+            .fold(None, |around: Option<(DVec2, DVec2)>, &p| {
+                Some(around.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p))))
+            })
+            .is_some_and(|(lo, hi)| {
+                lo.x <= part.min().x.max(whole.min().x)
+                    && lo.y <= part.min().y.max(whole.min().y)
+                    && hi.x >= part.max().x.min(whole.max().x)
+                    && hi.y >= part.max().y.min(whole.max().y)
+            });
+        let levels: HashSet<u64> = kept.iter().map(|line| line.elevation.to_bits()).collect();
+        if is_around && reach >= SPACINGS * spacing && levels.len() >= LEVELS {
+            return window;
+        }
+        reach *= GROWTH;
+    }
+}
+
+/// Length of a segment, if its middle is in a box.
+fn within(ends: &[DVec2], window: &Rect<f64>) -> f64 {
+    if holds(window, ends[0].midpoint(ends[1])) { ends[0].distance(ends[1]) } else { 0.0 }
+}
+
+fn holds(window: &Rect<f64>, p: DVec2) -> bool {
+    (window.min().x..=window.max().x).contains(&p.x) && (window.min().y..=window.max().y).contains(&p.y)
+}
+
+/// Whether the box around a segment of a line meets a box.
+fn meets(line: &Contour, window: &Rect<f64>) -> bool {
+    let [lo, hi] = [window.min(), window.max()].map(|c| DVec2::new(c.x, c.y));
+    line.points.windows(2).any(|w| w[0].max(w[1]).cmpge(lo).all() && w[0].min(w[1]).cmple(hi).all())
+}
+
+fn corners(around: &Rect<f64>) -> [DVec2; 2] {
+    [around.min(), around.max()].map(|c| DVec2::new(c.x, c.y))
+}
