@@ -32,7 +32,7 @@ pub(crate) fn possible_lakes(map: &ContourMap, tin: &Tin, regions: &Regions) -> 
         }
     }
     let usual = hollows.iter().flatten().next().map_or(0.0, |_| turn_per_length(map));
-    hollows.iter().flatten().filter(|hollow| hollow.may_be_water(usual)).map(Hollow::finding).collect()
+    hollows.iter().flatten().filter(|hollow| hollow.may_be_water(usual)).map(|hollow| hollow.finding(tin)).collect()
 }
 
 /// A sub-domain below its only level.
@@ -40,7 +40,7 @@ struct Hollow {
     level: f64,
     is_open: bool,
     area: f64,
-    /// Radius and centre of the largest circle inside.
+    /// Radius and centre of the largest circle inside, relative to the origin of the triangulation.
     largest: (f64, DVec2),
     /// Length of each piece of shore and the distance to the next level outside, map units; infinite if it is unknown.
     shore: Vec<(f64, f64)>,
@@ -95,12 +95,12 @@ impl Hollow {
         !self.is_open && (steep > ALL_ROUND * length || is_smooth && steep > HALF_ROUND * length)
     }
 
-    fn finding(&self) -> Finding {
+    fn finding(&self, tin: &Tin) -> Finding {
         let message = format!(
             "the hollow below contour {}, with an area of about {:.0} square map units, may be a lake",
             self.level, self.area
         );
-        Finding::at(FindingKind::MayBeLake, self.largest.1, message).of_elevations([self.level])
+        Finding::at(FindingKind::MayBeLake, tin.origin + self.largest.1, message).of_elevations([self.level])
     }
 }
 

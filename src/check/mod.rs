@@ -23,8 +23,8 @@ pub use correction::{Correction, Judged, correct};
 pub(crate) use depressions::contradicted_marks;
 pub(crate) use ground::Ground;
 pub(crate) use lakes::possible_lakes;
-pub(crate) use sea::possible_sea;
 pub use lines::{LineParams, examine, merged};
+pub(crate) use sea::possible_sea;
 
 use self::graph::Graph;
 use self::grid::LevelGrid;

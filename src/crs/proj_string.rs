@@ -88,7 +88,9 @@ mod tests {
         assert_eq!(code("+proj=utm +zone=54 +datum=WGS84 +units=m +no_defs +type=crs"), Ok(Some(32654)));
         assert_eq!(code("+datum=WGS84 +zone=16 +proj=utm"), Ok(Some(32616)));
         assert_eq!(code("+init=epsg:6677"), Ok(Some(6677)));
-        assert!(code("+proj=utm +zone=33 +ellps=GRS80 +towgs84=0,0,0,0,0,0,0 +units=m").is_err_and(|e| e.contains("EPSG:")));
+        assert!(
+            code("+proj=utm +zone=33 +ellps=GRS80 +towgs84=0,0,0,0,0,0,0 +units=m").is_err_and(|e| e.contains("EPSG:"))
+        );
         assert!(code("+proj=ortho +lat_0=12.3 +lon_0=4.5").is_err_and(|e| e.contains("WKT")));
         assert!(is_proj("+proj=longlat") && !is_proj("EPSG:4326") && !is_proj("PROJCS[\"a\"]"));
     }

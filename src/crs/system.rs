@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::proj_string;
 use super::esri;
+use super::proj_string;
 use super::wkt::{self, Node};
 use crate::base::ElevationUnit;
 

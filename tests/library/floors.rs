@@ -44,12 +44,52 @@ fn lakes(contours: Vec<Contour>) -> Vec<Finding> {
 }
 
 #[test]
+fn a_long_lowest_contour_at_zero_that_reaches_the_frame_may_be_a_coast() {
+    // A coast along x with headlands, and hills behind it, up to a spur at the frame.
+    let line = |k: u32, away: DVec2| {
+        let at = |i: u32| {
+            let x = 10.0 * f64::from(i);
+            away + DVec2::new(x, 50.0 * f64::from(k) + 15.0 * (x / 90.0).sin())
+        };
+        Contour { elevation: 10.0 * f64::from(k), points: (0..=200).map(at).collect(), feature: 1.into() }
+    };
+    let island = |away: DVec2| Contour {
+        elevation: 0.0,
+        points: [(900.0, -600.0), (920.0, -590.0), (900.0, -580.0), (900.0, -600.0)]
+            .map(|p| away + DVec2::from(p))
+            .to_vec(),
+        feature: 2.into(),
+    };
+    let found = |lowest: f64, away: DVec2, has_island: bool| -> Vec<Finding> {
+        let mut lines: Vec<Contour> = (0..8).map(|k| line(k, away)).collect();
+        lines.extend(has_island.then(|| island(away)));
+        lines.iter_mut().for_each(|line| line.elevation += lowest);
+        built(lines).1.into_iter().filter(|f| f.kind == FindingKind::MayBeSea).collect()
+    };
+    // The island far off the coast shows that the map goes on.
+    for away in [DVec2::ZERO, DVec2::new(500_000.0, 4_000_000.0)] {
+        let sea = found(0.0, away, true);
+        assert!(sea.len() == 1 && sea[0].elevations == [0.0], "{sea:?}");
+        let place = sea[0].place.unwrap() - away;
+        assert!((0.0..2000.0).contains(&place.x) && (-600.0..30.0).contains(&place.y), "{sea:?}");
+    }
+    assert_eq!(found(120.0, DVec2::ZERO, true), [], "a valley inland");
+    assert_eq!(found(0.0, DVec2::ZERO, false), [], "nothing lies beyond the coast");
+}
+
+#[test]
 fn a_wide_hollow_among_steep_slopes_may_be_a_lake() {
     let found = lakes(hollow(600.0, 40.0, 0.02));
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(found[0].place.unwrap().length() < 60.0 && found[0].elevations == [500.0], "{found:?}");
     let area: f64 = found[0].message.split("about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((area / (std::f64::consts::PI * 600.0 * 600.0) - 1.0).abs() < 0.01, "{found:?}");
+    // The place is right far from the origin of the coordinates, too.
+    let away = DVec2::new(500_000.0, 4_000_000.0);
+    let mut moved = hollow(600.0, 40.0, 0.02);
+    moved.iter_mut().flat_map(|line| &mut line.points).for_each(|p| *p += away);
+    let found = lakes(moved);
+    assert!(found.len() == 1 && found[0].place.unwrap().distance(away) < 60.0, "{found:?}");
     // The bowl goes on inwards with its slope: nothing shows water.
     assert_eq!(lakes(hollow(60.0, 40.0, 0.02)), []);
     // So far from a slope, a hollow may be anything.
