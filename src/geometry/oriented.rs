@@ -45,6 +45,11 @@ impl OrientedBox {
         Self { centre, axis: DVec2::X, half: (max - centre).max(centre - min) }
     }
 
+    /// The box around a centre along a unit vector, by half its length and half its width.
+    pub(crate) fn turned(centre: DVec2, axis: DVec2, half: DVec2) -> Self {
+        Self { centre, axis, half }
+    }
+
     /// A box around boxes, turned along the longest of them. An upright box if that is smaller.
     fn around_boxes(boxes: &[Self]) -> Self {
         let Some(longest) = boxes.iter().max_by(|a, b| a.half.max_element().total_cmp(&b.half.max_element())) else {

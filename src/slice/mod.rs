@@ -1,12 +1,14 @@
 //! New contours: [`slice()`] traces levels on a surface. [`contour_layers`] makes map layers of them and of the input
-//! contours.
+//! contours. [`place_labels`] chooses where their elevations are written.
 
+mod labels;
 mod layer;
 mod simplify;
 mod target;
 mod trace;
 
 pub use crate::subdomains::{ascends_right, signed_area};
+pub use labels::{Label, LabelParams, LabelledLines, STRAIGHT, label_text, place_labels};
 pub use layer::{LayerParams, SIMPLIFIED, contour_layers};
 pub use simplify::Simplification;
 pub use target::Target;
