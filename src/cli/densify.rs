@@ -7,7 +7,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
-use tokosen::io::layer::{Layer, of_contours};
+use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target};
 use tokosen::surface::Triangles;
@@ -19,6 +19,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
+use super::labels::LabelArgs;
 use super::output::{self, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::plane::ToCrsArgs;
@@ -85,6 +86,8 @@ pub struct DensifyArgs {
     )]
     simplify: Option<f64>,
     #[command(flatten, next_help_heading = "Output")]
+    labels: LabelArgs,
+    #[command(flatten, next_help_heading = "Output")]
     to_crs: ToCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
@@ -125,6 +128,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let targets = args.targets()?;
     let unit = args.to_unit.unit();
     let names: Vec<String> = targets.iter().map(|target| target.layer_name(unit)).collect();
+    let names = args.layer_names(names);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = contour_files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
@@ -150,9 +154,14 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         memory: None,
     };
     let layers = terrain.contours_with(params, console)?;
+    let labels = args.labels.place(&layers, terrain.surface.frame.extent(), unit);
     let written = console.step("writing", || {
-        let layers: Vec<Layer<'_>> = layers.iter().map(of_contours).collect();
-        write_layers_back(&staged, &layers, &back)
+        let mut all: Vec<Layer<'_>> = Vec::with_capacity(names.len());
+        for (k, layer) in layers.iter().enumerate() {
+            all.push(of_contours(layer));
+            all.extend(labels.as_ref().map(|labels| of_labels(names[2 * k + 1], &labels[k], &back)));
+        }
+        write_layers_back(&staged, &all, &back)
     })?;
     let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     job.draw(|| picture(&terrain.surface, finest(&layers)))?;
@@ -163,6 +172,9 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
         describe(written.get(k).or(written.first()), layer, unit, console);
+        if let Some(labels) = &labels {
+            console.say(&format!("           {} labels on index contours", labels[k].len()));
+        }
         args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
     }
     if let (Some(output), Some(dem)) = (dem_output, &dem) {
@@ -222,7 +234,17 @@ impl DensifyArgs {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
         output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
+        self.labels.check(&self.output, self.index)?;
         self.surface.check()
+    }
+
+    /// The names of all layers: of the contours, each followed by that of its labels if there are any.
+    fn layer_names(&self, contours: Vec<String>) -> Vec<String> {
+        if self.labels.labels.is_none() {
+            return contours;
+        }
+        let alone = contours.len() == 1;
+        contours.into_iter().flat_map(|name| [name.clone(), labels_layer(&name, alone)]).collect()
     }
 
     /// Checks the paths of all files; `files` and `layers` are those of the contours.

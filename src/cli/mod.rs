@@ -14,6 +14,7 @@ mod hints;
 mod input;
 mod interrupt;
 mod job;
+mod labels;
 mod map;
 mod memory;
 mod mesh;

@@ -164,7 +164,8 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
 /// `is_index`, `depression` and `closed`. A DXF has no attributes except the layer's name, such as
 /// `CONTOUR-INPUT-INDEX` or `CONTOUR-INTERPOLATED`, and does not name the coordinate reference system.
 ///
-/// A GeoPackage holds all layers in one file. The other formats hold one layer per file. A single layer gets exactly
+/// A GeoPackage holds all layers in one file. The other formats hold one layer per file; in a DXF, labels are texts in the
+/// file of their contours. A single layer gets exactly
 /// the target's name. Several layers are written beside each other as `STEM_SUFFIX.EXT`; the suffix is the layer's name
 /// without a leading `contours_`. The returned paths are the final ones.
 ///
@@ -209,7 +210,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
     let files = contour_files(out.target(), &names)?;
     layers.iter().try_for_each(layer::check)?;
     let format = VectorFormat::from_path(out.target())?;
-    let is_plain = !matches!(format, VectorFormat::GeoPackage | VectorFormat::GeoJson);
+    let is_plain = matches!(format, VectorFormat::FlatGeobuf | VectorFormat::Shapefile);
     if is_plain && layers.iter().any(|layer| layer.geometry == layer::Geometry::Points) {
         return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
     }
@@ -218,13 +219,27 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         gpkg::write(&out.path(), layers, crs, target).map_err(|e| out.with_final_name(e))?;
         return Ok(files);
     }
+    if format == VectorFormat::Dxf {
+        let is_bare = |layer: &Layer<'_>| {
+            layer.geometry == layer::Geometry::Points && layer.columns.iter().all(|column| column.name != "text")
+        };
+        if layers.iter().any(is_bare) {
+            return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
+        }
+        // Points are texts beside the lines of the layer before.
+        for (group, file) in layers.chunk_by(|_, next| next.geometry == layer::Geometry::Points).zip(&files) {
+            let path = out.sibling(file.file_name().unwrap_or_default());
+            dxf::write(&path, group).map_err(|e| out.with_final_name(e))?;
+        }
+        return Ok(files);
+    }
     for (layer, file) in layers.iter().zip(&files) {
         let path = out.sibling(file.file_name().unwrap_or_default());
         let written = match format {
             VectorFormat::GeoJson => geojson::write(&path, layer, crs),
             VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
             VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
-            VectorFormat::Dxf => dxf::write(&path, layer),
+            VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer)),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
         };
         written.map_err(|e| out.with_final_name(e))?;
@@ -253,8 +268,11 @@ pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWo
 /// The extension is not known, a layer name is not valid, or two layers share one.
 pub fn contour_files(target: &Path, layers: &[&str]) -> Result<Vec<PathBuf>> {
     layer::check_names(layers)?;
-    if VectorFormat::from_path(target)? == VectorFormat::GeoPackage {
-        return Ok(vec![target.to_owned()]);
+    let mut layers = layers.to_vec();
+    match VectorFormat::from_path(target)? {
+        VectorFormat::GeoPackage => return Ok(vec![target.to_owned()]),
+        VectorFormat::Dxf => layers.retain(|name| !name.starts_with(layer::LABELS_LAYER)),
+        VectorFormat::GeoJson | VectorFormat::FlatGeobuf | VectorFormat::Shapefile => {}
     }
     Ok(layers.iter().map(|name| target.with_file_name(layer::file_name(target, name, layers.len()))).collect())
 }

@@ -9,6 +9,7 @@ mod coordinates;
 mod derive;
 mod existing_outputs;
 mod file_troubles;
+mod labels;
 mod out_of_proportion;
 mod parts;
 mod running;

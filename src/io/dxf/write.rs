@@ -1,7 +1,7 @@
-//! Writes a layer of features as a DXF of AutoCAD 2000, the oldest version with `LWPOLYLINE`.
+//! Writes layers of features as a DXF of AutoCAD 2000, the oldest version with `LWPOLYLINE`.
 //!
 //! Contours and rings of areas become one `LWPOLYLINE` each. Lines with varying height become three-dimensional
-//! `POLYLINE`s. The layer name holds the most important attributes, such as `CONTOUR-INPUT-INDEX`. Numbers have enough
+//! `POLYLINE`s. Labels become `TEXT`. The layer name holds the most important attributes, such as `CONTOUR-INPUT-INDEX`. Numbers have enough
 //! digits to preserve every f64 bit for bit.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
 use crate::base::error::{Error, Result};
-use crate::io::layer::{Bounds, Cell, Geometry, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
+use crate::io::layer::{Bounds, Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 use crate::io::maker::MADE_BY;
 
 /// Handles up to this one belong to the tables, larger ones to layers and entities.
@@ -22,23 +22,27 @@ const FIRST_HANDLE: u64 = 0x100;
 const COMMENT: i32 = 999;
 
 /// Writes one file.
-pub(in crate::io) fn write(path: &Path, layer: &Layer<'_>) -> Result<()> {
-    let names: Vec<String> = layer.rows.iter().map(|row| layer_name(layer, row)).collect();
-    let mut layers: BTreeMap<&str, bool> = BTreeMap::new();
-    for (name, row) in names.iter().zip(&layer.rows) {
-        layers.insert(name, is_index(layer, row));
+pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>]) -> Result<()> {
+    let rows = || layers.iter().flat_map(|layer| layer.rows.iter().map(move |row| (layer, row)));
+    let names: Vec<String> = rows().map(|(layer, row)| layer_name(layer, row)).collect();
+    let mut looks: BTreeMap<&str, bool> = BTreeMap::new();
+    for (name, (layer, row)) in names.iter().zip(rows()) {
+        looks.insert(name, is_index(layer, row));
     }
-    let handles = layers.len() as u64 + layer.rows.iter().map(handles_of).sum::<u64>();
-    let bounds = layer.rows.iter().fold(NO_BOUNDS, |bounds, row| joined(bounds, row.shape.bounds()));
-    let bounds = if layer.rows.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
+    let handles = looks.len() as u64 + rows().map(|(_, row)| handles_of(row)).sum::<u64>();
+    let bounds = rows().fold(NO_BOUNDS, |bounds, (_, row)| joined(bounds, row.shape.bounds()));
+    let bounds = if names.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
     let run = || -> Written<()> {
         let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
         out.put(COMMENT, MADE_BY)?;
         write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
-        tables::write(&mut out, &layers, bounds)?;
+        tables::write(&mut out, &looks, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
-        for (name, row) in names.iter().zip(&layer.rows) {
-            write_shape(&mut out, name, &row.shape)?;
+        for (name, (layer, row)) in names.iter().zip(rows()) {
+            match text_of(layer, row) {
+                Some(text) => text.write(&mut out, name)?,
+                None => write_shape(&mut out, name, &row.shape)?,
+            }
         }
         out.pairs(&[(0, "ENDSEC")])?;
         tables::write_objects(&mut out)?;
@@ -113,10 +117,51 @@ fn write_climbing(out: &mut GroupWriter, layer: &str, points: &[DVec3]) -> Writt
     Ok(())
 }
 
+/// A label.
+struct Text<'a> {
+    text: &'a str,
+    middle: DVec3,
+    angle: f64,
+    height: f64,
+}
+
+/// The text of a label; `None` for other features.
+fn text_of<'a>(layer: &Layer<'_>, row: &'a Row<'_>) -> Option<Text<'a>> {
+    let number = |column: &str| match cell(layer, row, column) {
+        Some(Cell::Real(number)) => Some(*number),
+        _ => None,
+    };
+    match (&row.shape, cell(layer, row, "text")) {
+        (Shape::Point(Some(place)), Some(Cell::Text(text))) => Some(Text {
+            text,
+            middle: place.extend(number("elev")?),
+            angle: number("angle")?,
+            height: number("height")?,
+        }),
+        _ => None,
+    }
+}
+
+impl Text<'_> {
+    fn write(&self, out: &mut GroupWriter, layer: &str) -> Written<()> {
+        out.begin_entity("TEXT", MODEL_SPACE, layer)?;
+        out.pairs(&[(100, "AcDbText")])?;
+        out.numbers(10, &self.middle.to_array())?;
+        out.numbers(40, &[self.height])?;
+        out.put(1, self.text)?;
+        out.numbers(50, &[self.angle])?;
+        // Centred in both directions on the point that follows.
+        out.pairs(&[(72, "1")])?;
+        out.numbers(11, &self.middle.to_array())?;
+        out.pairs(&[(100, "AcDbText"), (73, "2")])
+    }
+}
+
 /// The layer name of a feature: the content of the layer, the kind of the feature, and whether it is an index contour.
 fn layer_name(layer: &Layer<'_>, row: &Row<'_>) -> String {
     let mut name = match layer.name.starts_with("contours") {
         true => "CONTOUR".to_owned(),
+        false if layer.name.starts_with(LABELS_LAYER) => "CONTOUR-LABEL".to_owned(),
         false => layer.name.to_uppercase(),
     };
     let kind = ["source", "kind", "class"].iter().find_map(|column| match cell(layer, row, column) {

@@ -6,6 +6,7 @@
 mod contours;
 mod features;
 mod findings;
+mod labels;
 mod landforms;
 mod repaired;
 mod reprojected;
@@ -16,6 +17,7 @@ pub use contours::of_contours;
 pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_name, joined};
 pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 pub use findings::{FINDINGS_LAYER, of_findings};
+pub use labels::{LABELS_LAYER, labels_layer, of_labels};
 pub use landforms::{REGIONS_LAYER, of_landforms};
 pub use repaired::{REPAIRED_LAYERS, holds_spots, of_map, of_repaired, of_spots};
 pub(super) use reprojected::ReprojectedShapes;
