@@ -2,10 +2,10 @@
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tokosen::Input;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
@@ -13,6 +13,7 @@ use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
 
 use super::Common;
+use super::progress::Track;
 
 /// The terminal, and how long each step took.
 pub struct Console {
@@ -23,12 +24,19 @@ pub struct Console {
     started: Instant,
     reprojection: OnceLock<Reprojection>,
     unit: OnceLock<ElevationUnit>,
+    track: Arc<Mutex<Track>>,
     state: Mutex<State>,
 }
 
+/// Time between two drawings of the progress.
+const TICK: Duration = Duration::from_millis(150);
+/// Characters of the bar.
+const BAR: usize = 30;
+
 #[derive(Default)]
 struct State {
-    running: Option<(&'static str, Instant, ProgressBar)>,
+    /// What is on the screen while a step runs.
+    bar: Option<ProgressBar>,
     times: Vec<(&'static str, Duration)>,
     /// Why text could not be printed.
     unprinted: Option<std::io::Error>,
@@ -37,7 +45,13 @@ struct State {
 impl Console {
     pub fn new(&Common { quiet, verbose, overwrite, .. }: &Common) -> Self {
         let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, unit, state }
+        let track = Arc::new(Mutex::new(Track::new()));
+        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, unit, track, state }
+    }
+
+    /// Says which steps will come, for the share that is done and the time that is left.
+    pub fn plan(&self, steps: impl IntoIterator<Item = &'static str>) {
+        locked(&self.track).plan(steps);
     }
 
     /// Sets what is said about the input: the conversion of places in findings from the working plane to its
@@ -131,51 +145,46 @@ impl Console {
 
     /// Removes a progress bar that is still on the screen.
     pub fn clear(&self) {
-        if let Some((_, _, bar)) = self.state().running.take() {
+        if let Some(bar) = self.state().bar.take() {
             bar.finish_and_clear();
         }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.state)
     }
+}
+
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Progress for Console {
     fn start(&self, step: &'static str, total: u64) {
-        let bar = if self.quiet || !std::io::stderr().is_terminal() {
-            ProgressBar::hidden()
-        } else if total == 0 {
-            let bar = ProgressBar::new_spinner();
-            bar.set_style(style("{spinner} {msg} {elapsed}"));
-            bar.enable_steady_tick(Duration::from_millis(120));
-            bar
-        } else {
-            let bar = ProgressBar::new(total);
-            bar.set_style(style("{msg:24} [{bar:40}] {percent:>3} %  {eta} left").progress_chars("=> "));
-            bar
-        };
-        bar.set_message(step);
-        self.state().running = Some((step, Instant::now(), bar));
+        locked(&self.track).start(step, total);
+        let mut state = self.state();
+        if state.bar.is_none() && !self.quiet && std::io::stderr().is_terminal() {
+            let track = Arc::clone(&self.track);
+            let line = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+                let _ = out.write_str(&locked(&track).line(BAR));
+            };
+            let style = ProgressStyle::with_template("{line}").unwrap_or_else(|_| ProgressStyle::default_bar());
+            let bar = ProgressBar::new_spinner().with_style(style.with_key("line", line));
+            bar.enable_steady_tick(TICK);
+            state.bar = Some(bar);
+        }
     }
 
     fn advance(&self, amount: u64) {
-        if let Some((_, _, bar)) = &self.state().running {
-            bar.inc(amount);
-        }
+        locked(&self.track).advance(amount);
     }
 
     fn finish(&self) {
-        let mut state = self.state();
-        if let Some((step, started, bar)) = state.running.take() {
-            bar.finish_and_clear();
-            state.times.push((step, started.elapsed()));
-        }
+        let finished = locked(&self.track).finish();
+        self.state().times.extend(finished);
+        // What is printed between steps must not mix with the line.
+        self.clear();
     }
-}
-
-fn style(template: &str) -> ProgressStyle {
-    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// An error message, on standard error.

@@ -58,6 +58,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.surface.check()?;
     let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files()).chain(args.part.file());
     let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
+    console.plan(["writing"]);
     let output = DemOutput::open(&args.output, &args.height_map, args.to_unit.unit())?;
 
     let mut input = job.read_part(&args.part)?;

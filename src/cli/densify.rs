@@ -132,6 +132,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = contour_files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
+    console.plan(["slicing", "writing"]);
     let staged = StagedOutput::create(&args.output)?;
     let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map, unit)).transpose()?;
     let mut findings = Vec::new();

@@ -42,6 +42,10 @@ impl<'a> Job<'a> {
         outputs.extend(picture.map(PlannedOutput::from));
         check_paths(&inputs, &outputs, console.overwrite)?;
         picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
+        let prepares = [(true, "reading"), (true, "cleaning"), (args.fit.is_some(), "fitting")];
+        let steps = prepares.into_iter().chain([(args.sample.is_some(), "sampling"), (true, "triangulating")]);
+        console.plan(steps.filter(|(is_done, _)| *is_done).map(|(_, step)| step));
+        console.plan(picture.map(|_| "drawing"));
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
@@ -113,6 +117,7 @@ pub fn build(
     console: &Console,
 ) -> Result<Terrain, Failure> {
     surface.add_to(input)?;
+    console.plan(surface.steps(options));
     let built = Terrain::build_with(input, options, console);
     // A map that is still there was not used yet: the error is not about its lines.
     built.map_err(|error| match input.map.contours.is_empty() {

@@ -187,5 +187,8 @@ impl MapArgs {
             console.say(&format!("unit       the elevations of the input were {unit}; these figures are in metres"));
         }
         console.say(&format!("crs        {}", plane::describe(map, console.reprojection())));
+        if let Some(why) = plane::why_not_wgs84(console.reprojection()).filter(|_| self.work_crs.is_none()) {
+            console.say(&format!("           {why}"));
+        }
     }
 }

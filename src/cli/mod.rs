@@ -21,6 +21,7 @@ mod mesh;
 mod output;
 mod part;
 mod plane;
+mod progress;
 mod regions;
 mod skeleton;
 mod source;

@@ -51,3 +51,11 @@ pub fn describe(map: &ContourMap, reprojection: Option<&Reprojection>) -> String
         None => label(map.crs.as_ref()),
     }
 }
+
+/// Why data on WGS 84 are worked on in a system of another name.
+pub fn why_not_wgs84(reprojection: Option<&Reprojection>) -> Option<&'static str> {
+    let known = reprojection?;
+    let is_wgs84 = |crs: Option<&Crs>| crs.and_then(Crs::name).is_some_and(|name| name.starts_with("WGS 84"));
+    (is_wgs84(known.input_crs()) && known.working_crs().is_some() && !is_wgs84(known.working_crs()))
+        .then_some("maps of this region are made in that system; it agrees with WGS 84 within about a metre")
+}

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
 use tokosen::io::VectorSource;
 use tokosen::subdomains::Frame;
-use tokosen::surface::{SurfaceKind, Triangles};
+use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::tuning::Tuning;
 use tokosen::{GridSpec, Input, Options};
 
@@ -96,6 +96,19 @@ impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.frame.file().into_iter().chain(self.water.file())
+    }
+
+    /// The steps of building the surface, for the progress.
+    pub fn steps(&self, options: &Options) -> impl Iterator<Item = &'static str> {
+        let is_smooth = self.surface == KindArg::Spline;
+        let has_triangles = is_smooth && options.triangles == Triangles::Smooth;
+        let steps = [
+            (self.surface != KindArg::Linear, "ridge and canyon lines"),
+            (is_smooth, "smooth surface"),
+            (is_smooth && options.uncertainty == Uncertainty::Learnt, "expected errors"),
+            (has_triangles, "triangulating the smooth surface"),
+        ];
+        steps.into_iter().filter(|(is_done, _)| *is_done).map(|(_, step)| step)
     }
 
     /// The first flag that is given; a run without contours makes no surface and must not ignore it.
