@@ -15,6 +15,7 @@ macro_rules! pages {
 }
 
 pages! {
+    everyday = "everyday.md",
     denser_contours = "denser_contours.md",
     height_maps = "height_maps.md",
     coordinates = "coordinates.md",

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod coordinates;
 mod derive;
+mod everyday;
 mod existing_outputs;
 mod file_troubles;
 mod labels;
