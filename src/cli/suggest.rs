@@ -31,7 +31,7 @@ pub fn with_right_flag(mut error: Error, program: &Command) -> Error {
     };
     let bare = given.split('=').next().unwrap_or_default().trim_start_matches('-').to_ascii_lowercase();
     let right = KNOWN.iter().find(|(_, others)| others.contains(&bare.as_str())).map(|(right, _)| *right);
-    let verb = std::env::args().find_map(|word| program.find_subcommand(word).map(|verb| verb.clone()));
+    let verb = std::env::args().find_map(|word| program.find_subcommand(word).cloned());
     let has = |flag: &str| {
         let long = flag.trim_start_matches("--");
         verb.as_ref().is_some_and(|verb| verb.get_arguments().any(|arg| arg.get_long() == Some(long)))

@@ -11,6 +11,7 @@ mod proj_string;
 mod reprojection;
 mod system;
 mod transform;
+mod vertical;
 mod wkt;
 mod working;
 
@@ -18,4 +19,5 @@ pub(crate) use definition::label;
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};
 pub use transform::Transform;
+pub(crate) use vertical::{epsg_name, vertical_unit};
 pub use working::working_crs;

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::esri;
-use super::proj_string;
 use super::wkt::{self, Node};
+use super::{proj_string, vertical};
 use crate::base::ElevationUnit;
 
 /// A coordinate reference system, by its EPSG code, its WKT, or both.
@@ -71,7 +71,8 @@ impl Crs {
     }
 
     /// The system that a name stands for: `EPSG:25832`, `urn:ogc:def:crs:EPSG::25832`,
-    /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `http://www.opengis.net/def/crs/EPSG/0/25832`, or a WKT.
+    /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `http://www.opengis.net/def/crs/EPSG/0/25832`, a WKT, or a horizontal and a
+    /// vertical system: `EPSG:2229+6360`, `urn:ogc:def:crs,crs:EPSG::2229,crs:EPSG::6360`.
     ///
     /// CRS84 is WGS 84 with the longitude first. Coordinates are always kept in that order here, so it gives EPSG:4326.
     /// `None` if the name is none of these.
@@ -79,6 +80,9 @@ impl Crs {
         let name = name.trim();
         if name.contains(['[', '(']) {
             return wkt::parse(name).map(|_| Self::from_wkt(name));
+        }
+        if let Some([plane, height]) = vertical::pair_in(name) {
+            return Some(vertical::compound(Self::from_epsg(plane), height));
         }
         let parts: Vec<&str> = name.split([':', '/', '#']).filter(|p| !p.is_empty()).collect();
         let last = *parts.last()?;

@@ -3,7 +3,8 @@
 //! An EPSG code is one key. A system that only has well-known text is written as a citation that starts with `ESRI PE
 //! String = `, together with the model type "user-defined". GDAL and QGIS look for the text in this form.
 
-use crate::crs::{Crs, CrsKind};
+use crate::base::ElevationUnit;
+use crate::crs::{Crs, CrsKind, epsg_name, vertical_unit};
 
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
@@ -15,17 +16,6 @@ const PROJECTED_CITATION: u16 = 3073;
 
 const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNIT: u16 = 4099;
-
-/// Vertical systems in wide use, by EPSG code, with their units: NAVD88, NGVD29, mean sea level, local datums in feet;
-/// NAVD88, NGVD29, mean sea level, EGM96 and EGM2008 in metres.
-const VERTICAL_SYSTEMS: &[(&[u16], &str)] = &[
-    (&[6360, 5702, 8052], US_SURVEY_FOOT),
-    (&[8228, 8050, 6130, 6131, 6132], FOOT),
-    (&[5703, 7968, 5714, 5773, 3855], METRE),
-];
-const METRE: &str = "metre";
-const FOOT: &str = "foot";
-const US_SURVEY_FOOT: &str = "US survey foot";
 
 const MODEL_PROJECTED: u16 = 1;
 const MODEL_GEOGRAPHIC: u16 = 2;
@@ -110,15 +100,13 @@ impl GeoKeys {
 
     /// The name of the unit of heights: of the key for it, otherwise of the vertical system.
     pub fn vertical_unit(&self) -> Option<&'static str> {
-        match self.number(VERTICAL_UNIT) {
-            Some(9001) => Some(METRE),
-            Some(9002) => Some(FOOT),
-            Some(9003) => Some(US_SURVEY_FOOT),
-            _ => {
-                let code = self.number(VERTICAL_TYPE)?;
-                VERTICAL_SYSTEMS.iter().find(|(codes, _)| codes.contains(&code)).map(|(_, unit)| *unit)
-            }
-        }
+        let unit = match self.number(VERTICAL_UNIT) {
+            Some(9001) => ElevationUnit::Metre,
+            Some(9002) => ElevationUnit::Foot,
+            Some(9003) => ElevationUnit::UsSurveyFoot,
+            _ => vertical_unit(self.number(VERTICAL_TYPE)?.into())?,
+        };
+        Some(epsg_name(unit))
     }
 
     /// The system that the keys name, if they name one by code or by text.
