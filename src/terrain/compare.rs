@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use geo::MultiPolygon;
 use glam::DVec2;
 use serde::Serialize;
 
 use super::facade::Terrain;
+use super::part::mask;
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{ElevationUnit, Grid};
@@ -26,6 +28,8 @@ pub struct Side {
     pub sigma: Option<f64>,
     /// The unit that the elevations of contours had. `None` for a height map.
     pub unit: Option<ElevationUnit>,
+    /// The part of the surface that is compared, if it is not the whole.
+    part: Option<MultiPolygon<f64>>,
 }
 
 /// What the heights of a side come from.
@@ -171,12 +175,12 @@ impl Side {
             crs: dem.crs.as_ref().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
-        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma), unit: None }
+        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma), unit: None, part: None }
     }
 
     /// The surface of the contours in a file.
     pub fn of_terrain(path: &Path, kind: SurfaceKind, terrain: Terrain) -> Self {
-        let Terrain { surface, reprojection, unit, .. } = terrain;
+        let Terrain { surface, reprojection, unit, part, .. } = terrain;
         let (count, interval) = (surface.map.contours.len(), surface.interval.step);
         let source = SideSource {
             file: path.to_owned(),
@@ -184,7 +188,7 @@ impl Side {
             crs: reprojection.input_crs().and_then(Crs::name),
             about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
         };
-        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None, unit: Some(unit) }
+        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None, unit: Some(unit), part }
     }
 
     /// The surface, if the side is one.
@@ -221,7 +225,11 @@ impl Side {
             Kind::Surface(surface) if way.is_none() => heights(surface, grid, progress).values,
             Kind::Surface(surface) => heights_on(surface, grid, &to_side, progress),
         };
-        Ok(Dem { grid: *grid, values, crs: crs.cloned() })
+        let mut dem = Dem { grid: *grid, values, crs: crs.cloned() };
+        if let Some(area) = &self.part {
+            mask(&mut dem, area, &to_side);
+        }
+        Ok(dem)
     }
 
     /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.

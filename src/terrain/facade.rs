@@ -31,7 +31,7 @@ pub struct Terrain {
     /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
     /// The part of the map that results cover, if it is not the whole.
-    part: Option<MultiPolygon<f64>>,
+    pub(super) part: Option<MultiPolygon<f64>>,
     /// Number of findings outside of the frame polygon or the part; they are not in `findings`.
     pub findings_outside: usize,
     memory: Option<u64>,
