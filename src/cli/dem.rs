@@ -13,6 +13,7 @@ use super::input::InputArgs;
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
+use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
 use super::unit::ToUnitArgs;
@@ -20,7 +21,7 @@ use super::unit::ToUnitArgs;
 /// A height map (DEM) from contour lines
 ///
 /// Heights are those of the surface at the cell centres. Cells outside the frame are nodata. The height map is in the
-/// working CRS; with --cell-degrees it is in degrees, with --like in the CRS of that raster. Heights are in metres, or
+/// working CRS, or in that of --to-crs; with --cell-degrees it is in degrees, with --like in the CRS of that raster. Heights are in metres, or
 /// in the unit of --to-unit, which the file states (.xyz has no place for it).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -32,6 +33,8 @@ pub struct DemArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
     /// Also draw a picture of the surface and the contours: .png
@@ -47,6 +50,7 @@ const EXAMPLES: &str = "\
 Examples:
   tokosen dem contours.gpkg --cell 10 -o dem.tif
   tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
+  tokosen dem contours.gpkg --to-crs EPSG:3857 --cell 10 -o web_mercator.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
   tokosen dem contours.gpkg --cell 10 --to-unit us-ft -o feet.tif
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
@@ -54,12 +58,13 @@ Examples:
 
 /// Runs the verb.
 pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
-    args.height_map.grid.check()?;
+    let crs = args.to_crs.to_crs.as_ref();
+    args.height_map.grid.check(crs)?;
     args.surface.check()?;
     let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files()).chain(args.part.file());
     let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
     console.plan(["writing"]);
-    let output = DemOutput::open(&args.output, &args.height_map, args.to_unit.unit())?;
+    let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
     let mut input = job.read_part(&args.part)?;
     let options = Options {

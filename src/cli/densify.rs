@@ -91,7 +91,8 @@ pub struct DensifyArgs {
     to_crs: ToCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_unit: ToUnitArgs,
-    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like)
+    /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
+    /// of --to-crs too, unless --like names another grid
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -134,7 +135,11 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let job = args.start(&files, &names, console)?;
     console.plan(["slicing", "writing"]);
     let staged = StagedOutput::create(&args.output)?;
-    let dem_output = args.dem.as_deref().map(|path| DemOutput::open(path, &args.height_map, unit)).transpose()?;
+    let dem_output = args
+        .dem
+        .as_deref()
+        .map(|path| DemOutput::open(path, &args.height_map, args.to_crs.to_crs.as_ref(), unit))
+        .transpose()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 

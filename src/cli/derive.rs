@@ -21,6 +21,7 @@ use super::input::InputArgs;
 use super::job::build;
 use super::output::{self, GridArgs, extension};
 use super::part::PartArgs;
+use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
 
@@ -39,7 +40,8 @@ use super::surface::SurfaceArgs;
 #[command(
     after_help = EXAMPLES,
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
-    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [map units]; cells lie on multiples of it")),
+    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it")),
+    mut_arg("to_crs", |arg| arg.help(TO_CRS_HELP)),
     mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png)")),
 )]
 pub struct DeriveArgs {
@@ -80,12 +82,15 @@ pub struct DeriveArgs {
     steep_height: f64,
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
 
+const TO_CRS_HELP: &str = "For contours: coordinate reference system of the height map [default: the working CRS]";
 const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png), or contour lines (.geojson, .json, .gpkg, .shp, .fgb, .dxf), \
                           or a .xml, .zip or folder of 基盤地図情報";
 
@@ -162,7 +167,9 @@ impl DeriveArgs {
         if self.outputs().next().is_none() {
             return Err(Failure::Usage("choose an output: --slope, --aspect, --hillshade or --steep FILE".into()));
         }
+        let crs = self.to_crs.to_crs.as_ref();
         let for_contours = (self.grid.given())
+            .or(crs.map(|_| "--to-crs"))
             .or(self.input.map.points.as_ref().map(|_| "--points"))
             .or_else(|| self.input.about_contours())
             .or_else(|| self.part.given())
@@ -171,7 +178,7 @@ impl DeriveArgs {
             return Err(Failure::Usage(format!("{flag} applies to contours, but the input is a height map")));
         }
         if !is_raster {
-            self.grid.check()?;
+            self.grid.check(crs)?;
             self.surface.check()?;
         }
         if !(self.steep_angle > 0.0 && self.steep_angle < 90.0) {
@@ -219,7 +226,7 @@ impl DeriveArgs {
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
         let mut input = self.input.read_part(Some(&self.part), console)?;
-        let grid = self.grid.spec()?;
+        let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         let options = self.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
         let terrain = build(&mut input, &self.surface, &options, console)?;

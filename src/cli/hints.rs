@@ -38,6 +38,11 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::LayerExists { is_input: false, .. } => {
             "; --overwrite replaces the layer, or choose another file".to_owned()
         }
+        Error::AcrossCut { .. } => {
+            "; name a projected CRS for it (--to-crs CRS --cell SIZE), leave --to-crs and --cell-degrees out for the \
+             working CRS (--cell SIZE), or make it in parts (--extent)"
+                .to_owned()
+        }
         root => return in_flags(root).unwrap_or(sentence),
     };
     sentence + &hint
@@ -65,6 +70,7 @@ fn in_flags(error: &Error) -> Option<String> {
         Error::NotProjectedInMetres { name } => format!("--work-crs {name} is not a projected system in metres"),
         Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs } => needs_crs("--work-crs"),
         Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees } => needs_crs("--cell-degrees"),
+        Error::UnknownCrs { needed_for: CrsNeed::OtherOutput } => needs_crs("--to-crs"),
         Error::TooManyCells { cell, cols, rows, in_degrees } => {
             let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };
             format!("{flag} {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell")

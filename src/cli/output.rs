@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::crs::Crs;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{
     DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, write_raster, write_with_errors,
@@ -19,7 +20,7 @@ use super::flags::first_given;
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
 pub struct GridArgs {
-    /// Cell size of the height map [units of the working CRS]; cells lie on multiples of it
+    /// Cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub cell: Option<f64>,
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
@@ -70,22 +71,47 @@ impl GridArgs {
         ])
     }
 
-    /// Checks what can be checked before anything is read.
-    pub fn check(&self) -> Result<(), Failure> {
-        if self.given().is_none() {
-            return Err(Failure::Usage("a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER".into()));
+    /// Checks what can be checked before anything is read. `crs` is the system that the cells are to be in, if it is
+    /// named.
+    pub fn check(&self, crs: Option<&Crs>) -> Result<(), Failure> {
+        match self.size(crs)? {
+            Some(size) => Ok(size.check()?),
+            None if self.like.is_some() => Ok(()),
+            None => Err(Failure::Usage("a height map needs --cell SIZE, --cell-degrees SIZE or --like RASTER".into())),
         }
-        let sizes = self.cell.map(GridSpec::Cell).into_iter().chain(self.cell_degrees.map(GridSpec::Degrees));
-        Ok(sizes.into_iter().try_for_each(|size| size.check())?)
     }
 
-    /// The grid that is asked for; reads that of `--like`.
-    pub fn spec(&self) -> Result<GridSpec, Failure> {
-        self.check()?;
-        Ok(match (&self.like, self.cell_degrees) {
-            (Some(path), _) => GridSpec::like(path)?,
-            (None, Some(size)) => GridSpec::Degrees(size),
-            (None, None) => GridSpec::Cell(self.cell.unwrap_or_default()),
+    /// The grid that is asked for; reads that of `--like`. `crs` as for [`GridArgs::check`].
+    pub fn spec(&self, crs: Option<&Crs>) -> Result<GridSpec, Failure> {
+        self.check(crs)?;
+        match (&self.like, self.size(crs)?) {
+            (Some(path), _) => Ok(GridSpec::like(path)?),
+            (None, size) => Ok(size.unwrap_or(GridSpec::Cell(0.0))),
+        }
+    }
+
+    /// The cells by their size, if it is given, in its unit.
+    fn size(&self, crs: Option<&Crs>) -> Result<Option<GridSpec>, Failure> {
+        let name = |crs: &Crs| crs.name().unwrap_or_default();
+        Ok(match (self.cell, self.cell_degrees, crs) {
+            (Some(_), _, Some(crs)) if crs.is_geographic() => {
+                return Err(Failure::Usage(format!(
+                    "--to-crs {} is in degrees: give the size of cells with --cell-degrees, such as --cell-degrees 0.4s",
+                    name(crs)
+                )));
+            }
+            (None, Some(_), Some(crs)) if !crs.is_geographic() => {
+                return Err(Failure::Usage(format!(
+                    "--to-crs {} is not in degrees: give the size of cells with --cell, in its units",
+                    name(crs)
+                )));
+            }
+            (Some(size), _, Some(crs)) | (None, Some(size), Some(crs)) => {
+                Some(GridSpec::CellIn { size, crs: crs.clone() })
+            }
+            (Some(size), _, None) => Some(GridSpec::Cell(size)),
+            (None, Some(size), None) => Some(GridSpec::Degrees(size)),
+            (None, None, _) => None,
         })
     }
 }
@@ -145,9 +171,10 @@ pub fn extension(path: &Path) -> String {
 }
 
 impl DemOutput {
-    /// Opens the file, whose heights will be in `unit`, and reads the raster whose cells are asked for.
-    pub fn open(path: &Path, wanted: &HeightMapArgs, unit: ElevationUnit) -> Result<Self, Failure> {
-        wanted.grid.check()?;
+    /// Opens the file, whose heights will be in `unit`, and reads the raster whose cells are asked for. `crs` is the
+    /// system that the cells are to be in, if it is named.
+    pub fn open(path: &Path, wanted: &HeightMapArgs, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Self, Failure> {
+        wanted.grid.check(crs)?;
         if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
             let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
             return Err(Failure::Usage(message));
@@ -159,7 +186,7 @@ impl DemOutput {
             check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
         let staged = open_raster(path)?;
-        Ok(Self { staged, grid: wanted.grid.spec()?, raster: wanted.raster(unit) })
+        Ok(Self { staged, grid: wanted.grid.spec(crs)?, raster: wanted.raster(unit) })
     }
 
     /// Rasterises the surface and writes the file, still under its temporary name.

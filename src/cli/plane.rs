@@ -23,6 +23,15 @@ impl ToCrsArgs {
     }
 }
 
+/// The coordinates of the cells of a height map.
+#[derive(Debug, Clone, Args)]
+pub struct CellsCrsArgs {
+    /// Coordinate reference system of the height map; its cells are on multiples of --cell there [units of this CRS], or
+    /// of --cell-degrees if it is in degrees [default: the working CRS]
+    #[arg(long, value_name = "CRS", value_parser = crs, conflicts_with = "like")]
+    pub to_crs: Option<Crs>,
+}
+
 /// A system as it is named on the command line.
 pub fn crs(text: &str) -> Result<Crs, String> {
     let code = text.trim().parse().ok().filter(|&code: &u32| code > 0);

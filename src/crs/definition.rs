@@ -276,7 +276,7 @@ pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 impl Node {
     /// Radians per unit of angle of this geographic system; those of a degree if it does not say.
-    fn angle(&self) -> f64 {
+    pub(super) fn angle(&self) -> f64 {
         let unit = self
             .child(&["UNIT", "ANGLEUNIT"])
             .or_else(|| self.child(&["AXIS"]).and_then(|axis| axis.child(&["ANGLEUNIT", "UNIT"])));

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::definition::DEGREE;
 use super::esri;
 use super::wkt::{self, Node};
 use super::{proj_string, vertical};
@@ -165,6 +166,11 @@ impl Crs {
     /// Whether the coordinates are known to be degrees of longitude and latitude; see [`Crs::kind`].
     pub fn is_geographic(&self) -> bool {
         self.kind() == Some(CrsKind::Geographic)
+    }
+
+    /// Whether the coordinates are angles in another unit than the degree, such as grads.
+    pub fn is_in_other_angles(&self) -> bool {
+        self.is_geographic() && self.root().is_some_and(|root| root.horizontal().angle() != DEGREE)
     }
 
     /// The unit of length of the coordinates; `None` for degrees or if the WKT does not say.

@@ -14,7 +14,7 @@ use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
-use crate::subdomains::{Frame, FrameRing};
+use crate::subdomains::{Frame, FrameRing, frame_ring};
 use crate::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
@@ -64,7 +64,10 @@ impl Terrain {
         let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
         let params = options.surface(input, cells.as_ref());
         if let Some(cells) = &cells {
-            cells.check_room(&input.map, &params.frame, params.memory)?;
+            // A height map covers the part alone, not the window around it.
+            let ground = frame_ring(&input.map, &params.frame);
+            let ground = part.as_ref().map(|part| FrameRing { area: part.of(&ground.area) }).unwrap_or(ground);
+            cells.check_room(&ground, params.memory)?;
         }
         let built = build(std::mem::take(&mut input.map), &params, progress);
         let mut surface = input.found(built)?;

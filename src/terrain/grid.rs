@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
+use super::outline::Outline;
 use crate::base::Grid;
 use crate::base::error::{CrsNeed, Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
-use crate::contour::ContourMap;
 use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::Dem;
 use crate::spline::Wanted;
-use crate::subdomains::{Frame, FrameRing, frame_ring};
+use crate::subdomains::FrameRing;
 use crate::surface::{Surface, heights, heights_on, standard_errors, standard_errors_on};
 
 /// The cells that a height map is wanted at.
@@ -23,6 +23,13 @@ pub enum GridSpec {
     /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the
     /// frame.
     Degrees(f64),
+    /// Square cells of this size in another coordinate reference system, on multiples of it over the frame.
+    CellIn {
+        /// The size, units of that system: degrees if it is geographic.
+        size: f64,
+        /// The system.
+        crs: Crs,
+    },
     /// These cells.
     Cells {
         /// Size, place and number of the cells.
@@ -38,9 +45,6 @@ pub enum GridSpec {
 const MOST_CELLS: f64 = 4e9;
 /// Bytes per cell while the height map is computed and written: the height, the triangle, the share of the file.
 const BYTES_PER_CELL: f64 = 12.0;
-/// Points per edge of the frame that are converted to another system, because a straight edge is a curve there.
-const POINTS_PER_EDGE: u32 = 16;
-
 impl GridSpec {
     /// Checks the size of the cells.
     ///
@@ -50,6 +54,8 @@ impl GridSpec {
         let (name, size) = match self {
             Self::Cell(size) => ("cell size", *size),
             Self::Degrees(size) => ("cell size in degrees", *size),
+            Self::CellIn { size, crs } if crs.is_geographic() => ("cell size in degrees", *size),
+            Self::CellIn { size, .. } => ("cell size", *size),
             Self::Cells { .. } => return Ok(()),
         };
         if size.is_finite() && size > 0.0 { Ok(()) } else { Err(Error::out_of_range(name, size, "more than 0")) }
@@ -58,8 +64,9 @@ impl GridSpec {
     /// The cells over contours with this reprojection.
     ///
     /// # Errors
-    /// As [`GridSpec::check`]. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown system. As
-    /// [`Transform::between`] from the cells' system to the working one.
+    /// As [`GridSpec::check`]. [`Error::UnknownCrs`] for cells in degrees or in another system over contours of an unknown
+    /// system. [`Error::Data`] for a system in grads. As [`Transform::between`] from the cells' system to the working
+    /// one.
     pub(crate) fn over(&self, reprojection: &Reprojection) -> Result<Cells> {
         self.check()?;
         match self {
@@ -67,19 +74,22 @@ impl GridSpec {
             Self::Degrees(size) => {
                 let known = reprojection.input_crs().and_then(Crs::geographic).zip(reprojection.working_crs());
                 let (crs, working) = known.ok_or(Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees })?;
-                let way = Transform::between(&crs, working)?;
-                Ok(Cells { size: Size::Square(*size), apart: Some(Apart { crs, way }) })
+                Ok(Cells { size: Size::Square(*size), apart: Apart::of(&crs, working)? })
+            }
+            Self::CellIn { size, crs } => {
+                let working = reprojection.input_crs().and(reprojection.working_crs());
+                let working = working.ok_or(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput })?;
+                Ok(Cells { size: Size::Square(*size), apart: Apart::of(crs, working)? })
             }
             Self::Cells { grid, crs, file } => {
                 let size = Size::Given(*grid);
                 // A raster without a system is assumed to be in that of the contours.
                 let known = crs.as_ref().or(reprojection.input_crs()).zip(reprojection.working_crs());
                 let Some((crs, working)) = known else { return Ok(Cells { size, apart: None }) };
-                let way = Transform::between(crs, working).map_err(|error| match file {
+                let apart = Apart::between(crs, working).map_err(|error| match file {
                     Some(file) => error.in_file(file),
                     None => error,
                 })?;
-                let apart = (!way.is_identity()).then(|| Apart { crs: crs.clone(), way });
                 Ok(Cells { size, apart })
             }
         }
@@ -107,6 +117,38 @@ struct Apart {
     way: Transform,
 }
 
+impl Apart {
+    /// `None` if both are the same system.
+    fn between(crs: &Crs, working: &Crs) -> Result<Option<Self>> {
+        let way = Transform::between(crs, working)?;
+        Ok((!way.is_identity()).then(|| Self { crs: crs.clone(), way }))
+    }
+
+    /// The same for square cells, which are measured in degrees in every geographic system.
+    fn of(crs: &Crs, working: &Crs) -> Result<Option<Self>> {
+        if crs.is_in_other_angles() {
+            let name = crs.name().unwrap_or_default();
+            return Err(Error::Data(format!(
+                "{name} has another unit than degrees, so cells cannot be measured in degrees"
+            )));
+        }
+        Self::between(crs, working)
+    }
+
+    /// The box around a frame in this system.
+    fn extent(&self, frame: &FrameRing) -> Result<(DVec2, DVec2)> {
+        let outline = Outline::of(frame, &self.way);
+        let name = || self.crs.name().unwrap_or_default();
+        if outline.is_empty() {
+            return Err(Error::Data(format!("no part of the frame has a place in {}", name())));
+        }
+        match outline.cut(self.crs.is_geographic()) {
+            Some(cut) => Err(Error::AcrossCut { crs: name(), cut }),
+            None => Ok(outline.extent()),
+        }
+    }
+}
+
 impl Cells {
     /// The grid over a frame.
     pub fn grid(&self, frame: &FrameRing) -> Result<Grid> {
@@ -116,28 +158,25 @@ impl Cells {
         };
         let (lo, hi) = match &self.apart {
             None => frame.extent(),
-            Some(apart) => extent_in(frame, &apart.way),
+            Some(apart) => apart.extent(frame)?,
         };
-        if self.apart.is_some() && !(lo.is_finite() && hi.is_finite()) {
-            return Err(Error::Data("the frame has no place in degrees".into()));
-        }
+        let in_degrees = self.apart.as_ref().is_some_and(|apart| apart.crs.is_geographic());
         let count = ((hi - lo) / cell).ceil();
         if !count.is_finite() || count.x * count.y > MOST_CELLS {
-            let in_degrees = self.apart.is_some();
             return Err(Error::TooManyCells { cell, cols: count.x, rows: count.y, in_degrees });
         }
         let grid = Grid::on_multiples(lo, hi, cell);
         let (first, last) = (grid.place(DVec2::new(lo.x, hi.y)).ceil(), grid.place(DVec2::new(hi.x, lo.y)).floor());
         if first.cmpgt(last).any() {
             let [width, height] = (hi - lo).to_array();
-            return Err(Error::CellTooLarge { cell, width, height, in_degrees: self.apart.is_some() });
+            return Err(Error::CellTooLarge { cell, width, height, in_degrees });
         }
         Ok(grid)
     }
 
-    /// Refuses a height map that does not fit into memory, before the surface is built.
-    pub fn check_room(&self, map: &ContourMap, frame: &Frame, memory: Option<u64>) -> Result<()> {
-        let Grid { cols, rows, .. } = self.grid(&frame_ring(map, frame))?;
+    /// Refuses a height map of some ground that does not fit into memory, before the surface is built.
+    pub fn check_room(&self, ground: &FrameRing, memory: Option<u64>) -> Result<()> {
+        let Grid { cols, rows, .. } = self.grid(ground)?;
         let what = format!("a height map of {cols} x {rows} cells");
         let remedy = "choose a larger cell or a smaller frame";
         memory::check(BYTES_PER_CELL * cols as f64 * rows as f64, memory, what, remedy)
@@ -181,12 +220,4 @@ impl Cells {
             None => standard_errors(surface, dem),
         }
     }
-}
-
-/// The corners of the bounding box of the frame, in the system that `way` converts from.
-fn extent_in(frame: &FrameRing, way: &Transform) -> (DVec2, DVec2) {
-    let along =
-        |[a, b]: [DVec2; 2]| (0..POINTS_PER_EDGE).map(move |k| a.lerp(b, f64::from(k) / f64::from(POINTS_PER_EDGE)));
-    let places = frame.edges().flat_map(along).filter_map(|p| way.inverse(p));
-    places.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }

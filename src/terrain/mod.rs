@@ -15,6 +15,7 @@ mod input;
 mod json;
 mod measure;
 mod options;
+mod outline;
 mod part;
 mod plane;
 mod prepare;

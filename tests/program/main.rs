@@ -11,6 +11,7 @@ mod everyday;
 mod existing_outputs;
 mod file_troubles;
 mod labels;
+mod other_crs;
 mod out_of_proportion;
 mod parts;
 mod running;

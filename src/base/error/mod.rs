@@ -158,6 +158,14 @@ pub enum Error {
         /// Whether the size is in degrees.
         in_degrees: bool,
     },
+    /// A height map in this system would lie on both sides of a cut of its coordinates.
+    #[error("{}", across(*cut, crs))]
+    AcrossCut {
+        /// Name of the coordinate reference system.
+        crs: String,
+        /// What is cut.
+        cut: Cut,
+    },
     /// No cell of the grid lies in the area of the contours.
     #[error(
         "none of its cells lies in the area of the contours: do they overlap, and do the files name the right coordinate \
@@ -293,6 +301,15 @@ pub enum CrsNeed {
     CellsInDegrees,
 }
 
+/// Where coordinates jump although the ground goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cut {
+    /// Along a line, such as the 180th meridian.
+    Line,
+    /// Around a pole, at which every longitude ends.
+    Pole,
+}
+
 /// Why the z coordinate is not the elevation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ZCoordinate {
@@ -349,6 +366,18 @@ fn needs_crs(need: CrsNeed) -> String {
     }
 }
 
+fn across(cut: Cut, crs: &str) -> String {
+    match cut {
+        Cut::Line => format!(
+            "the map lies on both sides of the line where coordinates of {crs} jump (the 180th meridian, for most \
+             systems), so a height map in it would go around the Earth"
+        ),
+        Cut::Pole => {
+            format!("the map contains a pole, so a height map in {crs} would hold all longitudes")
+        }
+    }
+}
+
 fn why_kept(is_input: bool) -> &'static str {
     if is_input { "the file is an input: choose another file for the output" } else { "another program made it" }
 }
@@ -390,6 +419,7 @@ impl Error {
             | Self::NotProjectedInMetres { .. }
             | Self::TooManyCells { .. }
             | Self::CellTooLarge { .. }
+            | Self::AcrossCut { .. }
             | Self::TooManyPoints { .. }
             | Self::NeedsRepair { .. }
             | Self::Strict { .. }
@@ -418,6 +448,7 @@ impl Error {
                 | Self::NotProjectedInMetres { .. }
                 | Self::TooManyCells { .. }
                 | Self::CellTooLarge { .. }
+                | Self::AcrossCut { .. }
                 | Self::TooManyPoints { .. }
                 | Self::UnknownCrs { needed_for: CrsNeed::WorkingCrs | CrsNeed::CellsInDegrees }
         )

@@ -94,7 +94,7 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
         if args.grid.given().is_none() {
             return Err(Failure::Usage("two surfaces need a common grid: give --cell SIZE or --like RASTER".into()));
         }
-        args.grid.check()?;
+        args.grid.check(None)?;
     } else if args.grid.given().is_some() {
         return Err(Failure::Usage("the grid is that of the height map: leave out --cell and --like".into()));
     }

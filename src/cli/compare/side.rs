@@ -80,7 +80,7 @@ fn side_of_contours(
     }
     let grid = match nodes {
         Some((grid, crs)) => GridSpec::Cells { grid: *grid, crs: crs.clone(), file: Some(path.clone()) },
-        None => args.grid.spec()?,
+        None => args.grid.spec(None)?,
     };
     let options = args.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
     let mut terrain = build(&mut input, &args.surface, &options, console)?;
