@@ -234,7 +234,9 @@ impl DensifyArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self) -> Result<(), Failure> {
         if self.dem.is_none() && self.height_map.given().is_some() {
-            return Err(Failure::Usage("--cell, --cell-degrees, --like and --png-encoding need --dem FILE".into()));
+            return Err(Failure::Usage(
+                "--cell, --cell-degrees, --like, --png-encoding and --cog need --dem FILE".into(),
+            ));
         }
         if let Some(bad) = self.simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));

@@ -19,7 +19,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::build;
-use super::output::{self, GridArgs, extension};
+use super::output::{self, CogArgs, GridArgs, extension};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::summary;
@@ -57,6 +57,8 @@ pub struct DeriveArgs {
     /// Hillshade, 1 to 255: .png (8-bit grey), .tif, .exr, .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     hillshade: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    cog: CogArgs,
     /// Steep places as areas: .gpkg, .geojson or .shp
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     steep: Option<PathBuf>,
@@ -134,9 +136,11 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     }
 
     let scale = GroundScale::of(&dem);
-    write(&outputs.slope, Quantity::Slope, || slope(&dem, &scale), console)?;
-    write(&outputs.aspect, Quantity::Aspect, || aspect(&dem, &scale), console)?;
-    write(&outputs.shade, Quantity::Shade, || shade(&dem, &ShadeParams::default(), &scale), console)?;
+    let tiff = args.cog.layout();
+    let params = |quantity| RasterParams { quantity, tiff, ..RasterParams::default() };
+    write(&outputs.slope, &params(Quantity::Slope), || slope(&dem, &scale), console)?;
+    write(&outputs.aspect, &params(Quantity::Aspect), || aspect(&dem, &scale), console)?;
+    write(&outputs.shade, &params(Quantity::Shade), || shade(&dem, &ShadeParams::default(), &scale), console)?;
     let note = steep_note(source, args.steep_height);
     let steeps = match &outputs.steep {
         Some(staged) => {
@@ -192,6 +196,7 @@ impl DeriveArgs {
         if let Some(path) = &self.steep {
             output::check_vector(path, "steep places are written as .gpkg, .geojson or .shp")?;
         }
+        self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
         let inputs = inputs.chain(self.part.file());
@@ -201,7 +206,11 @@ impl DeriveArgs {
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
-        [&self.slope, &self.aspect, &self.hillshade, &self.steep].into_iter().flatten().map(PathBuf::as_path)
+        self.rasters().chain(self.steep.as_deref())
+    }
+
+    fn rasters(&self) -> impl Iterator<Item = &Path> {
+        [&self.slope, &self.aspect, &self.hillshade].into_iter().flatten().map(PathBuf::as_path)
     }
 
     fn open(&self) -> Result<Outputs, Failure> {
@@ -240,16 +249,16 @@ impl DeriveArgs {
 /// Computes a raster and writes it, still under its temporary name, if it is asked for.
 fn write(
     staged: &Option<StagedOutput>,
-    quantity: Quantity,
+    params: &RasterParams,
     compute: impl FnOnce() -> Dem,
     console: &Console,
 ) -> Result<(), Failure> {
     let Some(staged) = staged else { return Ok(()) };
-    let dem = console.step(quantity.name(), compute);
+    let dem = console.step(params.quantity.name(), compute);
     let path = staged.path();
-    let written = console.step("writing", || match quantity {
+    let written = console.step("writing", || match params.quantity {
         Quantity::Shade if extension(&path) == "png" => write_shade(&path, &dem),
-        _ => write_raster(&path, &dem, &RasterParams { quantity, ..RasterParams::default() }),
+        _ => write_raster(&path, &dem, params),
     });
     Ok(written.map_err(|e| staged.with_final_name(e))?)
 }

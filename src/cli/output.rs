@@ -7,7 +7,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::crs::Crs;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{
-    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, write_raster, write_with_errors,
+    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, write_raster, write_with_errors,
 };
 use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::surface::Uncertainty;
@@ -40,11 +40,37 @@ pub struct HeightMapArgs {
     /// How heights are stored in a .png
     #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
     pub png_encoding: PngArg,
+    #[command(flatten)]
+    pub cog: CogArgs,
     /// Also estimate standard errors of heights, by cross-validation on hidden contours. A height map gets a second
     /// band (.tif) or channel (.exr) 'standard error' [metres, or the unit of --to-unit], new contours the attributes
     /// err_v, err_h and inferred
     #[arg(long)]
     pub uncertainty: bool,
+}
+
+/// The layout of GeoTIFFs.
+#[derive(Debug, Clone, Args)]
+pub struct CogArgs {
+    /// Write .tif as Cloud Optimized GeoTIFF, with overviews (means of 2 x 2 cells); larger by about a third
+    #[arg(long)]
+    pub cog: bool,
+}
+
+impl CogArgs {
+    /// The library's layout.
+    pub fn layout(&self) -> TiffLayout {
+        if self.cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain }
+    }
+
+    /// Refuses the flag if none of the rasters is a GeoTIFF.
+    pub fn check<'a>(&self, rasters: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+        let is_tiff = |path: &Path| ["tif", "tiff"].contains(&extension(path).as_str());
+        if self.cog && !rasters.into_iter().any(is_tiff) {
+            return Err(Failure::Usage("--cog applies to .tif, and no output is one".into()));
+        }
+        Ok(())
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -119,7 +145,8 @@ impl GridArgs {
 impl HeightMapArgs {
     /// The first flag that is given; a run without a height map must not ignore it.
     pub fn given(&self) -> Option<&'static str> {
-        self.grid.given().or((self.png_encoding != PngArg::Gray16).then_some("--png-encoding"))
+        let of_file = first_given([(self.png_encoding != PngArg::Gray16, "--png-encoding"), (self.cog.cog, "--cog")]);
+        self.grid.given().or(of_file)
     }
 
     /// Whether to estimate standard errors.
@@ -133,7 +160,7 @@ impl HeightMapArgs {
             PngArg::Gray16 => PngEncoding::Gray16,
             PngArg::Gsi => PngEncoding::Gsi,
         };
-        RasterParams { png, unit, ..RasterParams::default() }
+        RasterParams { png, tiff: self.cog.layout(), unit, ..RasterParams::default() }
     }
 }
 
@@ -182,6 +209,7 @@ impl DemOutput {
         if wanted.png_encoding == PngArg::Gsi && unit.is_foot() {
             return Err(Failure::Usage("--png-encoding gsi holds metres only, so --to-unit cannot be feet".into()));
         }
+        wanted.cog.check([path])?;
         if wanted.uncertainty {
             check_extension(path, "heights with --uncertainty", &TWO_BAND_EXTENSIONS)?;
         }
@@ -194,7 +222,7 @@ impl DemOutput {
         let dem = terrain.dem_with(&self.grid, console)?;
         let errors = terrain.errors_of(&dem, &self.grid)?;
         let written = console.step("writing", || match &errors {
-            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors, self.raster.unit),
+            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors, &self.raster),
             None => write_raster(&self.staged.path(), &dem, &self.raster),
         });
         written.map_err(|e| self.staged.with_final_name(e))?;

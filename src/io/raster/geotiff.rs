@@ -1,24 +1,28 @@
-//! GeoTIFF height maps: 32-bit floating point in compressed tiles.
+//! GeoTIFF height maps: 32-bit floating point in compressed tiles, plain or as a Cloud Optimized GeoTIFF.
 //!
 //! Cells without data hold -9999, and the nodata tag names this value. GDAL and QGIS would accept NaN, but older ArcGIS
 //! versions and most self-written readers treat NaN as a height. Tiles pass the floating point predictor and are then
 //! deflated, which halves the size of smooth terrain. They are compressed in parallel and written in order: the file
 //! does not depend on the number of threads.
+//!
+//! The directories come first, and the tiles behind them. The directories state the places of the tiles, which are known
+//! at the end. Their length is known before: it depends only on the number of tiles.
 
-use std::io::{Seek, Write};
+use std::borrow::Cow;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
-use tiff::TiffError;
-use tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Predictor, SampleFormat, Tag};
 
+use super::directory::{Directory, Field, Kind, beginning};
 use super::geokeys::GeoKeys;
-use super::output::{Filled, create};
+use super::output::create;
+use super::overview::{Image, overviews};
 use super::quantity::{Quantity, STANDARD_ERROR, Values};
-use crate::base::Grid;
+use super::{TiffLayout, cog};
 use crate::base::error::Result;
 use crate::dem::Dem;
 use crate::io::maker::PROGRAM;
@@ -37,6 +41,9 @@ const NODATA: f32 = -9999.0;
 
 /// GDAL's own tag: name and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
+
+/// The subfile type of an overview.
+const IS_OVERVIEW: u32 = 1;
 
 fn metadata(values: Values, with_errors: bool) -> String {
     let of_band = |band: u8, name: &str, role: &str, text: &str| {
@@ -58,85 +65,146 @@ fn metadata(values: Values, with_errors: bool) -> String {
     format!("<GDALMetadata>\n{name}{unit}{errors}</GDALMetadata>\n")
 }
 
-/// Writes `dem` to `path`, with a second band of `errors` if there are any.
-pub(super) fn write(path: &Path, dem: &Dem, values: Values, errors: Option<&[f32]>) -> Result<()> {
-    let bands = 1 + u64::from(errors.is_some());
-    let tiles = bands * dem.grid.cols.div_ceil(TILE) as u64 * dem.grid.rows.div_ceil(TILE) as u64;
-    let big = tiles * (TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
-    create(path, |out| {
-        let written = if big {
-            write_kind::<TiffKindBig>(out, dem, values, errors)
-        } else {
-            write_kind::<TiffKindStandard>(out, dem, values, errors)
-        };
-        written.map_err(|error| match error {
-            TiffError::IoError(error) => Filled::Io(error),
-            other => Filled::Format(other.into()),
-        })
-    })
+impl Image<'_> {
+    /// The number of tiles in a row of tiles, and of rows of tiles.
+    fn tiles(&self) -> [usize; 2] {
+        [self.cols, self.rows].map(|cells| cells.div_ceil(TILE))
+    }
+
+    /// The number of tiles of all bands.
+    fn count(&self) -> usize {
+        self.bands.len() * self.tiles().iter().product::<usize>()
+    }
 }
 
-/// Long because it lists all tags of the file.
-fn write_kind<K: TiffKind>(
-    out: impl Write + Seek,
-    dem: &Dem,
+/// Where the tiles of an image are in the file: offsets and lengths, bytes.
+struct Places {
+    offsets: Vec<u64>,
+    lengths: Vec<u64>,
+}
+
+/// A raster, and how it is written.
+struct Raster<'a> {
+    dem: &'a Dem,
     values: Values,
-    errors: Option<&[f32]>,
-) -> std::result::Result<(), TiffError> {
-    let grid = dem.grid;
-    let nodata = if dem.values.contains(&NODATA) { f32::NAN } else { NODATA };
-    let mut encoder = TiffEncoder::<_, K>::new_generic(out)?;
-    let mut directory = encoder.image_directory()?;
+    layout: TiffLayout,
+    kind: Kind,
+    /// The map, and its overviews from the largest to the smallest.
+    images: Vec<Image<'a>>,
+    nodata: f32,
+}
 
-    let across = grid.cols.div_ceil(TILE);
-    let a_band = across * grid.rows.div_ceil(TILE);
-    let bands: Vec<&[f32]> = std::iter::once(dem.values.as_slice()).chain(errors).collect();
-    let count = bands.len() * a_band;
-    let (mut offsets, mut lengths) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    for first in (0..count).step_by(BATCH) {
-        let batch: Vec<std::io::Result<Vec<u8>>> = (first..count.min(first + BATCH))
-            .into_par_iter()
-            .map(|k| (bands[k / a_band], k % a_band))
-            .map(|(band, tile)| compress(&tile_bytes(band, &grid, [tile % across, tile / across], nodata)))
-            .collect();
-        for tile in batch {
-            let tile = tile?;
-            offsets.push(K::convert_offset(directory.write_data(tile.as_slice())?)?);
-            lengths.push(K::convert_offset(tile.len() as u64)?);
+/// Writes `dem` to `path`, with a second band of `errors` if there are any.
+pub(super) fn write(path: &Path, dem: &Dem, values: Values, layout: TiffLayout, errors: Option<&[f32]>) -> Result<()> {
+    let raster = Raster::of(dem, values, layout, errors);
+    create(path, |out| Ok(raster.write(out)?))
+}
+
+impl<'a> Raster<'a> {
+    fn of(dem: &'a Dem, values: Values, layout: TiffLayout, errors: Option<&'a [f32]>) -> Self {
+        let bands = std::iter::once(dem.values.as_slice()).chain(errors).map(Cow::Borrowed).collect();
+        let mut images = vec![Image { bands, cols: dem.grid.cols, rows: dem.grid.rows }];
+        if layout == TiffLayout::CloudOptimized {
+            images.extend(overviews(&images[0], TILE, values.quantity));
         }
+        let tiles: usize = images.iter().map(Image::count).sum();
+        let is_large = (tiles * TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
+        let kind = if is_large { Kind::Big } else { Kind::Classic };
+        let is_taken = images.iter().flat_map(|image| &image.bands).any(|band| band.contains(&NODATA));
+        let nodata = if is_taken { f32::NAN } else { NODATA };
+        Self { dem, values, layout, kind, images, nodata }
     }
 
-    // The caller has checked that both fit into 31 bits.
-    directory.write_tag(Tag::ImageWidth, grid.cols as u32)?;
-    directory.write_tag(Tag::ImageLength, grid.rows as u32)?;
-    directory.write_tag(Tag::BitsPerSample, vec![32_u16; bands.len()].as_slice())?;
-    directory.write_tag(Tag::Compression, CompressionMethod::Deflate)?;
-    directory.write_tag(Tag::PhotometricInterpretation, PhotometricInterpretation::BlackIsZero)?;
-    directory.write_tag(Tag::SamplesPerPixel, bands.len() as u16)?;
-    // The bands are stored one after the other. A reader of heights need not read the errors.
-    let planar = if errors.is_some() { PlanarConfiguration::Planar } else { PlanarConfiguration::Chunky };
-    directory.write_tag(Tag::PlanarConfiguration, planar)?;
-    if errors.is_some() {
-        directory.write_tag(Tag::ExtraSamples, 0_u16)?;
-    }
-    directory.write_tag(Tag::Predictor, Predictor::FloatingPoint)?;
-    directory.write_tag(Tag::TileWidth, TILE as u32)?;
-    directory.write_tag(Tag::TileLength, TILE as u32)?;
-    directory.write_tag(Tag::TileOffsets, K::convert_slice(&offsets))?;
-    directory.write_tag(Tag::TileByteCounts, K::convert_slice(&lengths))?;
-    directory.write_tag(Tag::SampleFormat, vec![SampleFormat::IEEEFP.to_u16(); bands.len()].as_slice())?;
-    directory.write_tag(Tag::Software, PROGRAM)?;
-    directory.write_tag(Tag::ModelPixelScaleTag, [grid.cell.x, grid.cell.y, 0.0])?;
-    directory.write_tag(Tag::ModelTiepointTag, [0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])?;
-    directory.write_tag(Tag::GdalNodata, if nodata.is_nan() { "nan" } else { "-9999" })?;
-    directory.write_tag(GDAL_METADATA, metadata(values, errors.is_some()).as_str())?;
-    if let Some(keys) = dem.crs.as_ref().and_then(GeoKeys::of) {
-        directory.write_tag(Tag::GeoKeyDirectoryTag, keys.directory.as_slice())?;
-        if !keys.ascii.is_empty() {
-            directory.write_tag(Tag::GeoAsciiParamsTag, keys.ascii.as_str())?;
+    /// Writes the directories from the map to the smallest overview, and the tiles the other way round. So the beginning
+    /// of the file holds the directories and the small overviews.
+    fn write(&self, out: &mut (impl Write + Seek)) -> std::io::Result<()> {
+        let unknown = |image: &Image<'_>| Places { offsets: vec![0; image.count()], lengths: vec![0; image.count()] };
+        let mut places: Vec<Places> = self.images.iter().map(unknown).collect();
+        let room = self.beginning(&places).len() as u64;
+        let mut at = out.seek(SeekFrom::Start(room))?;
+        for (image, places) in self.images.iter().zip(&mut places).rev() {
+            for first in (0..image.count()).step_by(BATCH) {
+                let batch: Vec<std::io::Result<Vec<u8>>> = (first..image.count().min(first + BATCH))
+                    .into_par_iter()
+                    .map(|tile| compress(&tile_bytes(image, tile, self.nodata)))
+                    .collect();
+                for (tile, bytes) in (first..).zip(batch) {
+                    let bytes = bytes?;
+                    let [before, after] = match self.layout {
+                        TiffLayout::Plain => Default::default(),
+                        TiffLayout::CloudOptimized => cog::around(&bytes),
+                    };
+                    places.offsets[tile] = at + before.len() as u64;
+                    places.lengths[tile] = bytes.len() as u64;
+                    for part in [before, bytes, after] {
+                        out.write_all(&part)?;
+                        at += part.len() as u64;
+                    }
+                }
+            }
         }
+        out.seek(SeekFrom::Start(0))?;
+        out.write_all(&self.beginning(&places))
     }
-    directory.finish()
+
+    /// The bytes before the tiles.
+    fn beginning(&self, places: &[Places]) -> Vec<u8> {
+        let directories: Vec<Directory> = (0..places.len()).map(|k| self.directory(k, &places[k])).collect();
+        let after_header = match self.layout {
+            TiffLayout::Plain => String::new(),
+            TiffLayout::CloudOptimized => cog::structure(),
+        };
+        beginning(self.kind, after_header.as_bytes(), &directories)
+    }
+
+    /// The directory of an image. Long because it lists all tags of the file.
+    fn directory(&self, k: usize, places: &Places) -> Directory {
+        let image = &self.images[k];
+        let bands = image.bands.len();
+        let short = |value: u16| Field::Shorts(vec![value]);
+        // The caller has checked that columns and rows fit into 31 bits.
+        let long = |value: usize| Field::Longs(vec![value as u32]);
+        // The bands are stored one after the other. A reader of heights need not read the errors.
+        let planar = if bands > 1 { PlanarConfiguration::Planar } else { PlanarConfiguration::Chunky };
+        let nodata = if self.nodata.is_nan() { "nan" } else { "-9999" };
+        let mut tags: Directory = vec![
+            (Tag::ImageWidth, long(image.cols)),
+            (Tag::ImageLength, long(image.rows)),
+            (Tag::BitsPerSample, Field::Shorts(vec![32; bands])),
+            (Tag::Compression, short(CompressionMethod::Deflate.to_u16())),
+            (Tag::PhotometricInterpretation, short(PhotometricInterpretation::BlackIsZero.to_u16())),
+            (Tag::SamplesPerPixel, short(bands as u16)),
+            (Tag::PlanarConfiguration, short(planar.to_u16())),
+            (Tag::Predictor, short(Predictor::FloatingPoint.to_u16())),
+            (Tag::TileWidth, long(TILE)),
+            (Tag::TileLength, long(TILE)),
+            (Tag::TileOffsets, Field::Offsets(places.offsets.clone())),
+            (Tag::TileByteCounts, Field::Offsets(places.lengths.clone())),
+            (Tag::SampleFormat, Field::Shorts(vec![SampleFormat::IEEEFP.to_u16(); bands])),
+            (Tag::GdalNodata, Field::Ascii(nodata.into())),
+        ];
+        if bands > 1 {
+            tags.push((Tag::ExtraSamples, short(0)));
+        }
+        if k > 0 {
+            tags.push((Tag::NewSubfileType, Field::Longs(vec![IS_OVERVIEW])));
+            return tags;
+        }
+        let grid = self.dem.grid;
+        tags.extend([
+            (Tag::Software, Field::Ascii(PROGRAM.into())),
+            (Tag::ModelPixelScaleTag, Field::Doubles(vec![grid.cell.x, grid.cell.y, 0.0])),
+            (Tag::ModelTiepointTag, Field::Doubles(vec![0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])),
+            (GDAL_METADATA, Field::Ascii(metadata(self.values, bands > 1))),
+        ]);
+        if let Some(keys) = self.dem.crs.as_ref().and_then(GeoKeys::of) {
+            tags.push((Tag::GeoKeyDirectoryTag, Field::Shorts(keys.directory)));
+            if !keys.ascii.is_empty() {
+                tags.push((Tag::GeoAsciiParamsTag, Field::Ascii(keys.ascii)));
+            }
+        }
+        tags
+    }
 }
 
 fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
@@ -146,12 +214,15 @@ fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
 }
 
 /// The bytes of one tile after the predictor. Outside the map the last column and row are repeated.
-fn tile_bytes(values: &[f32], grid: &Grid, [tile_col, tile_row]: [usize; 2], nodata: f32) -> Vec<u8> {
-    let (cols, rows) = (grid.cols, grid.rows);
+fn tile_bytes(image: &Image<'_>, tile: usize, nodata: f32) -> Vec<u8> {
+    let (cols, rows) = (image.cols, image.rows);
+    let [across, down] = image.tiles();
+    let values = &image.bands[tile / (across * down)];
+    let tile = tile % (across * down);
+    let (left, top) = (tile % across * TILE, tile / across * TILE);
     let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
     for (row, line) in bytes.chunks_exact_mut(TILE * size_of::<f32>()).enumerate() {
-        let start = (tile_row * TILE + row).min(rows - 1) * cols;
-        let left = tile_col * TILE;
+        let start = (top + row).min(rows - 1) * cols;
         for col in 0..TILE {
             let height = values[start + (left + col).min(cols - 1)];
             let stored = if height.is_nan() { nodata } else { height };
@@ -192,7 +263,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         for (cols, rows) in [(3, 2), (256, 256), (257, 255), (300, 700)] {
             let dem = sample(cols, rows);
-            write(&path, &dem, Quantity::Height.into(), None).unwrap();
+            write(&path, &dem, Quantity::Height.into(), TiffLayout::Plain, None).unwrap();
             let (values, nodata) = read(&path);
             assert_eq!(nodata, "-9999");
             assert_eq!(values.len(), cols * rows);
@@ -212,7 +283,7 @@ mod tests {
         let path = dir.path().join("dem.tif");
         let mut dem = sample(20, 20);
         dem.values[0] = -9999.0;
-        write(&path, &dem, Quantity::Height.into(), None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), TiffLayout::Plain, None).unwrap();
         let (values, nodata) = read(&path);
         assert_eq!(values[0], -9999.0);
         assert!(values[21].is_nan());
@@ -226,21 +297,25 @@ mod tests {
         let mut dem = sample(4, 4);
         let wkt = "PROJCS[\"own\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.25]]],UNIT[\"metre\",1]]";
         dem.crs = Some(Crs { epsg: None, wkt: Some(wkt.into()) });
-        write(&path, &dem, Quantity::Height.into(), None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), TiffLayout::Plain, None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, dem.crs);
         dem.crs = None;
-        write(&path, &dem, Quantity::Height.into(), None).unwrap();
+        write(&path, &dem, Quantity::Height.into(), TiffLayout::Plain, None).unwrap();
         assert_eq!(read_grid(&path).unwrap().1, None);
     }
 
     #[test]
     fn the_large_kind_reads_back_too() {
-        let dem = sample(300, 20);
-        let mut file = std::io::Cursor::new(Vec::new());
-        write_kind::<TiffKindBig>(&mut file, &dem, Quantity::Height.into(), None).unwrap();
-        assert_eq!(file.get_ref()[2], 43);
-        file.set_position(0);
-        let DecodingResult::F32(values) = Decoder::new(file).unwrap().read_image().unwrap() else { panic!("not f32") };
-        assert_eq!(values[299], dem.values[299]);
+        let dem = sample(300, 520);
+        for layout in [TiffLayout::Plain, TiffLayout::CloudOptimized] {
+            let raster = Raster { kind: Kind::Big, ..Raster::of(&dem, Quantity::Height.into(), layout, None) };
+            let mut file = std::io::Cursor::new(Vec::new());
+            raster.write(&mut file).unwrap();
+            assert_eq!(file.get_ref()[2], 43);
+            file.set_position(0);
+            let mut decoder = Decoder::new(file).unwrap();
+            let DecodingResult::F32(values) = decoder.read_image().unwrap() else { panic!("not f32") };
+            assert_eq!(values[299], dem.values[299]);
+        }
     }
 }

@@ -14,6 +14,8 @@
 //! Sidecar files are written beside the main file, in any directory.
 
 mod asc;
+mod cog;
+mod directory;
 mod exr;
 mod geokeys;
 mod geotiff;
@@ -23,6 +25,7 @@ mod height_unit;
 mod heights;
 mod like;
 mod output;
+mod overview;
 mod pam;
 mod picture;
 mod png;
@@ -59,6 +62,17 @@ pub enum PngEncoding {
     Gsi,
 }
 
+/// How a GeoTIFF is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TiffLayout {
+    /// The map alone, in tiles. Other programs can change such a file, for example add overviews.
+    #[default]
+    Plain,
+    /// A Cloud Optimized GeoTIFF, which is read in parts over a network. It has overviews: a cell of an overview is the
+    /// mean of the cells with data among the two by two below it. The smallest overview is one tile.
+    CloudOptimized,
+}
+
 /// How to write a raster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RasterParams {
@@ -66,6 +80,8 @@ pub struct RasterParams {
     pub quantity: Quantity,
     /// How a PNG stores them. The other formats have only one way.
     pub png: PngEncoding,
+    /// How a GeoTIFF is laid out.
+    pub tiff: TiffLayout,
     /// The unit in which heights and differences of heights are written. In memory they are metres. The file states the
     /// unit, except `.xyz`, which has no place for it.
     pub unit: ElevationUnit,
@@ -89,13 +105,13 @@ pub fn write_dem(path: &Path, dem: &Dem) -> Result<()> {
 /// - The operating system reports an error.
 pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let write: fn(&Path, &Dem, Values) -> Result<()> = match extension.as_str() {
-        "tif" | "tiff" => |path, dem, values| geotiff::write(path, dem, values, None),
-        "exr" => |path, dem, values| exr::write(path, dem, values, None),
-        "png" if params.png == PngEncoding::Gsi => gsi_tile::write,
-        "png" => png::write,
-        "asc" => asc::write,
-        "xyz" => xyz::write,
+    let write: &dyn Fn(&Path, &Dem, Values) -> Result<()> = match extension.as_str() {
+        "tif" | "tiff" => &|path, dem, values| geotiff::write(path, dem, values, params.tiff, None),
+        "exr" => &|path, dem, values| exr::write(path, dem, values, None),
+        "png" if params.png == PngEncoding::Gsi => &gsi_tile::write,
+        "png" => &png::write,
+        "asc" => &asc::write,
+        "xyz" => &xyz::write,
         _ => {
             return Err(Error::file(
                 path,
@@ -129,23 +145,24 @@ fn times(values: &[f32], factor: f64) -> Vec<f32> {
 /// The extensions of the formats that hold a second value per cell, for messages.
 pub const TWO_BAND_EXTENSIONS: [&str; 3] = ["tif", "tiff", "exr"];
 
-/// Writes a height map with the standard error of every cell; both are in metres, and in `unit` in the file. The errors are the second band of a GeoTIFF or a
-/// second channel of an OpenEXR file. An error of NaN means no data.
+/// Writes a height map with the standard error of every cell. Both are in metres in memory, and in the unit of the
+/// parameters in the file. The errors are the second band of a GeoTIFF or a second channel of an OpenEXR file. An error
+/// of NaN means no data.
 ///
 /// # Errors
 /// As [`write_raster`]. Also if the format is another one, or if there is not one error per cell.
-pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32], unit: ElevationUnit) -> Result<()> {
+pub fn write_with_errors(path: &Path, dem: &Dem, errors: &[f32], params: &RasterParams) -> Result<()> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     check(path, dem)?;
     if errors.len() != dem.values.len() {
         let message = format!("{}: {} errors for {} cells", path.display(), errors.len(), dem.values.len());
         return Err(Error::Parameter(message));
     }
-    let values = Values { quantity: Quantity::Height, heights: unit };
+    let values = Values { quantity: Quantity::Height, heights: params.unit };
     let dem = &in_file(dem, values);
     let errors = &values.factor().map_or(Cow::Borrowed(errors), |factor| Cow::Owned(times(errors, factor)));
     match extension.as_str() {
-        "tif" | "tiff" => geotiff::write(path, dem, values, Some(errors)),
+        "tif" | "tiff" => geotiff::write(path, dem, values, params.tiff, Some(errors)),
         "exr" => exr::write(path, dem, values, Some(errors)),
         _ => {
             let known = TWO_BAND_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
@@ -196,7 +213,7 @@ mod tests {
             dem.values.iter().enumerate().map(|(i, v)| if v.is_nan() { *v } else { i as f32 * 1e-3 }).collect();
         for extension in TWO_BAND_EXTENSIONS {
             let path = dir.path().join("dem").with_extension(extension);
-            write_with_errors(&path, &dem, &errors, ElevationUnit::Metre).unwrap();
+            write_with_errors(&path, &dem, &errors, &RasterParams::default()).unwrap();
             let report = read_dem(&path).unwrap();
             let kinds: Vec<_> = report.findings.iter().map(|f| f.kind).collect();
             assert_eq!(kinds, [FindingKind::UnknownCrs], "nothing is left out of {extension}");
@@ -210,10 +227,10 @@ mod tests {
         }
         for extension in ["png", "asc", "xyz"] {
             let path = dir.path().join("dem").with_extension(extension);
-            let error = write_with_errors(&path, &dem, &errors, ElevationUnit::Metre).unwrap_err().to_string();
+            let error = write_with_errors(&path, &dem, &errors, &RasterParams::default()).unwrap_err().to_string();
             assert!(error.contains(".tif, .tiff, .exr") && !path.exists(), "{error}");
         }
-        let short = write_with_errors(&dir.path().join("dem.tif"), &dem, &errors[1..], ElevationUnit::Metre);
+        let short = write_with_errors(&dir.path().join("dem.tif"), &dem, &errors[1..], &RasterParams::default());
         assert!(matches!(short, Err(Error::Parameter(_))));
     }
 
