@@ -7,7 +7,6 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
-use tokosen::dem::shade::ShadeParams;
 use tokosen::dem::{Dem, GroundScale};
 use tokosen::io::layer::{STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
@@ -19,6 +18,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::build;
+use super::light::LightArgs;
 use super::output::{self, CogArgs, GridArgs, extension};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
@@ -57,6 +57,8 @@ pub struct DeriveArgs {
     /// Hillshade, 1 to 255: .png (8-bit grey), .tif, .exr, .asc or .xyz
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     hillshade: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    light: LightArgs,
     #[command(flatten, next_help_heading = "Output")]
     cog: CogArgs,
     /// Steep places as areas: .gpkg, .geojson or .shp
@@ -99,6 +101,7 @@ const INPUT_HELP: &str = "Height map (.tif, .asc, .exr, .png), or contour lines 
 const EXAMPLES: &str = "\
 Examples:
   tokosen derive dem.tif --slope slope.tif --aspect aspect.tif --hillshade shade.png
+  tokosen derive dem.tif --hillshade shade.tif --multidirectional --z-factor 2
   tokosen derive dem.asc --steep steep.gpkg
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
@@ -125,6 +128,7 @@ struct SourceDem {
 pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let is_raster = args.input.map.content()? == Content::HeightMap;
     args.check(is_raster, console)?;
+    let light = args.light.params()?;
     let outputs = args.open()?;
     let SourceDem { dem, source, findings } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
@@ -140,7 +144,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     let params = |quantity| RasterParams { quantity, tiff, ..RasterParams::default() };
     write(&outputs.slope, &params(Quantity::Slope), || slope(&dem, &scale), console)?;
     write(&outputs.aspect, &params(Quantity::Aspect), || aspect(&dem, &scale), console)?;
-    write(&outputs.shade, &params(Quantity::Shade), || shade(&dem, &ShadeParams::default(), &scale), console)?;
+    write(&outputs.shade, &params(Quantity::Shade), || shade(&dem, &light, &scale), console)?;
     let note = steep_note(source, args.steep_height);
     let steeps = match &outputs.steep {
         Some(staged) => {

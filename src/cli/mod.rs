@@ -15,6 +15,7 @@ mod input;
 mod interrupt;
 mod job;
 mod labels;
+mod light;
 mod map;
 mod memory;
 mod mesh;

@@ -29,11 +29,24 @@ impl Light {
     }
 }
 
+/// How several lights share in the brightness of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shares {
+    /// Everywhere the same, by their weights.
+    #[default]
+    Same,
+    /// By their weights times the square of the sine of the angle between their azimuth and the aspect of the slope. So
+    /// a slope is mostly lit from the side, which shows its shape. On level ground as [`Shares::Same`].
+    FromTheSide,
+}
+
 /// Parameters of the hillshade.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadeParams {
     /// The lights. Without lights everything is dark.
     pub lights: Vec<Light>,
+    /// How they share in the brightness.
+    pub shares: Shares,
     /// Factor on the heights (vertical exaggeration).
     pub exaggeration: f64,
     /// Metres per map unit in x and y, for maps in feet or degrees.
@@ -44,7 +57,7 @@ impl Default for ShadeParams {
     /// One light from the north-west, 45 degrees above the horizon.
     fn default() -> Self {
         let light = Light { azimuth: 315.0, altitude: 45.0, weight: 1.0 };
-        Self { lights: vec![light], exaggeration: 1.0, metres_per_unit: DVec2::ONE }
+        Self { lights: vec![light], shares: Shares::Same, exaggeration: 1.0, metres_per_unit: DVec2::ONE }
     }
 }
 
@@ -54,6 +67,13 @@ impl ShadeParams {
     pub fn soft() -> Self {
         let light = |azimuth, weight| Light { azimuth, altitude: 45.0, weight };
         Self { lights: vec![light(315.0, 0.6), light(255.0, 0.2), light(15.0, 0.2)], ..Self::default() }
+    }
+
+    /// Lights from the south-west, the west, the north-west and the north, which light slopes from the side. The method
+    /// is that of Mark (1992, USGS Open-File Report 92-422), as in GDAL. `altitude` is that of the lights, degrees.
+    pub fn multidirectional(altitude: f64) -> Self {
+        let lights = [225.0, 270.0, 315.0, 360.0].map(|azimuth| Light { azimuth, altitude, weight: 1.0 });
+        Self { lights: lights.to_vec(), shares: Shares::FromTheSide, ..Self::default() }
     }
 
     /// The brightness of level ground.
@@ -92,18 +112,33 @@ pub fn hillshade_on(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Vec
     )
 }
 
-/// The directions towards the lights and their shares of the brightness.
-pub(crate) struct Lights(Vec<(DVec3, f64)>);
+/// The directions towards the lights, and their shares of the brightness.
+pub(crate) struct Lights {
+    lights: Vec<(DVec3, f64)>,
+    shares: Shares,
+}
 
 impl Lights {
     pub fn new(params: &ShadeParams) -> Self {
         let total: f64 = params.lights.iter().map(|l| l.weight).sum();
-        Self(params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect())
+        let lights = params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect();
+        Self { lights, shares: params.shares }
     }
 
     /// Brightness of ground with this unit normal.
     pub fn on(&self, normal: DVec3) -> f64 {
-        self.0.iter().map(|(light, weight)| weight * normal.dot(*light).max(0.0)).sum()
+        // The normal leans in the direction that the slope faces.
+        let facing = normal.truncate().try_normalize().filter(|_| self.shares == Shares::FromTheSide);
+        let Some(facing) = facing else {
+            return self.lights.iter().map(|(light, weight)| weight * normal.dot(*light).max(0.0)).sum();
+        };
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (light, weight) in &self.lights {
+            let weight = weight * facing.perp_dot(light.truncate().normalize_or_zero()).powi(2);
+            sum += weight * normal.dot(*light).max(0.0);
+            total += weight;
+        }
+        if total > 0.0 { sum / total } else { 0.0 }
     }
 }
 
@@ -214,6 +249,39 @@ mod tests {
         let shade = |x, y| hillshade(&plane(DVec2::new(x, y), DVec2::ONE), &ShadeParams::default())[31];
         assert!((shade(0.5_f64.sqrt(), -(0.5_f64.sqrt())) - 1.0).abs() < 1e-6);
         assert_eq!(shade(-9.0, 9.0), 0.0);
+    }
+
+    #[test]
+    fn lights_from_many_sides_follow_the_formula_of_their_definition() {
+        // By angles: aspect and slope of the ground, azimuth and zenith of the lights (Mark 1992; Horn 1981).
+        for altitude in [20.0_f64, 45.0, 80.0] {
+            for (x, y) in [(0.3, 0.1), (-0.8, 0.05), (0.2, -1.5), (-0.4, -0.4), (0.0, 0.6), (0.7, 0.0)] {
+                let aspect = f64::atan2(-x, -y);
+                let slope = f64::hypot(x, y).atan();
+                let zenith = (90.0 - altitude).to_radians();
+                let expected: f64 = [225.0_f64, 270.0, 315.0, 360.0]
+                    .map(|azimuth| {
+                        let angle = azimuth.to_radians() - aspect;
+                        let bright = zenith.cos() * slope.cos() + zenith.sin() * slope.sin() * angle.cos();
+                        0.5 * angle.sin().powi(2) * bright.max(0.0)
+                    })
+                    .iter()
+                    .sum();
+                let params = ShadeParams::multidirectional(altitude);
+                let value = hillshade(&plane(DVec2::new(x, y), DVec2::ONE), &params)[31];
+                assert!((f64::from(value) - expected).abs() < 1e-4, "{altitude} {x} {y}: {value} {expected}");
+            }
+            let level = hillshade(&plane(DVec2::ZERO, DVec2::ONE), &ShadeParams::multidirectional(altitude))[31];
+            assert!((f64::from(level) - altitude.to_radians().sin()).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_factor_on_heights_is_that_of_a_steeper_plane() {
+        let params = ShadeParams { exaggeration: 3.0, ..ShadeParams::default() };
+        let steep = hillshade(&plane(DVec2::new(0.3, -0.6), DVec2::ONE), &ShadeParams::default())[31];
+        let raised = hillshade(&plane(DVec2::new(0.1, -0.2), DVec2::ONE), &params)[31];
+        assert!((steep - raised).abs() < 1e-4);
     }
 
     #[test]

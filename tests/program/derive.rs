@@ -92,6 +92,33 @@ fn contours_are_derived_from_with_their_caution() {
 }
 
 #[test]
+fn the_light_of_the_hillshade_is_that_of_the_options() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &plane()).unwrap();
+    // Brightness is 1 + 254 times the cosine of the angle between the light and the normal of the plane, which faces
+    // west. With the factor, it rises by 1.5.
+    let toward = |azimuth: f64, altitude: f64, rise: f64| {
+        let (angle, altitude) = ((azimuth - 270.0).to_radians(), altitude.to_radians());
+        (altitude.sin() + rise * altitude.cos() * angle.cos()) / f64::hypot(1.0, rise)
+    };
+    // The weights are 0.5 sin2 of the angle between the azimuths and the aspect.
+    let many = 0.25 * toward(225.0, 60.0, 0.75) + 0.25 * toward(315.0, 60.0, 0.75) + 0.5 * toward(360.0, 60.0, 0.75);
+    for (options, expected) in [
+        ("", toward(315.0, 45.0, 0.75)),
+        ("--azimuth 240 --altitude 30", toward(240.0, 30.0, 0.75)),
+        ("--azimuth 360 --altitude 90 --z-factor 2", toward(360.0, 90.0, 1.5)),
+        ("--z-factor 0.5", toward(315.0, 45.0, 0.375)),
+        ("--azimuth 90 --altitude 20", 0.0),
+        ("--multidirectional --altitude 60", many),
+    ] {
+        folder.succeeds(&format!("derive dem.tif --hillshade shade.tif {options}"));
+        let shade = read_dem(&folder.path("shade.tif")).unwrap().value.dem;
+        let off = |v: &f32| (f64::from(*v) - 1.0 - 254.0 * expected).abs();
+        assert!(shade.values.iter().all(|v| off(v) < 1e-3), "{options}: {} {expected}", shade.values[0]);
+    }
+}
+
+#[test]
 fn wrong_usage_is_told_before_the_work() {
     let folder = Folder::new();
     write_dem(&folder.path("dem.tif"), &plane()).unwrap();
@@ -108,6 +135,19 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --steep a.gpkg --steep-height -1", 2, "--steep-height is -1"),
         ("derive dem.tif --slope a.tif --steep-angle 45", 2, "--steep <FILE>"),
         ("derive dem.tif --slope a.tif --steep-height 9", 2, "--steep <FILE>"),
+        ("derive dem.tif --slope a.tif --azimuth 45", 2, "--hillshade <FILE>"),
+        ("derive dem.tif --slope a.tif --altitude 30", 2, "--hillshade <FILE>"),
+        ("derive dem.tif --slope a.tif --z-factor 2", 2, "--hillshade <FILE>"),
+        ("derive dem.tif --slope a.tif --multidirectional", 2, "--hillshade <FILE>"),
+        ("derive dem.tif --hillshade a.tif --azimuth 361", 2, "--azimuth is 361"),
+        ("derive dem.tif --hillshade a.tif --azimuth -1", 2, "--azimuth is -1"),
+        ("derive dem.tif --hillshade a.tif --altitude 91", 2, "--altitude is 91"),
+        ("derive dem.tif --hillshade a.tif --altitude nan", 2, "--altitude is NaN"),
+        ("derive dem.tif --hillshade a.tif --z-factor 0", 2, "--z-factor is 0"),
+        ("derive dem.tif --hillshade a.tif --z-factor inf", 2, "--z-factor is inf"),
+        ("derive dem.tif --hillshade a.tif --azimuth 45 --multidirectional", 2, "cannot be used with"),
+        ("derive dem.tif --hillshade a.png --cog", 2, "--cog applies to .tif"),
+        ("derive dem.tif --steep a.gpkg --cog", 2, "--cog applies to .tif"),
         ("derive dem.tif --cell 5 --slope a.tif", 2, "the input is a height map"),
         ("derive dem.tif --crs 6668 --slope a.tif", 2, "--crs applies to contours"),
         ("derive dem.doc --slope a.tif", 1, "dem.doc"),
