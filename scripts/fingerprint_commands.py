@@ -48,12 +48,15 @@ COMMANDS = {
     "dem cell, verbose": f"dem {REAL} --cell 10 -o a.tif -v",
     "dem like": f"dem {REAL} --like {TRUTH} -o a.tif --preview a.png",
     "dem degrees": f"dem {REAL} --cell-degrees 1s -o a.tif && dem ../drawn/degrees.geojson --cell 5 -o b.tif",
+    "dem in another system": f"dem {REAL} --to-crs EPSG:3857 --cell 20 --uncertainty --cog -o a.tif"
+                             f" && densify {HILL} -i 5 --to-crs EPSG:3857 -o b.gpkg --dem b.tif --cell 20",
     "dem uncertainty": f"dem {REAL} --cell 20 --uncertainty -o a.tif",
     "dem tension and noise": f"dem {REAL} --cell 30 --tension 1 --noise 0.5 -o a.tif",
     "dem skeleton surface": f"dem {REAL} --surface skeleton --resolution 2 --uncertainty --cell 30 -o a.tif",
     "dem linear surface": f"dem {REAL} --surface linear --uncertainty --cell 30 -o a.tif",
     "dem formats": " && ".join(f"dem {HILL} --cell 20 -o a.{end}" for end in ("exr", "png", "asc", "xyz"))
-                   + f" && dem {HILL} --cell 20 --png-encoding gsi -o gsi.png"
+                   + "".join(f" && dem {HILL} --cell 20 --png-encoding {code} -o {code}.png"
+                             for code in ("gsi", "terrarium", "mapbox")) +
                    f" && dem {HILL} --cell 20 --uncertainty -o errors.exr",
     "dem water, sea and spots": f"dem {HILL} {FEATURES} --cell 5 -o a.tif --uncertainty && "
                                 f"dem {HILL} {FEATURES} --surface skeleton --cell 5 --frame bbox -o b.tif",
@@ -62,6 +65,8 @@ COMMANDS = {
     "dem quiet": f"dem {HILL} --cell 10 -o a.tif -q",
     "derive dem": f"derive {TRUTH} --slope a.tif --aspect a.asc --hillshade a.png --steep a.gpkg --steep-angle 20",
     "derive contours": f"derive {REAL} --cell 20 --slope a.exr --hillshade b.tif --steep a.geojson",
+    "derive light": f"derive {TRUTH} --hillshade a.tif --multidirectional --cog && "
+                    f"derive {TRUTH} --hillshade b.png --azimuth 30 --altitude 60 --z-factor 2",
     "derive gsi": f"derive {DEM5A} --slope a.tif --aspect b.png --steep a.shp --steep-angle 3 --steep-height 1",
     "mesh glb preview": f"mesh {REAL} -o a.glb --preview a.png",
     "mesh surfaces and base": f"mesh {REAL} --surface skeleton --base 0 -o a.ply && mesh {HILL} --surface linear -o a.obj",

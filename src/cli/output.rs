@@ -79,6 +79,10 @@ pub enum PngArg {
     Gray16,
     /// Colours of GSI elevation tiles (地理院 標高タイル), steps of 1 cm; QGIS shows colours, not heights
     Gsi,
+    /// Colours of Terrarium tiles, steps of 1/256 m, for web maps; no data is transparent
+    Terrarium,
+    /// Colours of Mapbox Terrain-RGB tiles, steps of 0.1 m, for web maps; no data is transparent
+    Mapbox,
 }
 
 /// An angle in degrees or, if an s follows, in seconds.
@@ -159,6 +163,8 @@ impl HeightMapArgs {
         let png = match self.png_encoding {
             PngArg::Gray16 => PngEncoding::Gray16,
             PngArg::Gsi => PngEncoding::Gsi,
+            PngArg::Terrarium => PngEncoding::Terrarium,
+            PngArg::Mapbox => PngEncoding::Mapbox,
         };
         RasterParams { png, tiff: self.cog.layout(), unit, ..RasterParams::default() }
     }
@@ -202,12 +208,14 @@ impl DemOutput {
     /// system that the cells are to be in, if it is named.
     pub fn open(path: &Path, wanted: &HeightMapArgs, crs: Option<&Crs>, unit: ElevationUnit) -> Result<Self, Failure> {
         wanted.grid.check(crs)?;
-        if wanted.png_encoding == PngArg::Gsi && extension(path) != "png" {
+        let is_colour = wanted.png_encoding != PngArg::Gray16;
+        if is_colour && extension(path) != "png" {
             let message = format!("{}: --png-encoding applies to height maps in .png", path.display());
             return Err(Failure::Usage(message));
         }
-        if wanted.png_encoding == PngArg::Gsi && unit.is_foot() {
-            return Err(Failure::Usage("--png-encoding gsi holds metres only, so --to-unit cannot be feet".into()));
+        if let Some(value) = wanted.png_encoding.to_possible_value().filter(|_| is_colour && unit.is_foot()) {
+            let message = format!("--png-encoding {} holds metres only, so --to-unit cannot be feet", value.get_name());
+            return Err(Failure::Usage(message));
         }
         wanted.cog.check([path])?;
         if wanted.uncertainty {

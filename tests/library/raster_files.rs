@@ -306,23 +306,78 @@ fn elevation_tiles_lie_where_their_path_says() {
 }
 
 #[test]
-fn elevation_tile_colours_come_back_to_the_centimetre() {
+fn colours_come_back_within_half_a_step() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("tile.png");
-    let mut dem = sample(43, 31);
-    let params = RasterParams { png: PngEncoding::Gsi, ..RasterParams::default() };
-    write_raster(&path, &dem, &params).unwrap();
-    let back = read_dem(&path).unwrap().value.dem;
-    assert_eq!((back.grid, back.crs.unwrap().epsg), (dem.grid, Some(6677)));
-    for (a, b) in back.values.iter().zip(&dem.values) {
-        assert!((a - b).abs() <= 0.005_02 || a.is_nan() && b.is_nan(), "{a} {b}");
+    for (png, step, beyond) in [
+        (PngEncoding::Gsi, 0.01, 90_000.0),
+        (PngEncoding::Terrarium, 1.0 / 256.0, 32_768.0),
+        (PngEncoding::Mapbox, 0.1, -10_000.5),
+    ] {
+        let params = RasterParams { png, ..RasterParams::default() };
+        for holes in [true, false] {
+            let mut dem = sample(43, 31);
+            (dem.values[1], dem.values[2]) = (-431.25, 8848.86);
+            if !holes {
+                dem.values.iter_mut().for_each(|height| *height = if height.is_nan() { 5.0 } else { *height });
+            }
+            write_raster(&path, &dem, &params).unwrap();
+            let is_transparent = image::open(&path).unwrap().color().has_alpha();
+            assert_eq!(is_transparent, holes && png != PngEncoding::Gsi, "{png:?}");
+            let aux = dir.path().join("tile.png.aux.xml");
+            // The file's own text is enough, and so is the file beside it. World file and `.aux.xml` give the place.
+            for way in ["both", "text", "aux"] {
+                match way {
+                    "text" => fs::remove_file(&aux).unwrap(),
+                    "aux" => {
+                        write_raster(&path, &dem, &params).unwrap();
+                        image::open(&path).unwrap().save(&path).unwrap();
+                    }
+                    _ => {}
+                }
+                let report = read_dem(&path).unwrap();
+                assert_eq!(report.findings, [], "{png:?} {way}");
+                let back = report.value.dem;
+                assert_eq!((back.grid, back.crs.unwrap().epsg), (dem.grid, Some(6677)));
+                for (a, b) in back.values.iter().zip(&dem.values) {
+                    let off = (f64::from(*a) - f64::from(*b)).abs();
+                    assert!(off <= step * 0.5 + 6e-4 || a.is_nan() && b.is_nan(), "{png:?} {way}: {a} {b}");
+                }
+            }
+        }
+        // The world file gives a place, but nothing says what the colours mean.
+        fs::remove_file(dir.path().join("tile.png.aux.xml")).unwrap();
+        match (png, read_dem(&path)) {
+            (PngEncoding::Terrarium, read) => {
+                let text = read.unwrap_err().to_string();
+                assert!(text.contains("ElevationEncoding terrarium or mapbox"), "{text}");
+            }
+            (_, read) => {
+                let kinds: Vec<FindingKind> = read.unwrap().findings.iter().map(|finding| finding.kind).collect();
+                assert!(kinds.contains(&FindingKind::ColourEncoding), "read as a tile of GSI: {kinds:?}");
+            }
+        }
+        let mut dem = sample(43, 31);
+        let slope = RasterParams { quantity: Quantity::Slope, ..params };
+        assert!(matches!(write_raster(&path, &dem, &slope), Err(Error::Parameter(_))));
+        dem.values[5] = beyond;
+        let text = write_raster(&path, &dem, &params).unwrap_err().to_string();
+        assert!(text.contains("is beyond those of the encoding") && text.contains(&beyond.to_string()), "{text}");
     }
-    // The world file alone is enough for the place.
-    assert!(dir.path().join("tile.pgw").exists());
-    let slope = RasterParams { quantity: Quantity::Slope, ..params };
-    assert!(matches!(write_raster(&path, &dem, &slope), Err(Error::Parameter(_))));
-    dem.values[5] = 90_000.0;
-    assert!(write_raster(&path, &dem, &params).unwrap_err().to_string().contains("does not fit"));
+}
+
+#[test]
+fn an_unknown_encoding_of_heights_is_refused() {
+    let dir = TempDir::new().unwrap();
+    let path = dir.path().join("tile.png");
+    let params = RasterParams { png: PngEncoding::Mapbox, ..RasterParams::default() };
+    write_raster(&path, &sample(9, 7), &params).unwrap();
+    image::open(&path).unwrap().save(&path).unwrap();
+    let aux = dir.path().join("tile.png.aux.xml");
+    let text = fs::read_to_string(&aux).unwrap();
+    assert!(text.contains("<MDI key=\"ElevationEncoding\">mapbox</MDI>"), "{text}");
+    fs::write(&aux, text.replace("mapbox", "other")).unwrap();
+    assert!(read_dem(&path).unwrap_err().to_string().contains("the encoding \"other\", which is not known"));
 }
 
 #[test]

@@ -256,6 +256,14 @@ fn the_other_verbs_write_feet_too() {
             "dem feet.geojson --cell 10 --png-encoding gsi --to-unit ft -o dem.png",
             "--png-encoding gsi holds metres only",
         ),
+        (
+            "dem feet.geojson --cell 10 --png-encoding mapbox --to-unit us-ft -o dem.png",
+            "--png-encoding mapbox holds metres only",
+        ),
+        (
+            "dem feet.geojson --cell 10 --png-encoding terrarium -o dem.tif",
+            "--png-encoding applies to height maps in .png",
+        ),
     ] {
         let (well, said) = folder.run(arguments);
         assert!(!well && said.contains(words), "{arguments}: {said}");

@@ -159,6 +159,8 @@ kinds! {
     NoHeight = "no-height", Note, "cells whose values are not heights";
     /// Heights are in another unit than metres.
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
+    /// A picture in colour does not state how its colours become heights. It is read as an elevation tile of GSI.
+    ColourEncoding = "colour-encoding", Note, "pictures in colour read as elevation tiles of GSI";
 }
 
 impl serde::Serialize for FindingKind {

@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | `.tif`, `.tiff` | 32-bit floating point, lossless | in the file (GeoTIFF) |
 //! | `.exr` | 32-bit floating point, lossless | in the file, as GDAL reads them; nodata in `.exr.aux.xml` |
-//! | `.png` | 16-bit steps of a round size | in the file as text, in `.pgw` and in `.png.aux.xml` |
+//! | `.png` | 16-bit steps of a round size, or colours | in the file as text, in `.pgw` and in `.png.aux.xml` |
 //! | `.asc` | text (ESRI ASCII grid), lossless | in the file; coordinate reference system in `.prj` |
 //! | `.xyz` | text, a line `x y height` for every cell with data, lossless | in the file, as cell centres; no system |
 //!
@@ -16,11 +16,11 @@
 mod asc;
 mod cog;
 mod directory;
+mod elevation_tile;
 mod exr;
 mod geokeys;
 mod geotiff;
 mod geotiff_read;
-mod gsi_tile;
 mod height_unit;
 mod heights;
 mod like;
@@ -41,6 +41,7 @@ use std::path::Path;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
 use crate::dem::Dem;
+use elevation_tile::ColourCode;
 use output::check;
 use quantity::Values;
 
@@ -58,8 +59,12 @@ pub enum PngEncoding {
     #[default]
     Gray16,
     /// The colours of the elevation tiles of the Geospatial Information Authority of Japan, with steps of a centimetre.
-    /// GDAL and QGIS read them as colours.
+    /// GDAL and QGIS read them as colours, as those of the other encodings below.
     Gsi,
+    /// The colours of Terrarium tiles, with steps of 1/256 metre, for heights from -32768 to 32768 metres.
+    Terrarium,
+    /// The colours of Mapbox Terrain-RGB tiles, with steps of 0.1 metres, for heights from -10000 metres.
+    Mapbox,
 }
 
 /// How a GeoTIFF is laid out.
@@ -108,8 +113,12 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
     let write: &dyn Fn(&Path, &Dem, Values) -> Result<()> = match extension.as_str() {
         "tif" | "tiff" => &|path, dem, values| geotiff::write(path, dem, values, params.tiff, None),
         "exr" => &|path, dem, values| exr::write(path, dem, values, None),
-        "png" if params.png == PngEncoding::Gsi => &gsi_tile::write,
-        "png" => &png::write,
+        "png" => &|path, dem, values| match params.png {
+            PngEncoding::Gray16 => png::write(path, dem, values),
+            PngEncoding::Gsi => elevation_tile::write(path, dem, values, ColourCode::Gsi),
+            PngEncoding::Terrarium => elevation_tile::write(path, dem, values, ColourCode::Terrarium),
+            PngEncoding::Mapbox => elevation_tile::write(path, dem, values, ColourCode::Mapbox),
+        },
         "asc" => &asc::write,
         "xyz" => &xyz::write,
         _ => {
@@ -259,8 +268,10 @@ mod tests {
                 assert_eq!(told, None, "{unit:?} {extension}");
             }
         }
-        let params = RasterParams { unit: ElevationUnit::Foot, png: PngEncoding::Gsi, ..RasterParams::default() };
-        assert!(write_raster(&dir.path().join("tile.png"), &dem, &params).is_err());
+        for png in [PngEncoding::Gsi, PngEncoding::Terrarium, PngEncoding::Mapbox] {
+            let params = RasterParams { unit: ElevationUnit::Foot, png, ..RasterParams::default() };
+            assert!(write_raster(&dir.path().join("tile.png"), &dem, &params).is_err());
+        }
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub(super) struct Band {
 /// # Errors
 /// The operating system reports an error.
 pub(super) fn write_aux_xml(path: &Path, dem: &Dem, bands: &[Band]) -> Result<()> {
-    let mut xml = placement(dem);
+    let mut xml = placement(dem, &[]);
     for (k, band) in bands.iter().enumerate() {
         // Writing to a String cannot fail.
         let _ = writeln!(xml, "  <PAMRasterBand band=\"{}\">\n    <Description>{}</Description>", k + 1, band.name);
@@ -47,16 +47,17 @@ pub(super) fn write_aux_xml(path: &Path, dem: &Dem, bands: &[Band]) -> Result<()
     write_text(&beside(path, ".aux.xml"), &xml)
 }
 
-/// Writes `path` + `.aux.xml` with the coordinate reference system and the placement only.
+/// Writes `path` + `.aux.xml` with the coordinate reference system, the placement, and further statements: a key and a
+/// text each, which need no escape.
 ///
 /// # Errors
 /// The operating system reports an error.
-pub(super) fn write_aux_placement(path: &Path, dem: &Dem) -> Result<()> {
-    write_text(&beside(path, ".aux.xml"), &(placement(dem) + "</PAMDataset>\n"))
+pub(super) fn write_aux_placement(path: &Path, dem: &Dem, statements: &[(&str, &str)]) -> Result<()> {
+    write_text(&beside(path, ".aux.xml"), &(placement(dem, statements) + "</PAMDataset>\n"))
 }
 
 /// The beginning of an `.aux.xml`, which gives the raster's placement.
-fn placement(dem: &Dem) -> String {
+fn placement(dem: &Dem, statements: &[(&str, &str)]) -> String {
     let mut xml = String::from("<PAMDataset>\n");
     let name = dem
         .crs
@@ -68,7 +69,11 @@ fn placement(dem: &Dem) -> String {
     }
     let transform = geo_transform(&dem.grid).map(|v| v.to_string()).join(", ");
     let _ = writeln!(xml, "  <GeoTransform>{transform}</GeoTransform>");
-    xml.push_str("  <Metadata>\n    <MDI key=\"AREA_OR_POINT\">Area</MDI>\n  </Metadata>\n");
+    xml.push_str("  <Metadata>\n");
+    for (key, text) in [("AREA_OR_POINT", "Area")].iter().chain(statements) {
+        let _ = writeln!(xml, "    <MDI key=\"{key}\">{text}</MDI>");
+    }
+    xml.push_str("  </Metadata>\n");
     xml
 }
 

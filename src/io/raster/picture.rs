@@ -38,7 +38,7 @@ pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
         shade.values.iter().map(|v| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 }).collect();
     // The check above ensures that both fit into 31 bits.
     encode(path, (shade.grid.cols as u32, shade.grid.rows as u32), ColorType::Grayscale, &grey)?;
-    pam::write_aux_placement(path, shade)?;
+    pam::write_aux_placement(path, shade, &[])?;
     pam::write_world(path, "pgw", shade)
 }
 

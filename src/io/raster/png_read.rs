@@ -2,8 +2,9 @@
 //!
 //! Grey: height = offset + scale * value. Scale and offset come from the file's own text chunks, otherwise from the
 //! `.png.aux.xml` beside it. A grey picture without either is refused, because its values could mean anything. The
-//! placement is in the same files or in the world file. Colour: see the module on elevation tiles. Their placement is
-//! in the path or in the world file.
+//! placement is in the same files or in the world file. Colour: see the module on elevation tiles. Their encoding is in the
+//! same files. A picture that does not state it is read as a tile of GSI, with a note, because these tiles do not. Terrarium and Mapbox are
+//! never assumed. The placement of tiles is in the path or in the world file.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -11,11 +12,12 @@ use std::path::Path;
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
+use super::elevation_tile::{self, ColourCode};
+use super::exr;
 use super::height_unit::height_unit;
 use super::heights::{Coding, Heights, check_size};
 use super::sidecar::{self, Aux, Placement};
-use super::{exr, gsi_tile};
-use crate::base::error::{Error, Report, Result};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
 
@@ -106,6 +108,7 @@ fn text_chunks(info: &Info<'_>) -> Aux {
             "Scale" => aux.scale = number(),
             "Offset" => aux.offset = number(),
             "NoData" => aux.nodata = number(),
+            elevation_tile::KEY => aux.encoding = Some(text.trim().to_owned()),
             "Unit" => aux.unit = Some(text.trim().to_owned()),
             "GeoTransform" => aux.transform = sidecar::six_numbers(text),
             "EPSG" if aux.crs.is_none() => aux.crs = text.trim().parse().ok().map(Crs::from_epsg),
@@ -165,21 +168,35 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
 
 fn colour(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &Pixels<'_>) -> Result<Report<Dem>> {
     let beside = beside.unwrap_or_default();
+    let stated = own.encoding.as_ref().or(beside.encoding.as_ref());
+    let code = match stated {
+        Some(name) => ColourCode::named(name)
+            .ok_or_else(|| Error::file(path, format!("holds heights in the encoding {name:?}, which is not known")))?,
+        None => ColourCode::Gsi,
+    };
     let mut strange = false;
     let height = |pixel: Option<[u16; 3]>| {
-        let height = pixel.and_then(|rgb| gsi_tile::height(rgb.map(|sample| sample as u8)));
+        let height = pixel.and_then(|rgb| code.height(rgb.map(|sample| sample as u8)));
         strange |= height.is_some_and(|height| !EARTH.contains(&height));
         height.map_or(f32::NAN, |height| height as f32)
     };
     let values: Vec<f32> = pixels.iter().map(height).collect();
-    if strange {
-        let message = "is a picture in colour: taken as an elevation tile it has heights that are not on Earth";
+    if strange && stated.is_none() {
+        let message = "is a picture in colour: taken as an elevation tile of GSI it has heights that are not on Earth. If it \
+                       is a tile of another kind, it must say so: ElevationEncoding terrarium or mapbox, in a text of the \
+                       PNG or in the metadata of the .aux.xml beside it";
         return Err(Error::file(path, message));
     }
+    let note = || {
+        let text =
+            "the file does not state how its colours become heights; they are taken as those of elevation tiles of GSI";
+        Finding::general(FindingKind::ColourEncoding, text)
+    };
+    let findings = stated.is_none().then(note).into_iter().collect();
     let (placement, crs) = match placed(path, size, &own, &beside)? {
         Some(placement) => (placement, system(path, own.crs, beside.crs)?),
         None => {
-            let placement = gsi_tile::placement(&std::path::absolute(path).unwrap_or(path.to_owned()), size);
+            let placement = elevation_tile::placement(&std::path::absolute(path).unwrap_or(path.to_owned()), size);
             let Some(placement) = placement else {
                 let message = "is in colour. If it is an elevation tile, its placement must be known: keep the path \
                                zoom/column/row.png of the tile, or put a world file (.pgw) beside it";
@@ -188,7 +205,7 @@ fn colour(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: 
             (placement, Some(Crs::from_epsg(WEB_MERCATOR)))
         }
     };
-    Ok(Report { value: turned(placement, values, crs), findings: Vec::new() })
+    Ok(Report { value: turned(placement, values, crs), findings })
 }
 
 fn turned(placement: Placement, mut values: Vec<f32>, crs: Option<Crs>) -> Dem {

@@ -7,6 +7,7 @@ use quick_xml::Reader;
 use quick_xml::escape::unescape;
 use quick_xml::events::Event;
 
+use super::elevation_tile::KEY as ENCODING;
 use super::output::beside;
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
@@ -78,6 +79,8 @@ pub(super) struct Aux {
     pub scale: Option<f64>,
     pub offset: Option<f64>,
     pub unit: Option<String>,
+    /// How heights are stored as colours.
+    pub encoding: Option<String>,
 }
 
 /// The largest sidecar file that is read, bytes. Files with statistics of many bands have some hundred kilobytes.
@@ -111,6 +114,7 @@ pub(super) fn read_aux_xml(path: &Path) -> Result<Option<Aux>> {
         match (element.parent.as_str(), element.name.as_str()) {
             ("PAMDataset", "SRS") => aux.crs = by_text(text),
             ("PAMDataset", "GeoTransform") => aux.transform = six_numbers(text),
+            ("Metadata", "MDI") if element.attribute("key") == Some(ENCODING) => aux.encoding = Some(text.to_owned()),
             ("PAMRasterBand", "NoDataValue") => band.nodata = number(),
             ("PAMRasterBand", "Scale") => band.scale = number(),
             ("PAMRasterBand", "Offset") => band.offset = number(),
@@ -249,6 +253,7 @@ mod tests {
             scale: None,
             offset: None,
             unit: Some("ft".into()),
+            encoding: None,
         };
         assert_eq!(read_aux_xml(&path).unwrap(), Some(expected));
         assert_eq!(read_aux_xml(&dir.path().join("b.tif")).unwrap(), None);
