@@ -18,3 +18,4 @@ mod running;
 mod several_files;
 mod units;
 mod verbs;
+mod words;
