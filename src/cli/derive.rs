@@ -71,7 +71,8 @@ pub struct DeriveArgs {
         default_value_t = 30.0,
         allow_negative_numbers = true,
         requires = "steep",
-        help_heading = "Output"
+        help_heading = "Output",
+        hide_short_help = true
     )]
     steep_angle: f64,
     /// Minimum height of a steep place [metres]
@@ -81,7 +82,8 @@ pub struct DeriveArgs {
         default_value_t = 5.0,
         allow_negative_numbers = true,
         requires = "steep",
-        help_heading = "Output"
+        help_heading = "Output",
+        hide_short_help = true
     )]
     steep_height: f64,
     #[command(flatten, next_help_heading = "Output")]

@@ -24,7 +24,14 @@ pub struct GridArgs {
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
     pub cell: Option<f64>,
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
-    #[arg(long, value_name = "SIZE", value_parser = degrees, allow_negative_numbers = true, conflicts_with = "cell")]
+    #[arg(
+        long,
+        value_name = "SIZE",
+        value_parser = degrees,
+        allow_negative_numbers = true,
+        conflicts_with = "cell",
+        hide_short_help = true
+    )]
     pub cell_degrees: Option<f64>,
     /// Use the grid of this height map (.tif, .asc, .exr, .png): its extent, its cells, square or not, and its
     /// coordinate reference system
@@ -38,7 +45,7 @@ pub struct HeightMapArgs {
     #[command(flatten)]
     pub grid: GridArgs,
     /// How heights are stored in a .png
-    #[arg(long, value_enum, default_value_t = PngArg::Gray16)]
+    #[arg(long, value_enum, default_value_t = PngArg::Gray16, hide_short_help = true)]
     pub png_encoding: PngArg,
     #[command(flatten)]
     pub cog: CogArgs,
