@@ -7,25 +7,23 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
-use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target};
 use tokosen::surface::Triangles;
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
-use tokosen::{Interval, Options, Terrain};
+use tokosen::{Options, Terrain};
 
 use super::compare::{draw, open_page, summarise};
 use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
-use super::labels::LabelArgs;
+use super::levels::{LevelsArgs, output_layers};
 use super::output::{self, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
-use super::plane::ToCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::in_feet;
 
 /// Contour lines at a finer interval
 ///
@@ -46,35 +44,11 @@ pub struct DensifyArgs {
     /// per interval; other formats get one file per interval
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
-    /// Interval of the new contours [metres, or the unit of --to-unit], or several: 5,2,1
-    #[arg(
-        short,
-        long,
-        value_name = "STEP",
-        value_delimiter = ',',
-        allow_negative_numbers = true,
-        required_unless_present = "levels",
-        help_heading = "Output"
-    )]
-    interval: Vec<f64>,
-    /// Elevations of the new contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
-    #[arg(
-        long,
-        value_name = "Z",
-        value_delimiter = ',',
-        allow_negative_numbers = true,
-        conflicts_with_all = ["interval", "base"],
-        help_heading = "Output", hide_short_help = true)]
-    levels: Vec<f64>,
-    /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, help_heading = "Output", hide_short_help = true)]
-    base: f64,
+    #[command(flatten)]
+    levels: LevelsArgs,
     /// Keep all contours of the input also where the interval is coarser than theirs
     #[arg(long, help_heading = "Output", hide_short_help = true)]
     keep_input: bool,
-    /// Every Nth level is an index contour; 0 for none
-    #[arg(long, value_name = "N", default_value_t = 5, help_heading = "Output", hide_short_help = true)]
-    index: u32,
     /// Leave out vertices of new contours where a straight piece stays within this distance of the line; 0 keeps all. No
     /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
     #[arg(
@@ -85,12 +59,6 @@ pub struct DensifyArgs {
         hide_short_help = true
     )]
     simplify: Option<f64>,
-    #[command(flatten, next_help_heading = "Output")]
-    labels: LabelArgs,
-    #[command(flatten, next_help_heading = "Output")]
-    to_crs: ToCrsArgs,
-    #[command(flatten, next_help_heading = "Output")]
-    to_unit: ToUnitArgs,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
     /// of --to-crs too, unless --like names another grid
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -126,10 +94,9 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     args.check()?;
-    let targets = args.targets()?;
-    let unit = args.to_unit.unit();
-    let names: Vec<String> = targets.iter().map(|target| target.layer_name(unit)).collect();
-    let names = args.layer_names(names);
+    let targets = args.levels.targets()?;
+    let unit = args.levels.to_unit.unit();
+    let names = args.levels.layer_names(&targets);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = contour_files(&args.output, &names)?;
     let job = args.start(&files, &names, console)?;
@@ -138,14 +105,14 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let dem_output = args
         .dem
         .as_deref()
-        .map(|path| DemOutput::open(path, &args.height_map, args.to_crs.to_crs.as_ref(), unit))
+        .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit))
         .transpose()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
     let mut input = job.read_part(&args.part)?;
     input.findings.append(&mut findings);
-    let back = args.to_crs.way(&input.reprojection, unit)?;
+    let back = args.levels.to_crs.way(&input.reprojection, unit)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
         ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth, unit)?
@@ -154,19 +121,15 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let params = LayerParams {
         targets: targets.clone(),
         unit,
-        index_every: args.index,
+        index_every: args.levels.index,
         simplify: args.simplify,
         keep_input: args.keep_input,
         memory: None,
     };
     let layers = terrain.contours_with(params, console)?;
-    let labels = args.labels.place(&layers, terrain.surface.frame.extent(), unit);
+    let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit);
     let written = console.step("writing", || {
-        let mut all: Vec<Layer<'_>> = Vec::with_capacity(names.len());
-        for (k, layer) in layers.iter().enumerate() {
-            all.push(of_contours(layer));
-            all.extend(labels.as_ref().map(|labels| of_labels(names[2 * k + 1], &labels[k], &back)));
-        }
+        let all = output_layers(&layers, labels.as_deref(), &names, &back);
         write_layers_back(&staged, &all, &back)
     })?;
     let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
@@ -242,17 +205,8 @@ impl DensifyArgs {
             return Err(Failure::Usage(format!("--simplify is {bad}, it must be 0 or more")));
         }
         output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
-        self.labels.check(&self.output, self.index)?;
+        self.levels.check(&self.output)?;
         self.surface.check()
-    }
-
-    /// The names of all layers: of the contours, each followed by that of its labels if there are any.
-    fn layer_names(&self, contours: Vec<String>) -> Vec<String> {
-        if self.labels.labels.is_none() {
-            return contours;
-        }
-        let alone = contours.len() == 1;
-        contours.into_iter().flat_map(|name| [name.clone(), labels_layer(&name, alone)]).collect()
     }
 
     /// Checks the paths of all files; `files` and `layers` are those of the contours.
@@ -266,25 +220,12 @@ impl DensifyArgs {
 
     /// Says that contours of the input are left out, if they are.
     fn explain_coarse(&self, target: &Target, interval: f64, console: &Console) {
-        if !self.keep_input && target.is_coarser(self.to_unit.unit(), interval) {
+        if !self.keep_input && target.is_coarser(self.levels.to_unit.unit(), interval) {
             console.say(&format!(
                 "           the interval is coarser than the {interval} m of the input: contours at other levels are left \
                  out (--keep-input keeps them)"
             ));
         }
-    }
-
-    fn targets(&self) -> Result<Vec<Target>, Failure> {
-        if let Some(bad) = self.levels.iter().chain([&self.base]).find(|level| !level.is_finite()) {
-            return Err(Failure::Usage(format!("{bad} is no elevation")));
-        }
-        if !self.levels.is_empty() {
-            return Ok(vec![Target::Levels(self.levels.clone())]);
-        }
-        if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
-            return Err(Failure::Usage(format!("the interval is {bad}, it must be more than 0")));
-        }
-        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base }.into()).collect())
     }
 }
 

@@ -34,6 +34,7 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::FlatLayers { .. } => "; name the layers with contours: --layer A,B".to_owned(),
         Error::LayerAmbiguous { what: "lines", .. } => "; choose one with --layer".to_owned(),
         Error::LayerAmbiguous { .. } => "; choose one by its name, in quotes: 'FILE|layername=NAME'".to_owned(),
+        Error::UnknownCrs { needed_for: CrsNeed::OtherOutput } => "; name it with --crs".to_owned(),
         Error::Exists { .. } => "; --overwrite replaces it, or choose another name".to_owned(),
         Error::LayerExists { is_input: false, .. } => {
             "; --overwrite replaces the layer, or choose another file".to_owned()

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use tokosen::base::error::Error;
 use tokosen::contour::{ContourMap, find_interval};
 use tokosen::crs::Crs;
 use tokosen::io::{Content, VectorSource, content};
@@ -146,6 +147,13 @@ impl MapArgs {
 
     /// Reads the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
+        let sources = self.sources()?;
+        // What is neither is an error that the reader explains.
+        let is_height_map = |source: &&VectorSource| matches!(content(&source.path), Ok(Content::HeightMap));
+        if let Some(source) = sources.iter().find(is_height_map) {
+            let message = "this is a height map, and contour lines are needed; 'tokosen contour' draws its contours";
+            return Err(Failure::Work(Error::file(&source.path, message)));
+        }
         let options = InputOptions {
             elevation_field: self.elevation_field.clone(),
             layer: self.layer.clone(),
@@ -154,7 +162,7 @@ impl MapArgs {
             work_crs: self.work_crs.clone(),
             memory: memory::available(),
         };
-        let mut input = Input::read_all(&self.sources()?, &options, console)?;
+        let mut input = Input::read_all(&sources, &options, console)?;
         if let Some(source) = &self.points {
             input.read_spots(source, console)?;
         }

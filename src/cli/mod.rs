@@ -5,6 +5,7 @@
 mod check;
 mod compare;
 mod console;
+mod contour;
 mod dem;
 mod densify;
 mod derive;
@@ -15,6 +16,7 @@ mod input;
 mod interrupt;
 mod job;
 mod labels;
+mod levels;
 mod light;
 mod map;
 mod memory;
@@ -53,6 +55,7 @@ Examples:
   tokosen densify contours.gpkg -i 2 -o contours_2m.gpkg
   tokosen densify contours.shp -a ELEV -i 5,2,1 -o dense.gpkg --dem dem.tif --cell 5
   tokosen dem contours.geojson --cell 10 -o dem.tif --preview look.png
+  tokosen contour dem.tif -i 5 -o contours_5m.gpkg
   tokosen densify degrees.shp --crs EPSG:6668 -i 2 -o dense.gpkg
   tokosen derive dem.tif --slope slope.tif --steep steep.gpkg
   tokosen mesh contours.gpkg -o terrain.glb
@@ -67,6 +70,7 @@ Examples:
 enum Verb {
     Densify(Box<densify::DensifyArgs>),
     Dem(Box<dem::DemArgs>),
+    Contour(Box<contour::ContourArgs>),
     Derive(Box<derive::DeriveArgs>),
     Mesh(Box<mesh::MeshArgs>),
     Compare(Box<compare::CompareArgs>),
@@ -113,6 +117,7 @@ pub fn main() -> ExitCode {
     let outcome = match &cli.verb {
         Verb::Densify(args) => densify::run(args, &console),
         Verb::Dem(args) => dem::run(args, &console),
+        Verb::Contour(args) => contour::run(args, &console),
         Verb::Derive(args) => derive::run(args, &console),
         Verb::Mesh(args) => mesh::run(args, &console),
         Verb::Compare(args) => compare::run(args, &console),

@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 /// The usual time of each step, in units of its own. Measured on maps of 50 thousand to a million vertices.
-const WEIGHTS: [(&str, f64); 14] = [
+const WEIGHTS: [(&str, f64); 16] = [
     ("reading", 3.0),
     ("cleaning", 2.0),
     ("fitting", 3.0),
@@ -17,6 +17,8 @@ const WEIGHTS: [(&str, f64); 14] = [
     ("expected errors", 25.0),
     ("triangulating the smooth surface", 25.0),
     ("slicing", 4.0),
+    ("smoothing", 4.0),
+    ("tracing", 12.0),
     ("rasterising", 3.0),
     ("evaluating the surface", 3.0),
     ("writing", 4.0),

@@ -21,6 +21,8 @@ pub enum Source {
     Input,
     /// A line traced on the surface.
     Interpolated,
+    /// A line traced on a height map.
+    HeightMap,
 }
 
 /// A contour line of the output.
@@ -32,7 +34,7 @@ pub struct ContourLine {
     pub elevation: f64,
     /// The vertices in order, map units.
     pub points: Vec<DVec2>,
-    /// Input or interpolated.
+    /// Input, interpolated, or of a height map.
     pub source: Source,
     /// Whether it is an index contour, drawn bold on a map.
     pub index: bool,

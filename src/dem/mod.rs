@@ -1,11 +1,14 @@
-//! Height maps: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells.
+//! Height maps: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells. [`contour`] draws its contours,
+//! [`derive`] slopes, [`compare`] compares two of them.
 
 pub mod compare;
+pub mod contour;
 pub mod derive;
 mod ground;
 mod height_map;
 mod rasterise;
 pub mod shade;
+pub mod smooth;
 
 pub use ground::{GroundScale, looks_like_degrees};
 pub use height_map::Dem;

@@ -111,7 +111,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     }
     let right = ascends_right(map, &surface.tin, &surface.regions);
     let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
-        let index = |level: f64| is_index(target, surface.interval.step, params, level);
+        let index = |level: f64| is_index(target, surface.interval.step, params.unit, params.index_every, level);
         let is_coarser = !params.keep_input && target.is_coarser(params.unit, surface.interval.step);
         let is_kept = |level: f64| !is_coarser || wanted.contains(&level);
         let input = map.contours.par_iter().zip(&right).filter(|(c, _)| is_kept(c.elevation)).map(|(c, &right)| {
@@ -143,7 +143,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
             lines.par_iter_mut().for_each(|line| {
                 line.expected = match line.source {
                     Source::Input => Some(LineError { vertical: 0.0, horizontal: 0.0, inferred: false }),
-                    Source::Interpolated => line_error(field, &line.points),
+                    Source::Interpolated | Source::HeightMap => line_error(field, &line.points),
                 };
             });
         }
@@ -171,13 +171,8 @@ fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> Cont
 }
 
 /// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
-/// input.
-fn is_index(
-    target: &Target,
-    interval: f64,
-    &LayerParams { unit, index_every: every, .. }: &LayerParams,
-    level: f64,
-) -> bool {
+/// input, or what the caller takes for it.
+pub(crate) fn is_index(target: &Target, interval: f64, unit: ElevationUnit, every: u32, level: f64) -> bool {
     let (step, base, level) = match target {
         Target::Interval { step, base } => (*step, *base, unit.about(level)),
         Target::Levels(_) => (interval, 0.0, level),

@@ -9,7 +9,9 @@ mod trace;
 
 pub use crate::subdomains::{ascends_right, signed_area};
 pub use labels::{Label, LabelParams, LabelledLines, STRAIGHT, label_text, place_labels};
+pub(crate) use layer::is_index;
 pub use layer::{LayerParams, SIMPLIFIED, contour_layers};
 pub use simplify::Simplification;
+pub(crate) use simplify::{simplified, window};
 pub use target::Target;
 pub use trace::{Traced, slice};

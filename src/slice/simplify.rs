@@ -29,14 +29,20 @@ impl Simplification {
     /// The window on an edge with these ends and heights, as shares of the edge; the line crosses it at `share`. `gap` is
     /// the difference to the nearest other level, metres.
     pub(super) fn window(self, [a, b]: [DVec2; 2], [za, zb]: [f64; 2], share: f64, gap: f64) -> [f64; 2] {
-        let free = (self.tolerance / a.distance(b)).min(TO_NEXT_LEVEL * gap / (zb - za).abs());
-        [share - free.min(TO_END * share), share + free.min(TO_END * (1.0 - share))]
+        window(self.tolerance / a.distance(b), gap / (zb - za).abs(), share, TO_END)
     }
+}
+
+/// The window around `share` of an edge. `tolerance` and `gap`, the way to the next level, are shares of the edge too.
+/// `to_end` is the share of the way to the ends of the edge that it may take.
+pub(crate) fn window(tolerance: f64, gap: f64, share: f64, to_end: f64) -> [f64; 2] {
+    let free = tolerance.min(TO_NEXT_LEVEL * gap);
+    [share - free.min(to_end * share), share + free.min(to_end * (1.0 - share))]
 }
 
 /// A line of `count` vertices with fewer of them. `vertex` gives the position of one, and the ends of its window on the
 /// right and on the left. First and last stay, and those whose window is a point.
-pub(super) fn simplified(count: usize, vertex: impl Fn(usize) -> (DVec2, [DVec2; 2])) -> Vec<DVec2> {
+pub(crate) fn simplified(count: usize, vertex: impl Fn(usize) -> (DVec2, [DVec2; 2])) -> Vec<DVec2> {
     let mut line = vec![vertex(0).0];
     let mut from = 0;
     while from + 1 < count {

@@ -11,6 +11,7 @@ mod faults;
 mod figures;
 mod floors;
 mod gsi_files;
+mod height_map_contours;
 mod invariants;
 mod landforms;
 mod layer_files;

@@ -5,6 +5,7 @@ mod common;
 
 mod check;
 mod compare;
+mod contour;
 mod coordinates;
 mod derive;
 mod everyday;

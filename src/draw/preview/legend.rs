@@ -83,18 +83,18 @@ fn keys(plan: &Plan, break_lines: &[BreakLine]) -> Vec<(Option<Style>, String)> 
         let Some(class) = class else { return };
         let step = |every: u32| class.interval().map(|interval| scale::number(interval * f64::from(every)));
         match (class.every, step(1)) {
-            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind} contours, {interval} m"))),
-            (Some(1), None) => keys.push((Some(class.style), format!("{kind} contours"))),
+            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind}, {interval} m"))),
+            (Some(1), None) => keys.push((Some(class.style), kind.to_owned())),
             (Some(every), interval) => {
                 let (all, drawn) = (interval.unwrap_or_default(), step(every).unwrap_or_default());
-                keys.push((Some(class.style), format!("{kind} contours, {all} m, drawn every {drawn} m")));
+                keys.push((Some(class.style), format!("{kind}, {all} m, drawn every {drawn} m")));
             }
-            (None, Some(interval)) => keys.push((None, format!("{kind} contours, {interval} m: too dense to draw"))),
-            (None, None) => keys.push((None, format!("{kind} contours: too dense to draw"))),
+            (None, Some(interval)) => keys.push((None, format!("{kind}, {interval} m: too dense to draw"))),
+            (None, None) => keys.push((None, format!("{kind}: too dense to draw"))),
         }
     };
-    contours(&plan.input, "Input");
-    contours(&plan.interpolated, "Interpolated");
+    contours(&plan.input, if plan.of_height_map { "Contours" } else { "Input contours" });
+    contours(&plan.interpolated, "Interpolated contours");
     let drawn = [&plan.input, &plan.interpolated].into_iter().flatten().filter(|c| c.has_index && c.every.is_some());
     keys.extend(drawn.take(1).map(|class| (Some(class.index_style), "Index contours".to_owned())));
     if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {

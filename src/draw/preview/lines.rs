@@ -65,13 +65,24 @@ pub(super) struct Class {
 /// What is drawn of the contours; `None` where there are none of the kind.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plan {
+    /// The contours of the input, or those of a height map.
     pub input: Option<Class>,
     pub interpolated: Option<Class>,
+    /// Whether the contours are those of a height map.
+    pub of_height_map: bool,
+}
+
+/// The kind of line that a line is drawn as. Lines of a height map are drawn like those of the input.
+pub(super) fn drawn_as(line: &ContourLine) -> Source {
+    match line.source {
+        Source::Input | Source::HeightMap => Source::Input,
+        Source::Interpolated => Source::Interpolated,
+    }
 }
 
 /// Chooses the levels to draw on a map of `area` pixels.
 pub(super) fn plan(contours: &[ContourLine], grid: &Grid, area: f64) -> Plan {
-    let levels = |source| levels(contours.iter().filter(|c| c.source == source), grid);
+    let levels = |source| levels(contours.iter().filter(|c| drawn_as(c) == source), grid);
     let (input, new) = (levels(Source::Input), levels(Source::Interpolated));
     let spacing = self::spacing(&input);
     let mut drawn = 0.0;
@@ -103,10 +114,11 @@ pub(super) fn plan(contours: &[ContourLine], grid: &Grid, area: f64) -> Plan {
         let index_style = Style { width: style.width * 1.5, alpha: (style.alpha + 0.15).min(1.0), ..style };
         Class { spacing: all, every, has_index: false, style, index_style, has_inferred: false }
     });
-    let mut plan = Plan { input: input_class, interpolated: new_class };
+    let of_height_map = contours.iter().any(|line| line.source == Source::HeightMap);
+    let mut plan = Plan { input: input_class, interpolated: new_class, of_height_map };
     for line in contours.iter().filter(|line| line.index || is_inferred(line)) {
         let class = match line.source {
-            Source::Input => plan.input.as_mut(),
+            Source::Input | Source::HeightMap => plan.input.as_mut(),
             Source::Interpolated => plan.interpolated.as_mut(),
         };
         if let Some(class) = class {
@@ -206,7 +218,7 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, contours: &[ContourLine], plan
         for (index, style) in [(false, class.style), (true, class.index_style)] {
             for (inferred, style) in [(false, style), (true, dashed(style))] {
                 let lines = contours.iter().filter(|c| {
-                    c.source == source && c.index == index && is_inferred(c) == inferred && class.draws(c.elevation)
+                    drawn_as(c) == source && c.index == index && is_inferred(c) == inferred && class.draws(c.elevation)
                 });
                 stroke(map, path(grid, lines.map(|c| c.points.iter().copied())), style);
             }

@@ -26,6 +26,6 @@ pub use kinds::{landform_patches, triangle_patches};
 pub use oblique::{Model, render_model};
 pub use patches::{Patch, PatchClass, Patches};
 pub use render::render;
-pub use scene::{picture, subdivision_picture};
+pub use scene::{height_map_picture, picture, subdivision_picture};
 pub use sheet::{MAX_SIDE, map_grid};
 pub use view::Preview;

@@ -83,7 +83,8 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         let Some(class) = class else { continue };
         for (index, style) in [(false, class.style), (true, class.index_style)] {
             styles.push(style);
-            let is_drawn = |c: &&ContourLine| c.source == source && c.index == index && class.draws(c.elevation);
+            let is_drawn =
+                |c: &&ContourLine| lines::drawn_as(c) == source && c.index == index && class.draws(c.elevation);
             for line in model.contours.iter().filter(is_drawn) {
                 view.add_line(&mut pieces, styles.len(), line.points.iter().map(|p| p.extend(line.elevation)));
             }

@@ -1,5 +1,6 @@
 //! Pictures of a surface or of sub-domains with lines on them.
 
+use glam::DVec2;
 use image::RgbImage;
 
 use super::patches::Patches;
@@ -9,6 +10,7 @@ use super::view::Preview;
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::contour::{Contour, ContourLine, Interval, Source};
+use crate::dem::compare::heights_between;
 use crate::dem::{Dem, rasterise};
 use crate::skeleton::BreakLine;
 use crate::subdivision::Subdivision;
@@ -40,6 +42,19 @@ pub fn subdivision_picture(
         subdivision.map.contours.iter().map(|c| contour_line(c, &subdivision.interval)).collect();
     let scene = Scene { frame: &subdivision.frame, contours: &contours, break_lines, patches };
     scene.draw(|grid| rasterise(&subdivision.tin, grid, subdivision.map.crs.clone(), &()))
+}
+
+/// Draws a height map with contours on it.
+///
+/// # Errors
+/// As [`map_grid`] and [`render`].
+pub fn height_map_picture(dem: &Dem, contours: &[ContourLine]) -> Result<RgbImage> {
+    let Grid { corner, cell, cols, rows } = dem.grid;
+    let size = cell * DVec2::new(cols as f64, rows as f64);
+    let grid = map_grid(DVec2::new(corner.x, corner.y - size.y), DVec2::new(corner.x + size.x, corner.y))?;
+    let values = heights_between(dem, &grid, &Some);
+    let dem = Dem { grid, values, crs: dem.crs.clone() };
+    render(&Preview { dem: &dem, contours, break_lines: &[], patches: None, title: None })
 }
 
 /// What a picture shows.

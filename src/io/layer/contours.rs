@@ -31,6 +31,7 @@ pub fn of_contours(layer: &ContourLayer) -> Layer<'_> {
         let source = match line.source {
             Source::Input => "input",
             Source::Interpolated => "interpolated",
+            Source::HeightMap => "height_map",
         };
         let mut cells = vec![
             Cell::Real(line.elevation),

@@ -1,0 +1,198 @@
+//! `tokosen contour`: a height map in, contour lines out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::DVec2;
+use tokosen::base::Grid;
+use tokosen::base::error::{Error, FindingKind};
+use tokosen::contour::ContourLayer;
+use tokosen::crs::{Crs, Reprojection};
+use tokosen::dem::Dem;
+use tokosen::dem::contour::{ContourParams, DemContours, contours};
+use tokosen::draw::preview::height_map_picture;
+use tokosen::io::raster::{read_dem, write_picture};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content, contour_files, write_layers_back};
+
+use super::console::Console;
+use super::failure::Failure;
+use super::levels::{LevelsArgs, output_layers};
+use super::output;
+use super::unit::in_feet;
+use super::{memory, plane, summary};
+
+/// Contour lines of a height map
+///
+/// Heights are those at the centres of cells. Between four neighbouring centres, lines cross the sides where linear
+/// interpolation gives the level. The written lines cross the same sides, within --tolerance. They run smoothly, have
+/// few vertices, and never cross or touch each other. A height equal to a level is above it. Lines are closed, or end at
+/// the outermost cell centres and beside cells without data. Rings around single cells are kept.
+///
+/// Each line has the attributes elev, source (height_map), is_index, depression (lower ground inside) and closed. Higher
+/// ground is on the right of its direction. Elevations are in metres, or in the unit of --to-unit, whatever the unit of
+/// the height map is. In a DXF, layers show index contours (CONTOUR-HEIGHT_MAP-INDEX); it holds no other attributes and
+/// no coordinate reference system.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct ContourArgs {
+    /// Height map (.tif, .asc, .exr, .png), or a .xml, .zip or folder of 基盤地図情報
+    #[arg(help_heading = "Input")]
+    dem: PathBuf,
+    /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT
+    #[arg(long, value_name = "CRS", value_parser = plane::crs, help_heading = "Input")]
+    crs: Option<Crs>,
+    /// Contour lines to write: .geojson, .gpkg, .fgb, .dxf or .shp. With several intervals, a GeoPackage gets one layer
+    /// per interval; other formats get one file per interval
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: PathBuf,
+    #[command(flatten)]
+    levels: LevelsArgs,
+    /// Largest horizontal distance between a line and the contour of the height map [units of the height map; default:
+    /// half a cell, the smaller side]. Beyond about one cell, it has no more effect
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, help_heading = "Output")]
+    tolerance: Option<f64>,
+    /// Smooth the heights first, for noisy height maps: a Gaussian with this standard deviation, corrected so that even
+    /// slopes and gentle tops stay [units of the height map; at most 50 cells]. --tolerance is then the distance to the
+    /// contour of the smoothed heights. The summary states the changes of the heights
+    #[arg(long, value_name = "DEVIATION", allow_negative_numbers = true, help_heading = "Output")]
+    smooth: Option<f64>,
+    /// Also draw a picture of the height map and the lines: .png
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    preview: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tokosen contour dem.tif -i 5 -o contours.gpkg
+  tokosen contour dem.tif -i 5,2,1 -o contours.gpkg --preview look.png
+  tokosen contour FG-GML-5437-45-DEM5A.zip -i 2 -o contours.geojson --to-crs EPSG:6677
+  tokosen contour noisy.tif -i 1 --smooth 3 -o contours.shp
+  tokosen contour dem.tif -i 10 --to-unit ft -o every_10_feet.dxf
+  tokosen contour dem.asc --crs EPSG:6677 --levels 12.5,13 --tolerance 0.2 -o flood.fgb";
+
+/// Runs the verb.
+pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
+    let targets = args.levels.targets()?;
+    let unit = args.levels.to_unit.unit();
+    let names = args.levels.layer_names(&targets);
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    args.check(&names, console)?;
+    let staged = StagedOutput::create(&args.output)?;
+    let picture = args.preview.as_deref().map(StagedOutput::create).transpose()?;
+
+    console.plan(["reading"]);
+    console.plan(args.smooth.map(|_| "smoothing"));
+    console.plan(["tracing", "writing"]);
+    console.plan(picture.as_ref().map(|_| "drawing"));
+    let read = console.step("reading", || read_dem(&args.dem))?;
+    let (mut dem, mut findings) = (read.value.dem, read.findings);
+    if let Some(crs) = &args.crs {
+        dem.crs = Some(crs.clone());
+        findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
+    }
+    let reprojection = Reprojection::unmoved(dem.crs.clone());
+    let back = args.levels.to_crs.way(&reprojection, unit)?;
+    let params = ContourParams {
+        targets,
+        unit,
+        index_every: args.levels.index,
+        tolerance: args.tolerance,
+        smooth: args.smooth,
+        memory: memory::available(),
+    };
+    let found = contours(&dem, &params, console)?;
+    let Grid { corner, cell, cols, rows } = dem.grid;
+    let extent = cell * DVec2::new(cols as f64, rows as f64) * DVec2::new(1.0, -1.0);
+    let (low, high) = (corner.min(corner + extent), corner.max(corner + extent));
+    let labels = args.levels.labels.place(&found.layers, (low, high), unit);
+    let written = console.step("writing", || {
+        let all = output_layers(&found.layers, labels.as_deref(), &names, &back);
+        write_layers_back(&staged, &all, &back)
+    })?;
+    if let Some(staged) = &picture {
+        console.step("drawing", || draw(staged, &dem, &found))?;
+    }
+
+    summary::findings(&findings, console);
+    args.describe(&dem, &found, console);
+    staged.commit()?;
+    for (k, layer) in found.layers.iter().enumerate() {
+        let path = written.get(k).or(written.first()).map(|path| path.display().to_string()).unwrap_or_default();
+        let vertices: usize = layer.lines.iter().map(|line| line.points.len()).sum();
+        let (name, lines) = (&layer.name, layer.lines.len());
+        console.say(&format!("written    {path}, layer {name} ({lines} lines, {vertices} vertices{})", in_feet(unit)));
+        if let Some(labels) = &labels {
+            console.say(&format!("           {} labels on index contours", labels[k].len()));
+        }
+        warn_if_empty(layer, console);
+    }
+    if let Some(picture) = picture {
+        console.say(&format!("written    {}", picture.commit()?.display()));
+    }
+    summary::close(findings.len(), console);
+    Ok(())
+}
+
+impl ContourArgs {
+    /// Checks what can be checked before anything is read.
+    fn check(&self, layers: &[&str], console: &Console) -> Result<(), Failure> {
+        if let Some(bad) = self.tolerance.filter(|t| !(t.is_finite() && *t >= 0.0)) {
+            return Err(Failure::Usage(format!("--tolerance is {bad}, it must be 0 or more")));
+        }
+        if let Some(bad) = self.smooth.filter(|s| !(s.is_finite() && *s > 0.0)) {
+            return Err(Failure::Usage(format!("--smooth is {bad}, it must be more than 0")));
+        }
+        output::check_vector(&self.output, "contours are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
+        self.levels.check(&self.output)?;
+        self.preview.as_deref().map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
+        let files = contour_files(&self.output, layers)?;
+        let contours = files.iter().map(|path| PlannedOutput { path, layers });
+        let outputs: Vec<PlannedOutput<'_>> =
+            contours.chain(self.preview.as_deref().map(PlannedOutput::from)).collect();
+        check_paths(&[self.dem.as_path()], &outputs, console.overwrite)?;
+        if content(&self.dem)? == Content::Contours {
+            let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
+                           height map";
+            return Err(Failure::Work(Error::file(&self.dem, message)));
+        }
+        Ok(())
+    }
+
+    fn describe(&self, dem: &Dem, found: &DemContours, console: &Console) {
+        let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
+        console.say(&format!("input      {} ({} x {} cells)", self.dem.display(), dem.grid.cols, dem.grid.rows));
+        console.say(&format!("crs        {crs}"));
+        if let (Some(change), Some(deviation)) = (&found.smoothing, self.smooth) {
+            console.say(&format!(
+                "smoothed   Gaussian with a standard deviation of {deviation}; largest change of a height {:.3} m, RMS {:.3} m",
+                change.largest, change.rms
+            ));
+        }
+        let kind = if self.tolerance.is_some() { "" } else { " (half a cell)" };
+        let of = if self.smooth.is_some() { "smoothed heights" } else { "height map" };
+        console.say(&format!(
+            "tolerance  {}{kind}: lines are within it of the contour of the {of}, which crosses {} sides of cells",
+            found.tolerance, found.crossings
+        ));
+        if found.without_width > 0 {
+            console.say(&format!(
+                "           {} lines without width were not written: single cells or rows of cells exactly at a level, with \
+                 lower ground around",
+                found.without_width
+            ));
+        }
+    }
+}
+
+fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours) -> Result<(), Error> {
+    let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
+    let picture = height_map_picture(dem, finest.map_or(&[], |layer| &layer.lines))?;
+    let path: &Path = &staged.path();
+    write_picture(path, &picture).map_err(|e| staged.with_final_name(e))
+}
+
+fn warn_if_empty(layer: &ContourLayer, console: &Console) {
+    if layer.lines.is_empty() {
+        console.warn(&format!("layer {} has no line: the height map crosses none of its levels", layer.name));
+    }
+}

@@ -1,0 +1,99 @@
+//! The arguments about the levels of contours, and about how lines are written.
+
+use std::path::Path;
+
+use clap::Args;
+use tokosen::Interval;
+use tokosen::contour::ContourLayer;
+use tokosen::crs::FromWorking;
+use tokosen::io::layer::{Layer, labels_layer, of_contours, of_labels};
+use tokosen::slice::{Label, Target};
+
+use super::failure::Failure;
+use super::labels::LabelArgs;
+use super::plane::ToCrsArgs;
+use super::unit::ToUnitArgs;
+
+/// Which contours to write, in which coordinates and unit.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Output")]
+pub struct LevelsArgs {
+    /// Interval of the contours [metres, or the unit of --to-unit], or several: 5,2,1
+    #[arg(
+        short,
+        long,
+        value_name = "STEP",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        required_unless_present = "levels"
+    )]
+    interval: Vec<f64>,
+    /// Elevations of the contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
+    #[arg(
+        long,
+        value_name = "Z",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with_all = ["interval", "base"],
+        hide_short_help = true
+    )]
+    levels: Vec<f64>,
+    /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
+    base: f64,
+    /// Every Nth level is an index contour; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 5, hide_short_help = true)]
+    pub index: u32,
+    #[command(flatten)]
+    pub labels: LabelArgs,
+    #[command(flatten)]
+    pub to_crs: ToCrsArgs,
+    #[command(flatten)]
+    pub to_unit: ToUnitArgs,
+}
+
+impl LevelsArgs {
+    /// The levels of each layer.
+    pub fn targets(&self) -> Result<Vec<Target>, Failure> {
+        if let Some(bad) = self.levels.iter().chain([&self.base]).find(|level| !level.is_finite()) {
+            return Err(Failure::Usage(format!("{bad} is no elevation")));
+        }
+        if !self.levels.is_empty() {
+            return Ok(vec![Target::Levels(self.levels.clone())]);
+        }
+        if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
+            return Err(Failure::Usage(format!("the interval is {bad}, it must be more than 0")));
+        }
+        Ok(self.interval.iter().map(|&step| Interval { step, base: self.base }.into()).collect())
+    }
+
+    /// Checks the labels. `output` is the file of the contours.
+    pub fn check(&self, output: &Path) -> Result<(), Failure> {
+        self.labels.check(output, self.index)
+    }
+
+    /// The names of all layers: of the contours, each followed by that of its labels if there are any.
+    pub fn layer_names(&self, targets: &[Target]) -> Vec<String> {
+        let contours = targets.iter().map(|target| target.layer_name(self.to_unit.unit()));
+        if self.labels.labels.is_none() {
+            return contours.collect();
+        }
+        let alone = targets.len() == 1;
+        contours.flat_map(|name| [name.clone(), labels_layer(&name, alone)]).collect()
+    }
+}
+
+/// The layers of contours, each followed by that of its labels if there are any. `names` are those of all layers.
+pub fn output_layers<'a>(
+    layers: &'a [ContourLayer],
+    labels: Option<&'a [Vec<Label>]>,
+    names: &[&'a str],
+    back: &FromWorking,
+) -> Vec<Layer<'a>> {
+    let mut all = Vec::with_capacity(names.len());
+    for (k, layer) in layers.iter().enumerate() {
+        all.push(of_contours(layer));
+        all.extend(labels.map(|labels| of_labels(names[2 * k + 1], &labels[k], back)));
+    }
+    all
+}

@@ -1,0 +1,178 @@
+//! `tokosen contour` as its users meet it.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::fs;
+
+use glam::DVec2;
+use serde_json::Value;
+use tokosen::base::{ElevationUnit, Grid};
+use tokosen::crs::Crs;
+use tokosen::dem::Dem;
+use tokosen::io::raster::{RasterParams, write_dem, write_raster};
+use tokosen::io::{ReadOptions, read_contours};
+
+use super::running::{Running, run, said};
+use crate::common;
+
+/// These tests.
+struct Here;
+
+type Folder = common::Folder<Here>;
+
+/// A cone of 100 m with a slope of 1 : 1, on cells of 2 m.
+fn cone() -> Dem {
+    let grid = Grid { corner: DVec2::new(1000.0, 500.0), cell: DVec2::splat(2.0), cols: 81, rows: 81 };
+    let top = grid.center(40, 40);
+    let height = |i: usize| (100.0 - grid.center(i % 81, i / 81).distance(top)) as f32;
+    Dem { grid, values: (0..grid.len()).map(height).collect(), crs: Some(Crs::from_epsg(6677)) }
+}
+
+fn features(folder: &Folder, name: &str) -> Vec<Value> {
+    let text = fs::read(folder.path(name)).unwrap();
+    let collection: Value = serde_json::from_slice(&text).unwrap();
+    collection["features"].as_array().unwrap().clone()
+}
+
+#[test]
+fn lines_have_their_attributes_and_the_summary_its_figures() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &cone()).unwrap();
+    let text = folder.succeeds("contour dem.tif -i 10 -o lines.geojson --preview look.png");
+    assert!(text.contains("input      dem.tif (81 x 81 cells)"), "{text}");
+    assert!(
+        text.contains("tolerance  1 (half a cell): lines are within it of the contour of the height map"),
+        "{text}"
+    );
+    let dimensions = image::open(folder.path("look.png")).unwrap().to_rgb8().dimensions();
+    assert!(dimensions.0 > 400 && dimensions.1 > 400);
+    let lines = features(&folder, "lines.geojson");
+    assert!(lines.len() >= 7);
+    for line in &lines {
+        let properties = &line["properties"];
+        let elevation = properties["elev"].as_f64().unwrap();
+        assert_eq!(properties["source"], "height_map");
+        assert_eq!(properties["is_index"], elevation % 50.0 == 0.0);
+        assert_eq!(properties["depression"], false);
+        let points = line["geometry"]["coordinates"].as_array().unwrap();
+        let at = |p: &Value| DVec2::new(p[0].as_f64().unwrap(), p[1].as_f64().unwrap());
+        assert_eq!(properties["closed"], points.first() == points.last());
+        for p in points {
+            let height = 100.0 - at(p).distance(cone().grid.center(40, 40));
+            assert!((height - elevation).abs() < 1.1, "{height} {elevation}");
+        }
+    }
+}
+
+#[test]
+fn all_formats_and_several_intervals() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.asc"), &cone()).unwrap();
+    let count = |name: &str| {
+        let layer = name.ends_with("gpkg").then(|| "contours_20m".to_owned());
+        let options = ReadOptions { layer, elevation_field: None, memory: None };
+        read_contours(&folder.path(name), &options).unwrap().value.contours.len()
+    };
+    let mut counts = Vec::new();
+    for extension in ["geojson", "shp", "fgb", "dxf"] {
+        folder.succeeds(&format!("contour dem.asc -i 20,5 -o lines.{extension} -q"));
+        counts.push([count(&format!("lines_20m.{extension}")), count(&format!("lines_5m.{extension}"))]);
+    }
+    folder.succeeds("contour dem.asc -i 20,5 -o lines.gpkg");
+    assert!(counts.iter().all(|both| *both == counts[0] && both[0] < both[1]), "{counts:?}");
+    assert_eq!(count("lines.gpkg"), counts[0][0]);
+    let bytes = [1, 3].map(|threads| {
+        folder.succeeds(&format!("contour dem.asc -i 5 -o {threads}.fgb --threads {threads}"));
+        fs::read(folder.path(&format!("{threads}.fgb"))).unwrap()
+    });
+    assert!(bytes[0] == bytes[1]);
+    // The lines are contours that a height map can be made of.
+    folder.succeeds("dem lines_5m.shp --cell 4 -o again.tif");
+}
+
+#[test]
+fn smoothing_tolerance_and_levels() {
+    let folder = Folder::new();
+    let mut rough = cone();
+    for (i, z) in rough.values.iter_mut().enumerate() {
+        *z += ((i * 7919) % 101) as f32 / 50.0 - 1.0;
+    }
+    write_dem(&folder.path("rough.tif"), &rough).unwrap();
+    let lines = |options: &str| {
+        let text = folder.succeeds(&format!("contour rough.tif --levels 52.5,60 -o l.geojson {options}"));
+        (features(&folder, "l.geojson").len(), text)
+    };
+    let (before, text) = lines("");
+    assert!(!text.contains("smoothed"), "{text}");
+    let (after, text) = lines("--smooth 4 --tolerance 0.5");
+    assert!(after <= before && after >= 2, "{after} of {before}");
+    assert!(text.contains("smoothed   Gaussian with a standard deviation of 4; largest change of a height"), "{text}");
+    assert!(text.contains("tolerance  0.5: lines are within it of the contour of the smoothed heights"), "{text}");
+}
+
+#[test]
+fn units_and_coordinate_reference_systems() {
+    let folder = Folder::new();
+    let feet = RasterParams { unit: ElevationUnit::Foot, ..RasterParams::default() };
+    write_raster(&folder.path("feet.tif"), &cone(), &feet).unwrap();
+    let text = folder.succeeds("contour feet.tif -i 100 --to-unit ft --to-crs EPSG:6668 -o f.geojson");
+    assert!(text.contains("layer contours_100ft") && text.contains("heights in feet"), "{text}");
+    let lines = features(&folder, "f.geojson");
+    assert!(!lines.is_empty());
+    for line in &lines {
+        let elevation = line["properties"]["elev"].as_f64().unwrap();
+        assert_eq!(elevation % 100.0, 0.0);
+        let [x, y, z] = [0, 1, 2].map(|i| line["geometry"]["coordinates"][0][i].as_f64().unwrap());
+        assert!((130.0..150.0).contains(&x) && (30.0..40.0).contains(&y), "{x} {y}");
+        assert_eq!(z, elevation);
+    }
+    let bare = Dem { crs: None, ..cone() };
+    write_dem(&folder.path("bare.asc"), &bare).unwrap();
+    let (well, text) = folder.run("contour bare.asc -i 10 -o b.geojson --to-crs EPSG:6668");
+    assert!(!well && text.contains("not known") && text.contains("--crs"), "{text}");
+    let text = folder.succeeds("contour bare.asc -i 10 -o b.geojson");
+    assert!(text.contains("crs        unknown") && text.contains("coordinate reference system unknown"), "{text}");
+    let text = folder.succeeds("contour bare.asc -i 10 -o b.geojson --to-crs EPSG:6668 --crs EPSG:6677");
+    assert!(!text.contains("unknown"), "{text}");
+    // Degrees are worked on as they are.
+    let mut degrees = cone();
+    (degrees.grid.corner, degrees.grid.cell, degrees.crs) =
+        (DVec2::new(138.0, 36.0), DVec2::new(1e-4, 8e-5), Some(Crs::from_epsg(6668)));
+    write_dem(&folder.path("degrees.tif"), &degrees).unwrap();
+    let text = folder.succeeds("contour degrees.tif -i 10 -o d.gpkg");
+    assert!(text.contains("tolerance  0.00004 (half a cell)"), "{text}");
+}
+
+#[test]
+fn wrong_usage_and_wrong_input_say_what_to_do() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &cone()).unwrap();
+    folder.succeeds("contour dem.tif -i 10 -o lines.geojson");
+    for (arguments, status, words) in [
+        ("contour dem.tif -o a.gpkg", 2, "--interval"),
+        ("contour dem.tif -i 0 -o a.gpkg", 2, "the interval is 0"),
+        ("contour dem.tif -i 5 --levels 7 -o a.gpkg", 2, "cannot be used with"),
+        ("contour dem.tif -i 5 -o a.tif", 2, "contours are written as"),
+        ("contour dem.tif -i 5 -o a.gpkg --preview a.jpg", 2, "pictures are written as"),
+        ("contour dem.tif -i 5 -o a.gpkg --tolerance -1", 2, "--tolerance is -1"),
+        ("contour dem.tif -i 5 -o a.gpkg --smooth 0", 2, "--smooth is 0"),
+        ("contour dem.tif -i 5 -o a.gpkg --smooth 300", 2, "at most 50 cells"),
+        ("contour dem.tif -i 0.00001 -o a.gpkg", 2, "choose a larger"),
+        ("contour none.tif -i 5 -o a.gpkg", 1, "cannot read none.tif"),
+        ("contour lines.geojson -i 5 -o a.gpkg", 1, "'tokosen densify' makes denser contours"),
+        ("densify dem.tif -i 5 -o a.gpkg", 1, "'tokosen contour' draws its contours"),
+        ("dem dem.tif --cell 5 -o a.tif", 1, "'tokosen contour' draws its contours"),
+        ("mesh dem.tif -o a.ply", 1, "'tokosen contour' draws its contours"),
+        ("regions dem.tif -o a.gpkg", 1, "'tokosen contour' draws its contours"),
+        ("skeleton dem.tif -o a.gpkg", 1, "'tokosen contour' draws its contours"),
+        ("check dem.tif", 1, "'tokosen contour' draws its contours"),
+    ] {
+        let output = run(folder.0.path(), arguments);
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(status), "{arguments}: {text}");
+        assert!(text.contains(words), "{arguments}: {text}");
+    }
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);
+    let text = folder.succeeds("contour dem.tif --levels 5000 -o none.gpkg");
+    assert!(text.contains("layer contours has no line"), "{text}");
+}
