@@ -33,6 +33,7 @@
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
 //! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
+//! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |

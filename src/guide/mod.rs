@@ -18,6 +18,7 @@ pages! {
     everyday = "everyday.md",
     denser_contours = "denser_contours.md",
     height_maps = "height_maps.md",
+    height_map_contours = "height_map_contours.md",
     coordinates = "coordinates.md",
     base_map = "base_map.md",
     checking = "checking.md",

@@ -19,9 +19,9 @@ const REACH_OF_RING: f64 = 0.2;
 const PASSES: usize = 3;
 /// Distances between the smooth curve and the straight pieces, as shares of the tolerance. A line takes the first with
 /// which few of its vertices are left. So a gentle line has small bends, and a rough one has not too many vertices.
-const STRAIGHT: [f64; 6] = [0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
-/// Few vertices: this share of the crossings, and a number for rings around some squares.
-const FEW: (f64, f64) = (0.28, 5.0);
+const STRAIGHT: [f64; 8] = [0.06, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
+/// Few vertices: this share of the crossings, or so many for a ring around some cells.
+const FEW: (f64, f64) = (0.26, 6.0);
 /// A parabola that misses its side by more than this is not extended to it, cells.
 const FARTHEST: f64 = 1.0;
 
@@ -42,9 +42,8 @@ pub(super) fn vertices(course: &Course<'_>, tolerance: DVec2, space: &mut Worksp
     for _ in 0..PASSES {
         smooth(line, course.is_closed, points, along, moved);
     }
-    let few = (FEW.0 * line.len() as f64 + FEW.1) as usize;
-    let mut vertices = Vec::new();
-    for share in STRAIGHT {
+    let few = (FEW.0 * line.len() as f64).max(FEW.1) as usize;
+    let pieces = |share: f64| {
         let vertex = |k: usize| {
             let crossing = &line[k];
             let narrow = share * if crossing.along_x { tolerance.x } else { tolerance.y };
@@ -52,11 +51,21 @@ pub(super) fn vertices(course: &Course<'_>, tolerance: DVec2, space: &mut Worksp
             let high = crossing.point((crossing.at + narrow).min(crossing.window[1]));
             (crossing.point(crossing.at), if crossing.rises { [high, low] } else { [low, high] })
         };
-        vertices = simplified(line.len(), vertex);
-        if vertices.len() <= few {
-            break;
+        simplified(line.len(), vertex)
+    };
+    // A larger share leaves fewer vertices, so the first one that leaves few is found by halving.
+    let (mut from, mut to) = (0, STRAIGHT.len() - 1);
+    let mut vertices = None;
+    while from < to {
+        let middle = (from + to) / 2;
+        let found = pieces(STRAIGHT[middle]);
+        if found.len() <= few {
+            (to, vertices) = (middle, Some(found));
+        } else {
+            from = middle + 1;
         }
     }
+    let vertices = vertices.unwrap_or_else(|| pieces(STRAIGHT[to]));
     if vertices.len() < if course.is_closed { 4 } else { 2 } {
         return line.iter().map(|crossing| crossing.point(crossing.at)).collect();
     }
