@@ -1,5 +1,5 @@
 //! Height maps: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells. [`contour`] draws its contours,
-//! [`derive`] slopes, [`compare`] compares two of them.
+//! [`derive`](mod@derive) slopes, [`compare`] compares two of them.
 
 pub mod compare;
 pub mod contour;
