@@ -112,10 +112,17 @@ fn errors_go_to_another_system_too_and_derive_makes_its_height_map_there() {
     folder.slope("in.gpkg", 6676, DVec2::new(21_000.0, -70_000.0));
     folder.succeeds("dem in.gpkg --to-crs EPSG:32654 --cell 25 --uncertainty -o out.tif");
     let (dem, errors) = (folder.dem("out.tif"), read_standard_errors(&folder.path("out.tif")).unwrap().unwrap());
-    assert_eq!((dem.grid, dem.crs), (errors.grid, errors.crs));
+    assert_eq!((dem.grid, &dem.crs), (errors.grid, &errors.crs));
     let both = dem.values.iter().zip(&errors.values);
     assert!(both.clone().all(|(z, e)| z.is_nan() == e.is_nan() && (e.is_nan() || *e >= 0.0)));
     assert!(both.filter(|(z, _)| !z.is_nan()).count() > 1500);
+    // A Cloud Optimized GeoTIFF holds the same.
+    folder.succeeds("dem in.gpkg --to-crs EPSG:32654 --cell 25 --uncertainty --cog -o cog.tif");
+    assert_eq!(std::fs::read(folder.path("cog.tif")).unwrap()[8..36], *b"GDAL_STRUCTURAL_METADATA_SIZ");
+    let bits = |dem: &Dem| dem.values.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+    assert!(bits(&folder.dem("cog.tif")) == bits(&dem));
+    let again = read_standard_errors(&folder.path("cog.tif")).unwrap().unwrap();
+    assert!(again.grid == errors.grid && bits(&again) == bits(&errors));
     // Slopes are measured on the ground, not on the map, which is larger.
     folder.succeeds("derive in.gpkg --surface linear --to-crs EPSG:3857 --cell 25 --slope slope.tif");
     let slope = folder.dem("slope.tif");
@@ -160,6 +167,8 @@ fn sizes_in_the_wrong_unit_and_systems_that_do_not_serve() {
         ("dem in.gpkg --to-crs EPSG:3857 -o d.tif", "needs --cell SIZE"),
         ("dem in.gpkg --to-crs EPSG:3857 --like r.tif -o d.tif", "cannot be used with"),
         ("dem in.gpkg --to-crs EPSG:1 --cell 5 -o d.tif", "--to-crs"),
+        ("dem in.gpkg --cell 5 --cog -o d.png", "--cog applies to .tif"),
+        ("densify in.gpkg -i 5 -o o.gpkg --cog", "need --dem FILE"),
         ("dem in.gpkg --to-crs EPSG:3857 --cell 1e-4 -o d.tif", "--cell 0.0001 gives"),
         ("dem in.gpkg --to-crs EPSG:4326 --cell-degrees 1e-9 -o d.tif", "--cell-degrees 0.000000001 gives"),
         ("dem in.gpkg --to-crs EPSG:3857 --cell 1e6 -o d.tif", "--cell 1000000 is too large"),
