@@ -71,7 +71,6 @@ fn in_flags(error: &Error) -> Option<String> {
         Error::NotProjectedInMetres { name } => format!("--work-crs {name} is not a projected system in metres"),
         Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs } => needs_crs("--work-crs"),
         Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees } => needs_crs("--cell-degrees"),
-        Error::UnknownCrs { needed_for: CrsNeed::OtherOutput } => needs_crs("--to-crs"),
         Error::TooManyCells { cell, cols, rows, in_degrees } => {
             let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };
             format!("{flag} {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell")

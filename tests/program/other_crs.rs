@@ -192,7 +192,10 @@ fn sizes_in_the_wrong_unit_and_systems_that_do_not_serve() {
     })
     .unwrap();
     let (well, said) = folder.run("dem none.geojson --to-crs EPSG:3857 --cell 5 -o d.tif");
-    assert!(!well && said.contains("--to-crs needs contours whose coordinate reference system is known"), "{said}");
+    assert!(
+        !well && said.contains("is not known, so they cannot be transformed") && said.contains("name it with --crs"),
+        "{said}"
+    );
     folder.succeeds("dem in.gpkg --cell 10 -o r.tif");
     folder.fails("derive r.tif --to-crs EPSG:3857 --slope s.tif", &["--to-crs applies to contours"]);
 }
