@@ -51,7 +51,7 @@ def written(command, path, interval, tolerance):
     whole, tracing = math.inf, math.inf
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "lines.fgb"
-        arguments = [command, "contour", path, "-i", str(interval), "-o", str(out), "--overwrite"]
+        arguments = [command, "contour", path, "-i", str(interval), "-o", str(out), "--overwrite", "-v"]
         arguments += ["--tolerance", repr(tolerance)] if tolerance is not None else []
         for _ in range(3):
             start = time.perf_counter()
