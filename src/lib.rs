@@ -31,6 +31,7 @@
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
+//! | [`slice::place_labels`] | contours | [`Label`](slice::Label)s: the elevations of contours as texts with position and angle |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
 //! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
 //! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |

@@ -73,7 +73,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     };
     let terrain = job.build(&mut input, &args.surface, options)?;
     let dem = output.write(&terrain, console)?;
-    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines))?;
+    job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);

@@ -133,7 +133,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         write_layers_back(&staged, &all, &back)
     })?;
     let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
-    job.draw(|| picture(&terrain.surface, finest(&layers)))?;
+    job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
 
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);

@@ -68,7 +68,10 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
     let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
-    job.draw(|| subdivision_picture(&subdivision, &[], Some(&landform_patches(&forms, &subdivision.tin))))?;
+    job.draw(|| {
+        let patches = landform_patches(&forms, &subdivision.tin);
+        subdivision_picture(&subdivision, &[], Some(&patches), &input.reprojection)
+    })?;
 
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);

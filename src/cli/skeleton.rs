@@ -100,7 +100,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     })?;
     job.draw(|| {
         let patches = args.triangles.then(|| triangle_patches(&subdivision.tin, &found));
-        subdivision_picture(&subdivision, &found.lines, patches.as_ref())
+        subdivision_picture(&subdivision, &found.lines, patches.as_ref(), &input.reprojection)
     })?;
 
     job.report(&input.findings, &subdivision.map);

@@ -9,27 +9,31 @@ pub(super) type Rgb = [u8; 3];
 pub(super) const PAPER: Rgb = [255, 255, 255];
 /// Text, frame, scale bar.
 pub(super) const INK: Rgb = [52, 48, 44];
-/// Contours.
-pub(super) const CONTOUR: Rgb = [74, 48, 26];
+/// Contours of the input, and the elevations on contours.
+pub(super) const INPUT: Rgb = [84, 48, 22];
+/// Interpolated contours.
+pub(super) const INTERPOLATED: Rgb = [186, 90, 12];
 /// Ridge lines.
-pub(super) const RIDGE: Rgb = [196, 46, 18];
+pub(super) const RIDGE: Rgb = [140, 20, 120];
 /// Canyon lines.
-pub(super) const CANYON: Rgb = [20, 84, 190];
+pub(super) const CANYON: Rgb = [0, 100, 200];
 
 /// The tint from the lowest to the highest ground: the higher the lighter and warmer, as mountains are seen from above
 /// through the air. Evenly spaced.
 const STOPS: [Rgb; 7] = [
-    [122, 163, 134],
-    [156, 187, 143],
-    [193, 207, 156],
-    [223, 217, 170],
-    [233, 216, 180],
-    [240, 226, 204],
-    [250, 246, 238],
+    [158, 192, 158],
+    [182, 206, 162],
+    [208, 219, 172],
+    [229, 225, 184],
+    [237, 224, 194],
+    [244, 232, 214],
+    [252, 249, 243],
 ];
 
 /// Shadows are cool and highlights warm, which keeps the tint readable in both.
-const SHADOW: [f64; 3] = [50.0, 56.0, 82.0];
+const SHADOW: [f64; 3] = [56.0, 62.0, 92.0];
+/// Share of the shadow where no light falls. Deeper shadows would hide the lines.
+const DEEPEST: f64 = 0.5;
 const HIGHLIGHT: [f64; 3] = [255.0, 253.0, 240.0];
 
 /// The tint as a table, interpolated in Oklab so that equal steps of height look equally large.
@@ -61,7 +65,7 @@ impl Tint {
 /// Shades a colour: `light` is 1 on level ground, less in the shadow, more towards the light.
 pub(super) fn shaded(color: Rgb, light: f64) -> Rgb {
     let (target, share) = if light < 1.0 {
-        (SHADOW, 0.66 * (1.0 - light.max(0.0)))
+        (SHADOW, DEEPEST * (1.0 - light.max(0.0)))
     } else {
         (HIGHLIGHT, (0.9 * (light - 1.0)).min(0.45))
     };
@@ -127,6 +131,54 @@ mod tests {
         assert_eq!(tint.at(2.0), STOPS[6]);
         let lightness: Vec<f64> = (0..=100).map(|i| to_oklab(tint.at(f64::from(i) / 100.0)).x).collect();
         assert!(lightness.windows(2).all(|w| w[1] > w[0] - 0.004), "{lightness:?}");
+    }
+
+    /// Colours as people without one kind of cones see them (Machado, Oliveira and Fernandes 2009, severity 1).
+    const VISION: [[[f64; 3]; 3]; 4] = [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    ];
+
+    fn linear(color: Rgb) -> [f64; 3] {
+        color.map(|byte| {
+            let v = f64::from(byte) / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        })
+    }
+
+    fn seen(color: Rgb, vision: &[[f64; 3]; 3]) -> Rgb {
+        let light = linear(color);
+        vision.map(|row| {
+            let v = (0..3).map(|i| row[i] * light[i]).sum::<f64>().clamp(0.0, 1.0);
+            let v = if v <= 0.0031308 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+            (v * 255.0).round() as u8
+        })
+    }
+
+    #[test]
+    fn colour_blind_people_tell_the_lines_apart() {
+        let inks = [INPUT, INTERPOLATED, RIDGE, CANYON];
+        for vision in &VISION {
+            for (i, a) in inks.iter().enumerate() {
+                for b in &inks[..i] {
+                    let apart = to_oklab(seen(*a, vision)).distance(to_oklab(seen(*b, vision)));
+                    assert!(apart > 0.1, "{a:?} {b:?} {apart} {vision:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn contours_of_the_input_stand_out_on_the_deepest_shadow() {
+        // Contrast ratio of WCAG 2: at least 3 for figures and lines that have to be seen.
+        let luminance = |c: Rgb| linear(c).iter().zip([0.2126, 0.7152, 0.0722]).map(|(v, w)| v * w).sum::<f64>() + 0.05;
+        for stop in STOPS {
+            let ratio = luminance(shaded(stop, 0.15)) / luminance(INPUT);
+            assert!(ratio > 3.0, "{stop:?} {ratio}");
+            assert!(luminance(shaded(stop, 1.0)) / luminance(INTERPOLATED) > 2.0, "{stop:?}");
+        }
     }
 
     #[test]

@@ -1,15 +1,17 @@
-//! The legend below the map: scale bar and coordinate reference system, the kinds of line, the tint with its heights.
+//! The legend below the map: arrow and scale bar, the kinds of line, the tint with its heights.
 
-use tiny_skia::{Pixmap, Rect, Transform};
+use tiny_skia::{FillRule, PathBuilder, Pixmap, Rect, Transform};
 
+use super::break_lines::{Chosen, Shown};
 use super::canvas::paint;
 use super::color::{INK, PAPER, Rgb, Tint};
-use super::lines::{self, CANYON_STYLE, Class, Plan, RIDGE_STYLE, Style};
-use super::scale;
+use super::patches::Patches;
+use super::plan::{Class, Plan};
+use super::stroke::{self, Style, break_line_style};
 use super::text::{Align, Typesetter};
-use super::view::Preview;
-use crate::dem::Dem;
-use crate::skeleton::{BreakKind, BreakLine};
+use crate::crs::Crs;
+use crate::draw::scale;
+use crate::skeleton::BreakKind;
 
 /// Size of the legend's text, pixels.
 const TEXT: f32 = 15.0;
@@ -27,32 +29,42 @@ const SWATCH_ROWS: usize = 4;
 const SWATCH: f32 = 12.0;
 /// Width and height of the tint's bar.
 const RAMP: (f32, f32) = (240.0, 14.0);
+/// Width of the arrow to the north with the space beside it.
+const ARROW: f32 = 40.0;
 /// Names are cut so that this many letters remain.
 const NAME_LETTERS: usize = 50;
 
 /// A part of the legend that stays together.
 pub(super) enum Block {
-    /// The scale bar and the name of the coordinate reference system.
-    Scale { bar: Option<scale::Bar>, name: Option<String> },
+    /// The scale bar, an arrow to grid north, and a remark.
+    Scale { bar: Option<scale::Bar>, arrow: Option<Arrow>, remark: Option<String> },
     /// Samples of lines; one without a style is a remark.
     Keys { keys: Vec<(Option<Style>, String)>, rows: usize },
     /// The tint and the lowest and highest height.
     Ramp { low: f64, high: f64 },
 }
 
-/// The blocks that this map needs, given the range of its heights and the room for them.
-pub(super) fn blocks(
-    input: &Preview<'_>,
-    plan: &Plan,
-    range: Option<(f64, f64)>,
-    room: f32,
-    setter: &Typesetter,
-) -> Vec<Block> {
-    let mut blocks = vec![Block::Scale { bar: scale::bar(input.dem), name: crs_label(input.dem) }];
+/// An arrow to grid north: up.
+pub(super) struct Arrow;
+
+/// What the legend explains.
+pub(super) struct Content<'a> {
+    pub scale: Block,
+    pub plan: &'a Plan,
+    pub break_lines: &'a Chosen,
+    pub patches: Option<&'a Patches>,
+    /// Lowest and highest height.
+    pub range: Option<(f64, f64)>,
+}
+
+/// The blocks of the legend, given the room for them.
+pub(super) fn blocks(content: Content<'_>, room: f32, setter: &Typesetter) -> Vec<Block> {
+    let Content { scale, plan, break_lines, patches, range } = content;
+    let mut blocks = vec![scale];
     let swatch = |(color, name)| (Some(Style { color, width: SWATCH, alpha: 1.0, dashes: None }), name);
-    let swatches = input.patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
+    let swatches = patches.map(|patches| patches.present().into_iter().map(swatch).collect::<Vec<_>>());
     let tint = if swatches.is_some() { None } else { range };
-    let keys = [(keys(plan, input.break_lines), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
+    let keys = [(keys(plan, break_lines), KEY_ROWS), (swatches.unwrap_or_default(), SWATCH_ROWS)];
     for (keys, rows) in keys.into_iter().filter(|(keys, _)| !keys.is_empty()) {
         let wide = Block::Keys { keys, rows };
         let (width, _) = wide.size(setter);
@@ -66,8 +78,8 @@ pub(super) fn blocks(
     blocks
 }
 
-fn crs_label(dem: &Dem) -> Option<String> {
-    let crs = dem.crs.as_ref()?;
+/// The name of a coordinate reference system with its code.
+pub(super) fn crs_label(crs: &Crs) -> Option<String> {
     let name = crs.name()?;
     let cut = name.char_indices().nth(NAME_LETTERS).map_or(name.len(), |(at, _)| at);
     let short = if cut < name.len() { format!("{}...", &name[..cut]) } else { name };
@@ -77,17 +89,19 @@ fn crs_label(dem: &Dem) -> Option<String> {
     })
 }
 
-fn keys(plan: &Plan, break_lines: &[BreakLine]) -> Vec<(Option<Style>, String)> {
+fn keys(plan: &Plan, break_lines: &Chosen) -> Vec<(Option<Style>, String)> {
     let mut keys = Vec::new();
     let mut contours = |class: &Option<Class>, kind: &str| {
         let Some(class) = class else { return };
         let step = |every: u32| class.interval().map(|interval| scale::number(interval * f64::from(every)));
+        // Steep slopes have index contours alone.
+        let room = if class.fades { ", where there is room" } else { "" };
         match (class.every, step(1)) {
-            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind}, {interval} m"))),
-            (Some(1), None) => keys.push((Some(class.style), kind.to_owned())),
+            (Some(1), Some(interval)) => keys.push((Some(class.style), format!("{kind}, {interval} m{room}"))),
+            (Some(1), None) => keys.push((Some(class.style), format!("{kind}{room}"))),
             (Some(every), interval) => {
                 let (all, drawn) = (interval.unwrap_or_default(), step(every).unwrap_or_default());
-                keys.push((Some(class.style), format!("{kind}, {all} m, drawn every {drawn} m")));
+                keys.push((Some(class.style), format!("{kind}, {all} m, drawn every {drawn} m{room}")));
             }
             (None, Some(interval)) => keys.push((None, format!("{kind}, {interval} m: too dense to draw"))),
             (None, None) => keys.push((None, format!("{kind}: too dense to draw"))),
@@ -96,16 +110,19 @@ fn keys(plan: &Plan, break_lines: &[BreakLine]) -> Vec<(Option<Style>, String)> 
     contours(&plan.input, if plan.of_height_map { "Contours" } else { "Input contours" });
     contours(&plan.interpolated, "Interpolated contours");
     let drawn = [&plan.input, &plan.interpolated].into_iter().flatten().filter(|c| c.has_index && c.every.is_some());
-    keys.extend(drawn.take(1).map(|class| (Some(class.index_style), "Index contours".to_owned())));
+    let index = plan.index_interval.map(|interval| format!(", {} m", scale::number(interval))).unwrap_or_default();
+    keys.extend(drawn.take(1).map(|class| (Some(class.index_style), format!("Index contours{index}"))));
     if let Some(class) = plan.interpolated.as_ref().filter(|class| class.has_inferred) {
-        keys.push((Some(lines::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
+        keys.push((Some(stroke::dashed(class.style)), "Inferred: hardly known from the input".to_owned()));
     }
-    for (kind, style, name) in
-        [(BreakKind::Ridge, RIDGE_STYLE, "Ridge lines"), (BreakKind::Canyon, CANYON_STYLE, "Canyon lines")]
-    {
-        if break_lines.iter().any(|line| line.kind == kind) {
-            keys.push((Some(style), name.to_owned()));
+    let some = if break_lines.shown == Shown::Longest { ", the longest" } else { "" };
+    for (kind, name) in [(BreakKind::Ridge, "Ridge lines"), (BreakKind::Canyon, "Canyon lines")] {
+        if break_lines.of(kind).next().is_some() {
+            keys.push((Some(break_line_style(kind, break_lines.width)), format!("{name}{some}")));
         }
+    }
+    if break_lines.shown == Shown::Nothing {
+        keys.push((None, "Ridge and canyon lines: too dense to draw".to_owned()));
     }
     keys
 }
@@ -138,11 +155,11 @@ impl Block {
     /// Width and height, pixels.
     pub fn size(&self, setter: &Typesetter) -> (f32, f32) {
         match self {
-            Self::Scale { bar, name } => {
+            Self::Scale { bar, arrow, remark } => {
                 let label = bar.as_ref().map_or(0.0, |bar| setter.width(&bar.label, TEXT));
-                let bar = bar.as_ref().map_or(0.0, |bar| bar.pixels + label);
-                let name = name.as_ref().map_or(0.0, |name| setter.width(name, TEXT));
-                (bar.max(name), ROW * 3.0)
+                let bar = bar.as_ref().map_or(0.0, |bar| bar.pixels as f32 + label);
+                let remark = remark.as_ref().map_or(0.0, |remark| setter.width(remark, TEXT));
+                (if arrow.is_some() { ARROW } else { 0.0 } + bar.max(remark), ROW * 3.0)
             }
             Self::Keys { keys, rows } => {
                 let columns = keys.chunks(*rows).map(|column| column_width(column, setter) + GAP.0);
@@ -157,12 +174,17 @@ impl Block {
         // The base line of a row's text.
         let base = |row: usize| y + ROW * row as f32 + 15.0;
         match self {
-            Self::Scale { bar, name } => {
-                if let Some(bar) = bar {
-                    draw_bar(pixmap, setter, bar, (x, base(0)));
+            Self::Scale { bar, arrow, remark } => {
+                let mut left = x;
+                if arrow.is_some() {
+                    draw_arrow(pixmap, setter, (x, y));
+                    left += ARROW;
                 }
-                if let Some(name) = name {
-                    setter.draw(pixmap, name, (x, base(2)), TEXT, INK, Align::Left);
+                if let Some(bar) = bar {
+                    draw_bar(pixmap, setter, bar, (left, base(0)));
+                }
+                if let Some(remark) = remark {
+                    setter.draw(pixmap, remark, (left, base(2)), TEXT, INK, Align::Left);
                 }
             }
             Self::Keys { keys, rows } => {
@@ -173,10 +195,10 @@ impl Block {
                             let middle = base(row).floor() - 4.5;
                             // Lines that are faint on the dark map would be lost on white paper.
                             let style = Style { alpha: style.alpha.max(0.8), ..*style };
-                            let mut path = tiny_skia::PathBuilder::new();
+                            let mut path = PathBuilder::new();
                             path.move_to(left + 1.0, middle);
                             path.line_to(left + SAMPLE.0, middle);
-                            lines::stroke(pixmap, path.finish(), style);
+                            stroke::stroke(pixmap, path.finish(), style, None);
                         }
                         setter.draw(pixmap, text, (left + SAMPLE.1, base(row)), TEXT, INK, Align::Left);
                     }
@@ -192,18 +214,40 @@ fn column_width(column: &[(Option<Style>, String)], setter: &Typesetter) -> f32 
     column.iter().map(|(_, text)| SAMPLE.1 + setter.width(text, TEXT)).fold(0.0, f32::max)
 }
 
+/// An arrow upwards below the letter N.
+fn draw_arrow(pixmap: &mut Pixmap, setter: &Typesetter, (x, y): (f32, f32)) {
+    let middle = x + 9.0;
+    setter.draw(pixmap, "N", (middle, y + 15.0), TEXT, INK, Align::Center);
+    // The eastern half is white, as on compass needles.
+    let (tip, foot) = (y + 20.0, y + 52.0);
+    let half = |side: f32| {
+        let mut path = PathBuilder::new();
+        path.move_to(middle, tip);
+        path.line_to(middle + side * 8.0, foot);
+        path.line_to(middle, foot - 7.0);
+        path.close();
+        path.finish()
+    };
+    if let Some(west) = half(-1.0) {
+        pixmap.fill_path(&west, &paint(INK, 1.0), FillRule::Winding, Transform::identity(), None);
+    }
+    let outline = Style { color: INK, width: 1.0, alpha: 1.0, dashes: None };
+    [-1.0, 1.0].into_iter().for_each(|side| stroke::stroke(pixmap, half(side), outline, None));
+}
+
 /// A bar in black and white halves with its ends labelled above.
 fn draw_bar(pixmap: &mut Pixmap, setter: &Typesetter, bar: &scale::Bar, (x, base): (f32, f32)) {
     setter.draw(pixmap, "0", (x, base), TEXT, INK, Align::Left);
     let (top, height) = (base + 6.0, 7.0);
-    fill(pixmap, (x, top, bar.pixels, height), INK);
-    let cell = bar.pixels / 4.0;
+    let pixels = bar.pixels as f32;
+    fill(pixmap, (x, top, pixels, height), INK);
+    let cell = pixels / 4.0;
     for white in [1.0, 3.0] {
         fill(pixmap, (x + cell * white, top + 1.2, cell - if white > 2.0 { 1.2 } else { 0.0 }, height - 2.4), PAPER);
     }
     // The number is centred on the end of the bar; the unit follows it.
     let number = setter.width(&bar.number, TEXT);
-    setter.draw(pixmap, &bar.label, (x + bar.pixels - number / 2.0, base), TEXT, INK, Align::Left);
+    setter.draw(pixmap, &bar.label, (x + pixels - number / 2.0, base), TEXT, INK, Align::Left);
 }
 
 /// The tint from the lowest to the highest ground with round heights below it.
@@ -229,5 +273,59 @@ fn draw_ramp(pixmap: &mut Pixmap, setter: &Typesetter, (low, high): (f64, f64), 
 fn fill(pixmap: &mut Pixmap, (x, y, width, height): (f32, f32, f32, f32), color: Rgb) {
     if let Some(rect) = Rect::from_xywh(x, y, width, height) {
         pixmap.fill_rect(rect, &paint(color, 1.0), Transform::identity(), None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::plan::plan;
+    use super::*;
+    use crate::base::Grid;
+    use crate::contour::{ContourLine, Source};
+
+    const GRID: Grid = Grid { corner: DVec2::new(0.0, 400.0), cell: DVec2::ONE, cols: 400, rows: 400 };
+
+    /// Level lines across the whole map, `apart` pixels and `step` metres apart.
+    fn lines(apart: f64, step: f64, source: Source) -> impl Iterator<Item = ContourLine> {
+        (0..=(400.0 / apart) as usize).map(move |i| {
+            let points = [0.0, 400.0].map(|x| DVec2::new(x, i as f64 * apart)).to_vec();
+            let index = source == Source::Input && i % 5 == 0;
+            ContourLine { elevation: i as f64 * step, points, source, index, depression: false, expected: None }
+        })
+    }
+
+    fn told(contours: &[ContourLine], shown: Shown) -> Vec<String> {
+        let break_lines = Chosen { lines: Vec::new(), shown, width: 1.0 };
+        keys(&plan(contours, &GRID), &break_lines).into_iter().map(|(_, text)| text).collect()
+    }
+
+    #[test]
+    fn the_legend_says_which_lines_are_left_out() {
+        let sparse: Vec<_> = lines(40.0, 20.0, Source::Input).chain(lines(10.0, 5.0, Source::Interpolated)).collect();
+        assert_eq!(
+            told(&sparse, Shown::All),
+            ["Input contours, 20 m", "Interpolated contours, 5 m", "Index contours, 100 m"]
+        );
+        let dense: Vec<_> = lines(20.0, 20.0, Source::Input).chain(lines(1.0, 1.0, Source::Interpolated)).collect();
+        assert_eq!(
+            told(&dense, Shown::Nothing),
+            [
+                "Input contours, 20 m",
+                "Interpolated contours, 1 m, drawn every 5 m",
+                "Index contours, 100 m",
+                "Ridge and canyon lines: too dense to draw"
+            ]
+        );
+        let denser: Vec<_> = lines(1.5, 10.0, Source::Input).chain(lines(0.3, 2.0, Source::Interpolated)).collect();
+        assert_eq!(
+            told(&denser, Shown::All),
+            [
+                "Input contours, 10 m, drawn every 50 m",
+                "Interpolated contours, 2 m: too dense to draw",
+                "Index contours, 250 m"
+            ]
+        );
     }
 }

@@ -4,20 +4,28 @@
 //! [`render_model`] draws a mesh in space.
 //!
 //! From bottom to top: the tint by elevation, shaded by soft light from the north-west; areas by class, if asked for;
-//! the interpolated contours, thin; the input's contours, bold; canyon and ridge lines. Cells without data stay white.
-//! Where contours would lie closer than a few pixels, only some levels are drawn, and the legend says which.
+//! the interpolated contours, thin and orange; the input's contours, brown, and index contours bolder; canyon and ridge
+//! lines; the elevations of index contours. Cells without data stay white. Around the map are coordinates.
+//!
+//! Where contours would lie closer than a few pixels, only some levels are drawn. Ridge and canyon lines that would hide
+//! the ground are left out. The legend says what is drawn.
 
+mod break_lines;
 mod canvas;
 mod color;
+mod density;
 mod kinds;
+mod labels;
 mod legend;
 mod lines;
+mod margin;
 mod oblique;
 mod patches;
+mod plan;
 mod render;
-mod scale;
 mod scene;
 mod sheet;
+mod stroke;
 mod text;
 mod view;
 mod zbuffer;
@@ -28,4 +36,4 @@ pub use patches::{Patch, PatchClass, Patches};
 pub use render::render;
 pub use scene::{height_map_picture, picture, subdivision_picture};
 pub use sheet::{MAX_SIDE, map_grid};
-pub use view::Preview;
+pub use view::{Preview, Subject};

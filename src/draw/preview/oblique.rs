@@ -10,19 +10,22 @@ use glam::{DVec2, DVec3};
 use image::RgbImage;
 use tiny_skia::{IntSize, Pixmap};
 
+use super::break_lines;
 use super::canvas::image_of;
 use super::color::{self, INK, Rgb, Tint};
 use super::legend;
-use super::lines::{self, CANYON_STYLE, RIDGE_STYLE, Style};
-use super::sheet::{MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
+use super::plan::{drawn_as, plan};
+use super::sheet::{Head, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
+use super::stroke::{Style, break_line_style};
 use super::text::Typesetter;
-use super::view::Preview;
+use super::view::Subject;
 use super::zbuffer::{self, Corner, Piece, Scene};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::contour::{ContourLine, Source};
 use crate::dem::Dem;
 use crate::dem::shade::{Lights, ShadeParams};
+use crate::draw::scale;
 use crate::mesh::Mesh;
 use crate::skeleton::{BreakKind, BreakLine};
 
@@ -71,7 +74,10 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let covered = ground.area * view.scale * view.scale * ALTITUDE.to_radians().sin();
     let faceted = covered / mesh.triangles.len() as f64 > LARGE;
     let grid = ground.grid(&view);
-    let plan = lines::plan(model.contours, &grid, covered.max(1.0));
+    let plan = plan(model.contours, &grid);
+    let frame = frame_edges(mesh);
+    let map_area = (ground.area * view.scale * view.scale).max(1.0);
+    let break_lines = break_lines::choose(model.break_lines, &frame, (1.0 / view.scale, map_area), Subject::Ground);
 
     let (mut styles, mut pieces) = (vec![EDGE_STYLE], Vec::new());
     if faceted {
@@ -79,21 +85,20 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
         let ends = edges.map(|edge| edge.map(|v| view.points[v as usize]));
         pieces.extend(ends.map(|ends| Piece { ends, style: 1 }));
     }
-    for (source, class) in [(Source::Interpolated, &plan.interpolated), (Source::Input, &plan.input)] {
-        let Some(class) = class else { continue };
+    for source in [Source::Interpolated, Source::Input] {
+        let Some(class) = plan.class(source) else { continue };
         for (index, style) in [(false, class.style), (true, class.index_style)] {
             styles.push(style);
-            let is_drawn =
-                |c: &&ContourLine| lines::drawn_as(c) == source && c.index == index && class.draws(c.elevation);
+            let is_drawn = |c: &&ContourLine| drawn_as(c) == source && plan.is_index(c) == index && plan.draws(c);
             for line in model.contours.iter().filter(is_drawn) {
                 view.add_line(&mut pieces, styles.len(), line.points.iter().map(|p| p.extend(line.elevation)));
             }
         }
     }
-    for (kind, style) in [(BreakKind::Canyon, CANYON_STYLE), (BreakKind::Ridge, RIDGE_STYLE)] {
-        styles.push(style);
-        for line in model.break_lines.iter().filter(|line| line.kind == kind) {
-            view.add_line(&mut pieces, styles.len(), line.points.iter().copied());
+    for kind in [BreakKind::Canyon, BreakKind::Ridge] {
+        styles.push(break_line_style(kind, break_lines.width));
+        for line in break_lines.of(kind) {
+            view.add_line(&mut pieces, styles.len(), line.iter().copied());
         }
     }
 
@@ -122,12 +127,33 @@ pub fn render_model(model: &Model<'_>) -> Result<RgbImage> {
     let setter = Typesetter::new();
     let room = view.size.0.max(MIN_LEGEND);
     let map = Dem { grid, values: Vec::new(), crs: mesh.crs.clone() };
-    let legend_of =
-        Preview { dem: &map, contours: model.contours, break_lines: model.break_lines, patches: None, title: None };
-    let mut blocks = legend::blocks(&legend_of, &plan, Some(ground.range), room as f32, &setter);
-    let note = format!("Seen from south-south-west, heights x {exaggeration}");
-    blocks.insert(1, legend::Block::Scale { bar: None, name: Some(note) });
-    Ok(image_of(&sheet(&picture, &blocks, room, model.title, &setter)?.0))
+    let metres_per_pixel = map.metres_per_unit().map(|m| m.x * grid.cell.x);
+    let scale = legend::Block::Scale {
+        bar: scale::bar(grid.cols as f64, metres_per_pixel, grid.cell.x),
+        arrow: None,
+        remark: mesh.crs.as_ref().and_then(legend::crs_label),
+    };
+    let range = Some(ground.range);
+    let content = legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: None, range };
+    let mut blocks = legend::blocks(content, room as f32, &setter);
+    let remark = Some(format!("Seen from south-south-west, heights x {exaggeration}"));
+    blocks.insert(1, legend::Block::Scale { bar: None, arrow: None, remark });
+    let head = Head { title: model.title, note: None };
+    Ok(image_of(&sheet(&picture, &blocks, room, &head, &setter)?))
+}
+
+/// The edges around the ground, on the map: those of one triangle alone, or of one and a wall.
+fn frame_edges(mesh: &Mesh) -> Vec<[DVec2; 2]> {
+    let ground = (0..mesh.triangles.len() as u32).filter(|&t| normal(mesh, t).z > 0.0);
+    let mut edges: Vec<[u32; 2]> = ground
+        .flat_map(|t| {
+            let [a, b, c] = mesh.triangles[t as usize];
+            [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)])
+        })
+        .collect();
+    edges.sort_unstable();
+    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]);
+    alone.map(|ends| ends.map(|v| (mesh.vertices[v as usize] + mesh.origin).truncate())).collect()
 }
 
 /// Size and slope of the ground: of the mesh without the walls and the bottom of a solid.
@@ -326,7 +352,7 @@ mod tests {
         let level = field(10, |_, _| 10.0);
         let wall = field(10, |_, y| if y == 50.0 { 100.0 } else { 10.0 });
         let [seen, hidden] = [&level, &wall].map(|mesh| red(&picture(mesh, &[line(mesh, 10.0)])));
-        assert!(seen > 1000, "{seen}");
+        assert!(seen > 500, "{seen}");
         assert!(hidden < seen / 3, "{hidden} of {seen}");
     }
 

@@ -5,7 +5,7 @@ use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Transform};
 
 use super::canvas::paint;
 use super::color::{INK, Rgb};
-use super::lines::{Style, stroke, to_pixels};
+use super::stroke::{Style, stroke, to_pixels};
 use crate::base::Grid;
 
 /// Opacity of the fill, 0 to 1.
@@ -64,7 +64,7 @@ pub(super) fn draw(map: &mut Pixmap, grid: &Grid, patches: &Patches) {
         map.fill_path(&path, &paint(class.color, ALPHA), FillRule::EvenOdd, Transform::identity(), None);
         drawn.push(path);
     }
-    drawn.into_iter().for_each(|path| stroke(map, Some(path), OUTLINE));
+    drawn.into_iter().for_each(|path| stroke(map, Some(path), OUTLINE, None));
 }
 
 /// The rings as one path in pixels, none if they lie outside of the map.

@@ -3,18 +3,21 @@
 use glam::DVec2;
 use image::RgbImage;
 use rayon::prelude::*;
-use tiny_skia::{Pixmap, Rect};
+use tiny_skia::Pixmap;
 
 use super::canvas::{image_of, pixmap};
-use super::color::{self, INK, PAPER, Tint};
-use super::sheet::{MARGIN, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
+use super::color::{self, PAPER, Tint};
+use super::plan::{Plan, plan};
+use super::sheet::{Head, MARGIN, MAX_COLS, MAX_ROWS, MIN_LEGEND, sheet};
 use super::text::Typesetter;
 use super::view::Preview;
-use super::{legend, lines, patches};
-use crate::base::Grid;
+use super::{break_lines, labels, legend, lines, margin, patches};
 use crate::base::error::{Error, Result};
+use crate::crs::{Crs, Reprojection};
 use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade, steepness};
+use crate::draw::coordinates::{Notation, Ticks, ticks};
+use crate::draw::scale;
 
 /// Heights are scaled until the median slope is about this steep, because its hillshade has a good contrast.
 const GOOD_SLOPE: f64 = 0.42;
@@ -40,16 +43,73 @@ pub fn render(input: &Preview<'_>) -> Result<RgbImage> {
         patches::draw(&mut map, &grid, patches);
     }
     let covered = input.dem.values.iter().filter(|v| v.is_finite()).count();
-    let plan = lines::plan(input.contours, &grid, covered.max(1) as f64);
-    lines::draw(&mut map, &grid, input.contours, &plan, input.break_lines);
-
+    let plan = plan(input.contours, &grid);
+    let size = (grid.cell.x, covered.max(1) as f64);
+    let break_lines = break_lines::choose(input.break_lines, input.frame, size, input.subject);
     let setter = Typesetter::new();
+    let labels = labels::place(input.contours, &plan, &grid, &setter);
+    let gaps = labels::gaps(&labels, &grid);
+    lines::draw(&mut map, &grid, input.contours, &plan, &break_lines, gaps.as_ref());
+    labels::draw(&mut map, &labels, &grid, &setter);
+
     let room = grid.cols.max(MIN_LEGEND);
-    let blocks = legend::blocks(input, &plan, range, room as f32, &setter);
-    let left = MARGIN + (room - grid.cols) / 2;
-    let (mut sheet, top) = sheet(&map, &blocks, room, input.title, &setter)?;
-    frame(&mut sheet, (left, top), &grid);
+    let (head, remark) = head(input, &plan, room, &setter);
+    let metres = input.dem.metres_per_unit().map(|m| m.x * grid.cell.x);
+    let bar = scale::bar(grid.cols as f64, metres, grid.cell.x);
+    let scale = legend::Block::Scale { bar, arrow: Some(legend::Arrow), remark };
+    let content = legend::Content { scale, plan: &plan, break_lines: &break_lines, patches: input.patches, range };
+    let blocks = legend::blocks(content, room as f32, &setter);
+    let mut sheet = sheet(&map, &blocks, room, &head, &setter)?;
+    let corner = (MARGIN + (room - grid.cols) / 2, head.top());
+    margin::draw(&mut sheet, corner, (grid.cols, grid.rows), &coordinates(input), &setter);
     Ok(image_of(&sheet))
+}
+
+/// What stands above the map: the interval of the contours and the coordinate reference system. If there is no room for
+/// the system, it is a remark in the legend.
+fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) -> (Head<'a>, Option<String>) {
+    let interval = |class: &Option<_>| class.as_ref().and_then(super::plan::Class::interval).map(scale::number);
+    let contours = match (interval(&plan.input), interval(&plan.interpolated)) {
+        (Some(input), Some(new)) => Some(format!("Contours every {new} m, from contours every {input} m")),
+        (Some(one), None) | (None, Some(one)) => Some(format!("Contours every {one} m")),
+        (None, None) => None,
+    };
+    let crs = match (degrees(input), input.dem.crs.as_ref().and_then(legend::crs_label)) {
+        (Some((crs, _)), Some(plane)) => legend::crs_label(crs).map(|name| format!("{name}, drawn on {plane}")),
+        (_, plane) => plane,
+    };
+    let bare = Head { title: input.title, note: None };
+    let both: Vec<&str> = contours.iter().chain(&crs).map(String::as_str).collect();
+    let both = both.join("  ·  ");
+    if !both.is_empty() && bare.has_room_for(&both, room, setter) {
+        return (Head { note: Some(both), ..bare }, None);
+    }
+    let note = contours.filter(|note| bare.has_room_for(note, room, setter));
+    (Head { note, ..bare }, crs)
+}
+
+/// The system in degrees that the input is in, and the conversion to it.
+fn degrees<'a>(input: &Preview<'a>) -> Option<(&'a Crs, &'a Reprojection)> {
+    let reprojection = input.reprojection?;
+    let crs = reprojection.input_crs().filter(|crs| crs.is_geographic())?;
+    let is_on_plane = input.dem.crs.as_ref().is_some_and(|crs| !crs.is_geographic());
+    is_on_plane.then_some((crs, reprojection))
+}
+
+/// The coordinates along the edges of the map: degrees if the input is in degrees, else those of the plane.
+fn coordinates(input: &Preview<'_>) -> Ticks {
+    let grid = input.dem.grid;
+    let size = DVec2::new(grid.cols as f64, grid.rows as f64);
+    let on_plane = |p: DVec2| grid.corner + DVec2::new(p.x, -p.y) * grid.cell;
+    if let Some((_, reprojection)) = degrees(input) {
+        return ticks(size, Notation::Degrees, |p| reprojection.in_input(on_plane(p)));
+    }
+    let notation = match &input.dem.crs {
+        Some(crs) if crs.is_geographic() => Notation::Degrees,
+        Some(_) => Notation::Plane,
+        None => Notation::Plain,
+    };
+    ticks(size, notation, |p| Some(on_plane(p)))
 }
 
 /// The lowest and the highest height.
@@ -93,15 +153,6 @@ fn exaggeration(steepness: &[f32]) -> f64 {
     (GOOD_SLOPE / f64::from(*median).max(1e-9)).clamp(EXAGGERATION.0, EXAGGERATION.1)
 }
 
-/// The thin line around the map.
-fn frame(sheet: &mut Pixmap, (left, top): (usize, usize), grid: &Grid) {
-    let (x, y) = (left as f32 - 0.5, top as f32 - 0.5);
-    if let Some(rect) = Rect::from_xywh(x, y, grid.cols as f32 + 1.0, grid.rows as f32 + 1.0) {
-        let path = tiny_skia::PathBuilder::from_rect(rect);
-        lines::stroke(sheet, Some(path), lines::Style { color: INK, width: 1.0, alpha: 1.0, dashes: None });
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
@@ -126,6 +177,12 @@ mod tests {
     fn line(elevation: f64, points: &[(f64, f64)], source: Source) -> ContourLine {
         let points = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
         ContourLine { elevation, points, source, index: elevation == 50.0, depression: false, expected: None }
+    }
+
+    /// Whether a pixel has the purple of ridge lines, mixed with what lies below. Nothing else has it.
+    fn is_ridge(pixel: &image::Rgb<u8>) -> bool {
+        let [r, g, b] = pixel.0.map(i32::from);
+        r > g + 30 && b > g + 20
     }
 
     #[test]
@@ -166,26 +223,49 @@ mod tests {
             let ends = [LineEnd::Peak, LineEnd::Contour];
             let ridge = BreakLine { kind: BreakKind::Ridge, points, region: 0, ends, network: 0 };
             let picture = Preview {
-                dem: &dem,
-                contours: &contours,
                 break_lines: &[ridge],
                 patches: Some(&patches).filter(|_| width != height),
                 title: Some("Hill 丘"),
+                ..Preview::new(&dem, &contours)
             };
             let image = render(&picture).unwrap();
             assert!(image.width().max(image.height()) <= MAX_SIDE as u32, "{}x{}", image.width(), image.height());
-            let red = |p: &image::Rgb<u8>| p.0[0] > 150 && p.0[1] < 90 && p.0[2] < 90;
-            assert!(image.pixels().filter(|p| red(p)).count() >= dem.grid.cols / 2);
+            assert!(image.pixels().filter(|p| is_ridge(p)).count() >= dem.grid.cols / 2);
             assert_eq!(image, render(&picture).unwrap());
         }
     }
 
     #[test]
+    fn ridge_lines_along_the_frame_are_not_drawn() {
+        let dem = hill(400.0, 300.0);
+        let corners = [(1000.0, 2000.0), (1400.0, 2000.0), (1400.0, 2300.0), (1000.0, 2300.0)];
+        let corners = corners.map(|(x, y)| DVec2::new(x, y));
+        let frame: Vec<[DVec2; 2]> = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]).collect();
+        let ridge = |points: &[(f64, f64)]| BreakLine {
+            kind: BreakKind::Ridge,
+            points: points.iter().map(|&(x, y)| DVec3::new(x, y, 5.0)).collect(),
+            region: 0,
+            ends: [LineEnd::Frame; 2],
+            network: 0,
+        };
+        let drawn = |ridge: BreakLine| {
+            let image = render(&Preview { break_lines: &[ridge], frame: &frame, ..Preview::new(&dem, &[]) }).unwrap();
+            // The legend is not a part of the map.
+            let map = image.rows().take(MARGIN + 20 + dem.grid.rows).flatten();
+            map.filter(|p| is_ridge(p)).count()
+        };
+        assert_eq!(drawn(ridge(&[(1000.0, 2000.0), (1400.0, 2000.0), (1400.0, 2300.0)])), 0);
+        assert_eq!(drawn(ridge(&[(1000.0, 2001.0), (1200.0, 2002.0), (1399.0, 2001.0)])), 0);
+        assert!(drawn(ridge(&[(1000.0, 2150.0), (1400.0, 2150.0)])) > dem.grid.cols / 2);
+    }
+
+    #[test]
     fn cells_without_data_are_paper_and_others_are_not() {
         let dem = hill(400.0, 300.0);
-        let image =
-            render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }).unwrap();
-        let at = |col: u32, row: u32| image.get_pixel(MARGIN as u32 + col, MARGIN as u32 + row).0;
+        let image = render(&Preview::new(&dem, &[])).unwrap();
+        // The name of the system stands above the map.
+        let top = Head { title: None, note: Some(String::new()) }.top() as u32;
+        let at = |col: u32, row: u32| image.get_pixel(MARGIN as u32 + col, top + row).0;
         assert_eq!(at(10, 10), PAPER);
         assert_ne!(at(60, 60), PAPER);
     }
@@ -195,8 +275,7 @@ mod tests {
         let dem = hill(400.0, 300.0);
         let images = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| render(&Preview { dem: &dem, contours: &[], break_lines: &[], patches: None, title: None }))
-                .unwrap()
+            pool.install(|| render(&Preview::new(&dem, &[]))).unwrap()
         });
         assert!(images[0] == images[1]);
     }
@@ -205,7 +284,7 @@ mod tests {
     fn surfaces_without_heights_or_of_a_wrong_size() {
         let mut dem = hill(400.0, 300.0);
         dem.values.fill(f32::NAN);
-        let render = |dem: &Dem| render(&Preview { dem, contours: &[], break_lines: &[], patches: None, title: None });
+        let render = |dem: &Dem| render(&Preview::new(dem, &[]));
         assert!(render(&dem).is_ok());
         dem.values.pop();
         assert!(matches!(render(&dem), Err(Error::Parameter(_))));

@@ -6,10 +6,11 @@ use image::RgbImage;
 use super::patches::Patches;
 use super::render::render;
 use super::sheet::map_grid;
-use super::view::Preview;
+use super::view::{Preview, Subject};
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::contour::{Contour, ContourLine, Interval, Source};
+use crate::crs::Reprojection;
 use crate::dem::compare::heights_between;
 use crate::dem::{Dem, rasterise};
 use crate::skeleton::BreakLine;
@@ -20,12 +21,14 @@ use crate::surface::{Surface, heights};
 /// How many levels of the input lie between index contours in a picture.
 const INDEX_EVERY: i64 = 5;
 
-/// Draws a surface with contours on it.
+/// Draws a surface with contours on it. The margin has the coordinates of the input if these are degrees, otherwise
+/// those of the plane.
 ///
 /// # Errors
 /// As [`map_grid`] and [`render`].
-pub fn picture(surface: &Surface, contours: &[ContourLine]) -> Result<RgbImage> {
-    let scene = Scene { frame: &surface.frame, contours, break_lines: &surface.break_lines, patches: None };
+pub fn picture(surface: &Surface, contours: &[ContourLine], reprojection: &Reprojection) -> Result<RgbImage> {
+    let (frame, break_lines, subject) = (&surface.frame, surface.break_lines.as_slice(), Subject::Ground);
+    let scene = Scene { frame, contours, break_lines, patches: None, subject, reprojection };
     scene.draw(|grid| heights(surface, grid, &()))
 }
 
@@ -37,10 +40,12 @@ pub fn subdivision_picture(
     subdivision: &Subdivision,
     break_lines: &[BreakLine],
     patches: Option<&Patches>,
+    reprojection: &Reprojection,
 ) -> Result<RgbImage> {
     let contours: Vec<ContourLine> =
         subdivision.map.contours.iter().map(|c| contour_line(c, &subdivision.interval)).collect();
-    let scene = Scene { frame: &subdivision.frame, contours: &contours, break_lines, patches };
+    let (frame, subject) = (&subdivision.frame, Subject::BreakLines);
+    let scene = Scene { frame, contours: &contours, break_lines, patches, subject, reprojection };
     scene.draw(|grid| rasterise(&subdivision.tin, grid, subdivision.map.crs.clone(), &()))
 }
 
@@ -54,7 +59,7 @@ pub fn height_map_picture(dem: &Dem, contours: &[ContourLine]) -> Result<RgbImag
     let grid = map_grid(DVec2::new(corner.x, corner.y - size.y), DVec2::new(corner.x + size.x, corner.y))?;
     let values = heights_between(dem, &grid, &Some);
     let dem = Dem { grid, values, crs: dem.crs.clone() };
-    render(&Preview { dem: &dem, contours, break_lines: &[], patches: None, title: None })
+    render(&Preview::new(&dem, contours))
 }
 
 /// What a picture shows.
@@ -63,6 +68,8 @@ struct Scene<'a> {
     contours: &'a [ContourLine],
     break_lines: &'a [BreakLine],
     patches: Option<&'a Patches>,
+    subject: Subject,
+    reprojection: &'a Reprojection,
 }
 
 impl Scene<'_> {
@@ -70,8 +77,16 @@ impl Scene<'_> {
     fn draw(&self, heights: impl FnOnce(&Grid) -> Dem) -> Result<RgbImage> {
         let (lo, hi) = self.frame.extent();
         let dem = heights(&map_grid(lo, hi)?);
-        let Self { contours, break_lines, patches, .. } = *self;
-        render(&Preview { dem: &dem, contours, break_lines, patches, title: None })
+        let Self { contours, break_lines, patches, subject, reprojection, .. } = *self;
+        let frame: Vec<_> = self.frame.edges().collect();
+        render(&Preview {
+            break_lines,
+            frame: &frame,
+            patches,
+            subject,
+            reprojection: Some(reprojection),
+            ..Preview::new(&dem, contours)
+        })
     }
 }
 

@@ -13,20 +13,24 @@ use crate::base::error::{Error, Result};
 /// The longest side of the whole picture, pixels.
 pub const MAX_SIDE: usize = 1600;
 
-/// Paper around the map.
+/// Paper around the map, with the coordinates.
 pub(super) const MARGIN: usize = 28;
-/// Room for the title above the map.
-pub(super) const TITLE: usize = 44;
-/// Text size of the title.
-pub(super) const TITLE_TEXT: f32 = 23.0;
+/// Room for a title above the map, and for a note alone.
+const HEAD: (usize, usize) = (30, 20);
+/// Text sizes of the title and of the note.
+const HEAD_TEXT: (f32, f32) = (23.0, 15.0);
+/// Space between map and legend, with the coordinates.
+const FOOT: usize = 34;
 /// The map's largest width.
 pub(super) const MAX_COLS: usize = MAX_SIDE - 2 * MARGIN;
 /// From this width on, the legend is one row.
 pub(super) const ONE_ROW: usize = 1260;
 /// Largest heights of the map, above a legend of one row and above a stacked one.
-pub(super) const MAX_ROWS: [usize; 2] = [MAX_SIDE - MARGIN - TITLE - 100, MAX_SIDE - MARGIN - TITLE - 310];
+pub(super) const MAX_ROWS: [usize; 2] =
+    [MAX_SIDE - MARGIN - HEAD.0 - FOOT - 98, MAX_SIDE - MARGIN - HEAD.0 - FOOT - 306];
 /// A narrow map still needs a legend this wide.
 pub(super) const MIN_LEGEND: usize = 430;
+
 /// The grid of square cells that covers an extent with as many pixels as the picture has room for.
 ///
 /// # Errors
@@ -56,31 +60,63 @@ pub fn map_grid(min: DVec2, max: DVec2) -> Result<Grid> {
     Ok(if wide.cols >= ONE_ROW { wide } else { fit(above_stack) })
 }
 
-/// A sheet of paper with a picture, centred in the room, the title above and the legend below it; and where the picture
-/// starts from above.
+/// What stands above the map: a title, and what the map shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Head<'a> {
+    pub title: Option<&'a str>,
+    pub note: Option<String>,
+}
+
+impl Head<'_> {
+    /// Where the map starts from above, pixels.
+    pub fn top(&self) -> usize {
+        MARGIN
+            + match (self.title, &self.note) {
+                (Some(_), _) => HEAD.0,
+                (None, Some(_)) => HEAD.1,
+                (None, None) => 0,
+            }
+    }
+
+    /// Whether a note fits into the room besides the title.
+    pub fn has_room_for(&self, note: &str, room: usize, setter: &Typesetter) -> bool {
+        let title = self.title.map_or(0.0, |title| setter.width(title, HEAD_TEXT.0) + HEAD_TEXT.0);
+        title + setter.width(note, HEAD_TEXT.1) <= room as f32
+    }
+
+    fn draw(&self, sheet: &mut Pixmap, room: usize, setter: &Typesetter) {
+        let (left, base) = (MARGIN as f32, (self.top() - MARGIN) as f32);
+        if let Some(title) = self.title {
+            setter.draw(sheet, title, (left, base), HEAD_TEXT.0, INK, Align::Left);
+        }
+        if let Some(note) = &self.note {
+            let beside = self.title.map_or(0.0, |_| room as f32 - setter.width(note, HEAD_TEXT.1));
+            setter.draw(sheet, note, (left + beside, base), HEAD_TEXT.1, INK, Align::Left);
+        }
+    }
+}
+
+/// A sheet of paper with a picture, centred in the room, the head above and the legend below it.
 pub(super) fn sheet(
     picture: &Pixmap,
     blocks: &[legend::Block],
     room: usize,
-    title: Option<&str>,
+    head: &Head<'_>,
     setter: &Typesetter,
-) -> Result<(Pixmap, usize)> {
+) -> Result<Pixmap> {
     // Sizes are below MAX_SIDE, far inside the range of all whole numbers.
     let (cols, rows) = (picture.width() as usize, picture.height() as usize);
     let (places, legend_height) = legend::arrange(blocks, room as f32, setter);
-    let top = MARGIN + if title.is_some() { TITLE - MARGIN / 2 } else { 0 };
-    let legend_top = top + rows + 20;
+    let top = head.top();
+    let legend_top = top + rows + FOOT;
     let mut sheet = pixmap(room + 2 * MARGIN, legend_top + legend_height.ceil() as usize + MARGIN / 2)?;
     sheet.fill(color_of(PAPER, 1.0));
-    if let Some(title) = title {
-        let base = top as f32 - 14.0;
-        setter.draw(&mut sheet, title, (MARGIN as f32, base), TITLE_TEXT, INK, Align::Left);
-    }
+    head.draw(&mut sheet, room, setter);
     let left = MARGIN + (room - cols) / 2;
     let paint = PixmapPaint::default();
     sheet.draw_pixmap(left as i32, top as i32, picture.as_ref(), &paint, Transform::identity(), None);
     for (block, (x, y)) in blocks.iter().zip(places) {
         block.draw(&mut sheet, setter, (MARGIN as f32 + x, legend_top as f32 + y));
     }
-    Ok((sheet, top))
+    Ok(sheet)
 }

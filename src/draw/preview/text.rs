@@ -4,10 +4,10 @@
 //! and says that pictures made with the font are free of it.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point, PxScale, ScaleFont};
-use tiny_skia::{FillRule, PathBuilder, Pixmap, Stroke, Transform};
+use tiny_skia::{FillRule, LineJoin, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::canvas::paint;
-use super::color::Rgb;
+use super::color::{PAPER, Rgb};
 
 /// Where a text lies relative to the given place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,24 @@ pub(super) enum Align {
 
 /// Extra stroke width, pixels, because small text in a light face is pale.
 const EMBOLDEN: f32 = 0.35;
+
+/// The same for turned text, whose pixels are blurred more.
+const EMBOLDEN_TURNED: f32 = 0.55;
+/// Height of capitals and figures, as a share of the size of the font.
+const CAPITALS: f32 = 0.62;
+/// Opacity of the rim around letters.
+const RIM_ALPHA: f32 = 0.55;
+
+/// Where a turned text is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Turned {
+    /// Its centre, pixels.
+    pub at: (f32, f32),
+    /// Degrees clockwise.
+    pub turn: f32,
+    /// Width of the light rim around the letters, pixels.
+    pub rim: f32,
+}
 
 /// Sets text.
 pub(super) struct Typesetter {
@@ -43,11 +61,31 @@ impl Typesetter {
             Align::Left => x,
             Align::Center => x - self.width(text, size) / 2.0,
         };
+        let Some(path) = self.outline(text, size) else { return };
+        fill(pixmap, &path, Transform::from_translate(left, y), color, EMBOLDEN);
+    }
+
+    /// Draws a line of text around a centre, turned clockwise by some degrees, with a light rim if `rim` has a width.
+    pub fn draw_turned(&self, pixmap: &mut Pixmap, text: &str, place: Turned, size: f32, color: Rgb) {
+        let Some(path) = self.outline(text, size) else { return };
+        let Turned { at: (x, y), turn, rim } = place;
+        // Figures stand on the base line and reach up to the height of capitals.
+        let to_centre = Transform::from_translate(-self.width(text, size) / 2.0, size * CAPITALS / 2.0);
+        let transform = to_centre.post_rotate(turn).post_translate(x, y);
+        if rim > 0.0 {
+            let stroke = Stroke { width: 2.0 * rim, line_join: LineJoin::Round, ..Stroke::default() };
+            pixmap.stroke_path(&path, &paint(PAPER, RIM_ALPHA), &stroke, transform, None);
+        }
+        fill(pixmap, &path, transform, color, EMBOLDEN_TURNED);
+    }
+
+    /// The outlines of a line of text that starts at the origin.
+    fn outline(&self, text: &str, size: f32) -> Option<Path> {
         let mut path = PathBuilder::new();
         self.place(text, size, |glyph, advance| {
             let Some(outline) = self.font.outline(glyph) else { return };
             let scale = self.font.as_scaled(PxScale::from(size)).scale_factor();
-            let at = |p: Point| (left + advance + p.x * scale.horizontal, y - p.y * scale.vertical);
+            let at = |p: Point| (advance + p.x * scale.horizontal, -p.y * scale.vertical);
             let mut last = None;
             for curve in &outline.curves {
                 let (OutlineCurve::Line(start, end)
@@ -73,12 +111,7 @@ impl Typesetter {
                 }
             }
         });
-        if let Some(path) = path.finish() {
-            let paint = paint(color, 1.0);
-            pixmap.fill_path(&path, &paint, FillRule::Winding, Transform::identity(), None);
-            let bolder = Stroke { width: EMBOLDEN, ..Stroke::default() };
-            pixmap.stroke_path(&path, &paint, &bolder, Transform::identity(), None);
-        }
+        path.finish()
     }
 
     /// Calls `each` with every glyph and its distance from the start; gives the width of the whole.
@@ -96,6 +129,14 @@ impl Typesetter {
     }
 }
 
+/// Fills outlines of letters, a little bolder.
+fn fill(pixmap: &mut Pixmap, path: &Path, transform: Transform, color: Rgb, bolder: f32) {
+    let paint = paint(color, 1.0);
+    pixmap.fill_path(path, &paint, FillRule::Winding, transform, None);
+    let bolder = Stroke { width: bolder, ..Stroke::default() };
+    pixmap.stroke_path(path, &paint, &bolder, transform, None);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,7 +144,7 @@ mod tests {
     #[test]
     fn the_font_has_what_a_legend_needs() {
         let setter = Typesetter::new();
-        for letter in "0123456789.,-()/:%°−AZaz äé".chars() {
+        for letter in "0123456789.,-()/:%°−·'\"AZaz äé".chars() {
             assert_ne!(setter.font.glyph_id(letter).0, 0, "{letter}");
         }
         assert!(setter.width("1200 m", 15.0) > setter.width("120 m", 15.0));

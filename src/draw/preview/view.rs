@@ -1,7 +1,10 @@
 //! What a picture shows.
 
+use glam::DVec2;
+
 use super::patches::Patches;
 use crate::contour::ContourLine;
+use crate::crs::Reprojection;
 use crate::dem::Dem;
 use crate::skeleton::BreakLine;
 
@@ -14,8 +17,40 @@ pub struct Preview<'a> {
     pub contours: &'a [ContourLine],
     /// Ridge and canyon lines.
     pub break_lines: &'a [BreakLine],
+    /// The edges of the map's frame. Ridge and canyon lines are not drawn along them.
+    pub frame: &'a [[DVec2; 2]],
     /// Areas by class, below the lines. The legend then names the classes in the place of the elevations.
     pub patches: Option<&'a Patches>,
+    /// What the picture is about.
+    pub subject: Subject,
+    /// The conversion to the coordinates of the input. If these are degrees, the margin has degrees.
+    pub reprojection: Option<&'a Reprojection>,
     /// A title above the map.
     pub title: Option<&'a str>,
+}
+
+impl<'a> Preview<'a> {
+    /// A surface with contours, and nothing else.
+    pub fn new(dem: &'a Dem, contours: &'a [ContourLine]) -> Self {
+        Self {
+            dem,
+            contours,
+            break_lines: &[],
+            frame: &[],
+            patches: None,
+            subject: Subject::Ground,
+            reprojection: None,
+            title: None,
+        }
+    }
+}
+
+/// What a picture is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Subject {
+    /// The ground and its contours. Ridge and canyon lines are left out where they would hide it.
+    #[default]
+    Ground,
+    /// Ridge and canyon lines.
+    BreakLines,
 }

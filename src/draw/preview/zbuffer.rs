@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::color::{PAPER, Rgb};
-use super::lines::Style;
+use super::stroke::Style;
 use crate::base::rows::Rows;
 
 /// Samples along each side of a pixel.

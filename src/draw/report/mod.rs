@@ -9,6 +9,7 @@ mod page;
 mod pair;
 mod profile;
 mod table;
+mod view;
 mod words;
 
 pub use page::{ComparisonPage, comparison_page};

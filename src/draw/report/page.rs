@@ -7,8 +7,8 @@ use super::charts;
 use super::maps::{self, Window};
 use super::profile::{self, Profile};
 use super::table::{Row, decimals_for, groups, number, thousands};
+use super::view::{View, Width};
 use super::words::{HeightSource, remarks};
-use crate::base::Grid;
 use crate::base::error::Result;
 use crate::dem::Dem;
 use crate::dem::compare::{Comparison, difference, round_limit};
@@ -50,7 +50,8 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let (small_a, small_b) = (maps::reduced(a, &window), maps::reduced(b, &window));
     let limit = round_limit(&found.overall);
     let map = maps::differences(&maps::reduced(&d, &window), &small_b, limit, metres_per_unit)?;
-    let view = View::new(&window.of(&b.grid), metres_per_unit);
+    let shown = window.of(&b.grid);
+    let [view, half] = [Width::Page, Width::Half].map(|width| View::new(&shown, b, metres_per_unit, width));
     let levels = match (&found.a.levels, &found.b.levels) {
         (None, None) => None,
         (a, b) => Some(charts::levels(a.as_ref(), b.as_ref())?),
@@ -91,13 +92,13 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                     figcaption {
                         "A − B over the relief of B: blue where A is lower, red where it is higher; grey: no data. "
                         "Circles: the extreme differences. Line: the profile below."
-                        @if view.grid.len() < b.grid.len() { " The pictures end where there is nothing to compare." }
+                        @if shown.len() < b.grid.len() { " The pictures end where there is nothing to compare." }
                     }
                 }
                 h2 { "Both side by side" }
                 div.pair {
-                    figure { (view.picture(&maps::shaded(&small_a, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.a { "A" } } }
-                    figure { (view.picture(&maps::shaded(&small_b, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.b { "B" } } }
+                    figure { (half.picture(&maps::shaded(&small_a, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.a { "A" } } }
+                    figure { (half.picture(&maps::shaded(&small_b, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.b { "B" } } }
                 }
                 h2 { "Charts" }
                 div.pair {
@@ -179,54 +180,13 @@ fn meanings() -> Markup {
     }
 }
 
-/// The map's frame in the pictures: metres from the north-west corner.
-struct View {
-    grid: Grid,
-    metres_per_unit: DVec2,
-}
-
-impl View {
-    fn new(grid: &Grid, metres_per_unit: DVec2) -> Self {
-        Self { grid: *grid, metres_per_unit }
-    }
-
-    fn size(&self) -> DVec2 {
-        self.grid.cell * DVec2::new(self.grid.cols as f64, self.grid.rows as f64) * self.metres_per_unit
-    }
-
-    /// A place in the picture.
-    fn at(&self, p: DVec2) -> DVec2 {
-        let d = p - self.grid.corner;
-        DVec2::new(d.x, -d.y) * self.metres_per_unit
-    }
-
-    /// A length in the picture: a share of its longer side.
-    fn share(&self, share: f64) -> f64 {
-        self.size().max_element() * share
-    }
-
-    /// A picture in its true proportions with marks over it. Its cells may reach beyond the grid by less than one.
-    fn picture(&self, data_uri: &str, marks: Markup) -> Markup {
-        let size = self.size();
-        let reduced = maps::reduction(&self.grid);
-        let whole = |count: usize| (count.div_ceil(reduced) * reduced) as f64;
-        let image = self.grid.cell * DVec2::new(whole(self.grid.cols), whole(self.grid.rows)) * self.metres_per_unit;
-        html! {
-            svg.map viewBox=(format!("0 0 {} {}", size.x, size.y)) role="img" {
-                image href=(data_uri) width=(image.x) height=(image.y) preserveAspectRatio="none" {}
-                (marks)
-            }
-        }
-    }
-}
-
 fn difference_marks(view: &View, found: &Comparison, profile: &Profile) -> Markup {
     let [from, to] = profile.ends.map(|p| view.at(p));
     let spots = [found.overall.lowest.place, found.overall.highest.place].map(|p| view.at(p));
     html! {
-        line x1=(from.x) y1=(from.y) x2=(to.x) y2=(to.y) stroke="#111" stroke-width=(view.share(0.003)) {}
+        line x1=(from.x) y1=(from.y) x2=(to.x) y2=(to.y) stroke="#111" stroke-width="2.5" {}
         @for p in spots {
-            circle cx=(p.x) cy=(p.y) r=(view.share(0.012)) fill="none" stroke="#111" stroke-width=(view.share(0.003)) {}
+            circle cx=(p.x) cy=(p.y) r="11" fill="none" stroke="#111" stroke-width="2.5" {}
         }
     }
 }

@@ -1,6 +1,4 @@
-//! Round numbers for the legend, and the size of a map unit on the ground.
-
-use crate::dem::Dem;
+//! Round numbers: the scale bar, the heights below the tint.
 
 /// The longest scale bar, as a share of the map's width and in pixels.
 const LONGEST: (f64, f64) = (0.4, 230.0);
@@ -10,18 +8,19 @@ const TICKS: f64 = 4.0;
 /// A scale bar.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Bar {
-    pub pixels: f32,
+    /// Its length.
+    pub pixels: f64,
     /// The number at its end.
     pub number: String,
     /// The number and the unit.
     pub label: String,
 }
 
-/// A scale bar of a round length. `None` if a pixel has no sensible size.
-pub(super) fn bar(dem: &Dem) -> Option<Bar> {
-    let metres = dem.metres_per_unit();
-    let pixel = dem.grid.cell.x * metres.map_or(1.0, |m| m.x);
-    let longest = (dem.grid.cols as f64 * LONGEST.0).min(LONGEST.1);
+/// A scale bar of a round length on a map of so many pixels across, given the metres in a pixel or else the map units
+/// in one. `None` if a pixel has no sensible size.
+pub(super) fn bar(across: f64, metres: Option<f64>, units: f64) -> Option<Bar> {
+    let pixel = metres.unwrap_or(units);
+    let longest = (across * LONGEST.0).min(LONGEST.1);
     let length = round_down(pixel * longest)?;
     let (factor, unit) = match metres {
         None => (1.0, "map units"),
@@ -29,7 +28,7 @@ pub(super) fn bar(dem: &Dem) -> Option<Bar> {
         Some(_) => (1.0, "m"),
     };
     let number = number(length / factor);
-    Some(Bar { pixels: (length / pixel) as f32, label: format!("{number} {unit}"), number })
+    Some(Bar { pixels: length / pixel, label: format!("{number} {unit}"), number })
 }
 
 /// The largest number 1, 2 or 5 times a power of ten that is not above `value`.
@@ -37,10 +36,22 @@ fn round_down(value: f64) -> Option<f64> {
     if !(value.is_finite() && value > 0.0) {
         return None;
     }
+    round_near(value).take_while(|round| *round <= value * (1.0 + 1e-12)).last().filter(|round| *round > 0.0)
+}
+
+/// The smallest number 1, 2 or 5 times a power of ten that is not below `value`.
+pub(super) fn round_up(value: f64) -> Option<f64> {
+    if !(value.is_finite() && value > 0.0) {
+        return None;
+    }
+    round_near(value).find(|round| *round >= value * (1.0 - 1e-12)).filter(|round| round.is_finite())
+}
+
+/// Round numbers in increasing order, some below and some above a number.
+fn round_near(value: f64) -> impl Iterator<Item = f64> {
     let exponent = value.log10().floor() as i32;
     // The logarithm may be off by an ulp at a power of ten, hence the one below.
-    let series = (exponent - 1..=exponent + 1).flat_map(|e| [1.0, 2.0, 5.0].map(|digit| decimal(digit, e)));
-    series.take_while(|round| *round <= value * (1.0 + 1e-12)).last().filter(|round| *round > 0.0)
+    (exponent - 1..=exponent + 1).flat_map(|e| [1.0, 2.0, 5.0].map(|digit| decimal(digit, e)))
 }
 
 fn decimal(digit: f64, exponent: i32) -> f64 {
@@ -63,28 +74,19 @@ pub(super) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
-    use crate::base::Grid;
-    use crate::crs::Crs;
-
-    fn dem(epsg: Option<u32>, cell: f64) -> Dem {
-        let grid = Grid { corner: DVec2::new(138.0, 36.0), cell: DVec2::splat(cell), cols: 1000, rows: 500 };
-        Dem { grid, values: vec![], crs: epsg.map(|code| Crs { epsg: Some(code), wkt: None }) }
-    }
 
     #[test]
-    fn bars_are_round_in_the_maps_own_unit() {
-        let label = |epsg, cell| bar(&dem(epsg, cell)).map(|bar| bar.label);
-        assert_eq!(label(Some(6690), 10.0).as_deref(), Some("2 km"));
-        assert_eq!(label(Some(6690), 1.0).as_deref(), Some("200 m"));
+    fn bars_are_round_in_metres_or_in_map_units() {
+        let label = |metres, units| bar(1000.0, metres, units).map(|bar| bar.label);
+        assert_eq!(label(Some(10.0), 10.0).as_deref(), Some("2 km"));
+        assert_eq!(label(Some(1.0), 1.0).as_deref(), Some("200 m"));
         assert_eq!(label(None, 10.0).as_deref(), Some("2000 map units"));
         // US survey feet: 230 pixels of 10 feet are 701 m.
-        assert_eq!(label(Some(2225), 10.0).as_deref(), Some("500 m"));
-        assert_eq!(label(Some(6668), 0.001).as_deref(), Some("20 km"));
+        assert_eq!(label(Some(10.0 * 1200.0 / 3937.0), 10.0).as_deref(), Some("500 m"));
+        assert_eq!(label(Some(92.0), 0.001).as_deref(), Some("20 km"));
         assert_eq!(label(None, f64::NAN), None);
-        let bar = bar(&dem(Some(6690), 10.0)).unwrap();
+        let bar = bar(1000.0, Some(10.0), 10.0).unwrap();
         assert_eq!((bar.pixels, bar.number.as_str()), (200.0, "2"));
     }
 
@@ -95,6 +97,8 @@ mod tests {
         assert_eq!(round_down(0.03), Some(0.02));
         assert_eq!(round_down(0.0), None);
         assert_eq!(round_down(f64::MIN_POSITIVE / 4.0), None);
+        assert_eq!([1000.0, 1000.1, 0.21, 6.0].map(round_up), [1000.0, 2000.0, 0.5, 10.0].map(Some));
+        assert_eq!([0.0, -1.0, f64::NAN, f64::INFINITY].map(round_up), [None; 4]);
         assert_eq!(ticks(1320.0, 3190.0), [1500.0, 2000.0, 2500.0, 3000.0]);
         assert_eq!(ticks(7.5, 7.5), [7.5]);
         assert_eq!([1200.0, 0.25, -0.0, 3.0].map(number), ["1200", "0.25", "0", "3"]);
