@@ -106,7 +106,7 @@ impl Hollow {
 
 /// The circle through three corners; `None` if its centre lies outside the triangle. In a Delaunay triangulation, no
 /// corner lies inside it.
-fn inner_circle([a, b, c]: [DVec2; 3]) -> Option<(f64, DVec2)> {
+pub(super) fn inner_circle([a, b, c]: [DVec2; 3]) -> Option<(f64, DVec2)> {
     let (u, v) = (b - a, c - a);
     let is_acute = u.dot(v) > 0.0 && (a - b).dot(c - b) > 0.0 && (a - c).dot(b - c) > 0.0;
     let centre = (v.perp() * u.length_squared() - u.perp() * v.length_squared()) / (-2.0 * u.perp_dot(v));

@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
+use super::lakes::inner_circle;
 use crate::base::error::{Finding, FindingKind};
+use crate::contour::ContourMap;
 use crate::subdomains::{Regions, Side};
 use crate::tin::Tin;
 
@@ -12,12 +14,15 @@ const NEAR_ZERO: f64 = 0.5;
 const LARGE: f64 = 0.002;
 /// Least length of the coast, as a share of the side of a square as large as the map.
 const LONG: f64 = 0.1;
+/// Least radius of the widest place beyond the coast, as a multiple of the mean spacing of the contours. The frame leaves
+/// narrower places in the bends of every outermost contour.
+const WIDE: f64 = 1.0;
 
 /// The finding that the lowest level may be a coast: it is at about 0 m, and it is the only level around ground below it
-/// that reaches the frame.
+/// that reaches the frame and is wide.
 ///
 /// `tin` holds the map's contours before all other points.
-pub(crate) fn possible_sea(tin: &Tin, regions: &Regions) -> Option<Finding> {
+pub(crate) fn possible_sea(map: &ContourMap, tin: &Tin, regions: &Regions) -> Option<Finding> {
     let levels = || regions.regions.iter().flat_map(|region| region.levels.iter().map(|(level, _)| *level));
     let lowest = levels().reduce(f64::min).filter(|lowest| lowest.abs() <= NEAR_ZERO)?;
     let is_below = |k: u32| {
@@ -37,16 +42,17 @@ pub(crate) fn possible_sea(tin: &Tin, regions: &Regions) -> Option<Finding> {
     }
     let open = || found.iter().filter(|beyond| beyond.is_open);
     let (area, coast) = open().fold((0.0, 0.0), |(area, coast), beyond| (area + beyond.area, coast + beyond.coast));
-    if area < LARGE * map_area || coast < LONG * map_area.sqrt() {
+    let widest = open().max_by(|a, b| a.largest.0.total_cmp(&b.largest.0))?;
+    let spacing = map_area / map.contours.iter().map(|line| line.length()).sum::<f64>();
+    if area < LARGE * map_area || coast < LONG * map_area.sqrt() || widest.largest.0 < WIDE * spacing {
         return None;
     }
-    let widest = open().max_by(|a, b| a.area.total_cmp(&b.area))?;
     let share = 100.0 * area / map_area;
     let message = format!(
         "contour {lowest} may be the coast: nothing lies below it, and the ground beyond it, {share:.1} % of the map, reaches \
          the frame"
     );
-    let place = tin.origin + widest.place;
+    let place = tin.origin + widest.largest.1;
     Some(Finding::at(FindingKind::MayBeSea, place, message).of_elevations([lowest]))
 }
 
@@ -57,18 +63,15 @@ struct Beyond {
     /// Length of the contours around it.
     coast: f64,
     is_open: bool,
-    /// The middle of its largest triangle, relative to the origin of the triangulation.
-    place: DVec2,
-    largest: f64,
+    /// Radius and centre of the largest circle inside, relative to the origin of the triangulation.
+    largest: (f64, DVec2),
 }
 
 impl Beyond {
     fn add(&mut self, tin: &Tin, t: u32, area: f64) {
         self.area += area;
-        if area > self.largest {
-            let [a, b, c] = tin.corners(t);
-            (self.largest, self.place) = (area, (a + b + c) / 3.0);
-        }
+        let circle = inner_circle(tin.corners(t)).filter(|(radius, _)| *radius > self.largest.0);
+        self.largest = circle.unwrap_or(self.largest);
         for i in 0..3 {
             if tin.inner_neighbour(t, i).is_none() {
                 self.is_open = true;

@@ -15,9 +15,11 @@ mod vertical;
 mod wkt;
 mod working;
 
+#[cfg(feature = "io")]
 pub(crate) use definition::label;
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};
 pub use transform::Transform;
+#[cfg(feature = "io")]
 pub(crate) use vertical::{epsg_name, vertical_unit};
 pub use working::working_crs;

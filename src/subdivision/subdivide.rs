@@ -106,7 +106,7 @@ impl Prepared {
         findings.extend(of_labels);
         findings.extend(contradicted_marks(&map, &tin, &sub_domains));
         findings.extend(possible_lakes(&map, &tin, &sub_domains));
-        findings.extend(possible_sea(&tin, &sub_domains));
+        findings.extend(possible_sea(&map, &tin, &sub_domains));
         let tin = with_frame_heights(tin, &sub_domains, &|_| None);
         progress.finish();
         let given = triangulation.input().len();

@@ -44,7 +44,8 @@ pub fn clean_map(map: ContourMap) -> ContourMap {
 
 /// The lines at all multiples of `step`.
 pub fn layer_of(surface: &Surface, step: f64) -> ContourLayer {
-    let params = LayerParams { targets: vec![Target::Interval { step, base: 0.0 }], ..LayerParams::default() };
+    let targets = vec![Target::Interval { step, base: 0.0 }];
+    let params = LayerParams { targets, keep_input: true, ..LayerParams::default() };
     contour_layers(surface, &params, &()).expect("the step is sound").remove(0)
 }
 

@@ -85,7 +85,7 @@ fn set(values: &[&str]) -> BTreeSet<String> {
 fn a_vertical_system_in_feet_is_believed() {
     let folder = Folder::new();
     folder.put("feet.geojson", &rings(WITH_HEIGHTS_IN_FEET, "elev", false));
-    let said = folder.succeeds("densify feet.geojson -i 100 -o out.geojson");
+    let said = folder.succeeds("densify feet.geojson -i 100 --keep-input -o out.geojson");
     assert!(said.contains("states heights in feet; the elevations were turned into metres"), "{said}");
     assert!(said.contains("from 12.192 to 36.576 m") && said.contains("the input were feet"), "{said}");
     assert_eq!(folder.values("out.geojson", "elev"), set(&["12.192", "24.384", "36.576"]));
@@ -94,12 +94,12 @@ fn a_vertical_system_in_feet_is_believed() {
     assert_eq!(name, &json!(format!("urn:ogc:def:crs:EPSG::{PLANE_IN_FEET}")));
 
     // The user knows better.
-    let said = folder.succeeds("densify feet.geojson -i 100 -o out.geojson --unit m");
+    let said = folder.succeeds("densify feet.geojson -i 100 --keep-input -o out.geojson --unit m");
     assert!(said.contains("states heights in feet; the elevations are taken as metres all the same"), "{said}");
     assert!(folder.values("out.geojson", "elev").contains("40.0"));
     // It may be stated on the command line.
     folder.put("plane.geojson", &rings(PLANE_IN_FEET, "elev", false));
-    folder.succeeds("densify plane.geojson --crs EPSG:8700 -i 100 -o out.geojson");
+    folder.succeeds("densify plane.geojson --crs EPSG:8700 -i 100 --keep-input -o out.geojson");
     assert!(folder.values("out.geojson", "elev").contains("12.192"));
 }
 
@@ -119,15 +119,18 @@ fn likely_feet_are_doubted_and_the_flag_is_named() {
     };
     for (name, field) in [("a", "elev_ft"), ("b", "ELEV_FEET"), ("c", "height_ft"), ("d", "Contour (ft)")] {
         folder.put(&format!("{name}.geojson"), &rings(PLANE_IN_METRES, field, true));
-        doubted(&format!("densify {name}.geojson -i 100 -o out.geojson"), &format!("{field:?} seems to hold feet"));
+        doubted(
+            &format!("densify {name}.geojson -i 100 --keep-input -o out.geojson"),
+            &format!("{field:?} seems to hold feet"),
+        );
     }
     folder.put("flat.geojson", &rings(PLANE_IN_METRES, "elev_ft", false));
-    doubted("densify flat.geojson -a elev_ft -i 100 -o out.geojson", "\"elev_ft\" seems to hold feet");
+    doubted("densify flat.geojson -a elev_ft -i 100 --keep-input -o out.geojson", "\"elev_ft\" seems to hold feet");
     folder.put("plane.geojson", &rings(PLANE_IN_FEET, "elev", false));
     doubted("regions plane.geojson -o out.geojson", "the coordinates are feet, and nothing states the unit of heights");
     // Metres by their name on a plane in feet are no doubt.
     folder.put("metres.geojson", &rings(PLANE_IN_FEET, "elev_m", false));
-    folder.succeeds("densify metres.geojson -i 100 -o out.geojson --strict");
+    folder.succeeds("densify metres.geojson -i 100 --keep-input -o out.geojson --strict");
 }
 
 #[test]
@@ -164,11 +167,12 @@ fn spot_heights_and_lakes_have_the_unit_of_their_own_system() {
     let said = folder.succeeds("skeleton metres.geojson --points spot_in_feet.geojson -o out.geojson");
     assert!(said.contains("states heights in feet; the spot heights were turned into metres"), "{said}");
 
-    let said = folder.succeeds("densify feet.geojson -i 100 --water lake.geojson -o out.geojson");
+    let said = folder.succeeds("densify feet.geojson -i 100 --keep-input --water lake.geojson -o out.geojson");
     assert!(said.contains("height 39.62 m"), "{said}");
-    let said = folder.succeeds("densify feet.geojson -i 100 --water lake_in_feet.geojson -o out.geojson");
+    let said = folder.succeeds("densify feet.geojson -i 100 --keep-input --water lake_in_feet.geojson -o out.geojson");
     assert!(said.contains("height 39.62 m"), "{said}");
-    let said = folder.succeeds("densify metres.geojson -i 100 --unit m --water lake.geojson -o out.geojson");
+    let said =
+        folder.succeeds("densify metres.geojson -i 100 --keep-input --unit m --water lake.geojson -o out.geojson");
     assert!(said.contains("height 130.00 m"), "{said}");
 }
 
@@ -176,12 +180,12 @@ fn spot_heights_and_lakes_have_the_unit_of_their_own_system() {
 fn a_shapefile_of_esris_programs_names_its_vertical_system() {
     let folder = Folder::new();
     folder.put("plane.geojson", &rings(PLANE_IN_FEET, "elev", false));
-    folder.succeeds("densify plane.geojson --unit m -i 100 -o esri.shp");
+    folder.succeeds("densify plane.geojson --unit m -i 100 --keep-input -o esri.shp");
     let plane = Crs::from_epsg(PLANE_IN_FEET).wkt.unwrap();
     let vertical = "VERTCS[\"NAVD_1988_Foot_US\",VDATUM[\"North_American_Vertical_Datum_1988\"],\
                     PARAMETER[\"Vertical_Shift\",0.0],PARAMETER[\"Direction\",1.0],UNIT[\"Foot_US\",0.3048006096012192]]";
     fs::write(folder.path("esri.prj"), format!("{plane},{vertical}")).unwrap();
-    let said = folder.succeeds("densify esri.shp -i 100 -o out.geojson");
+    let said = folder.succeeds("densify esri.shp -i 100 --keep-input -o out.geojson");
     assert!(said.contains("states heights in US survey feet; the elevations were turned into metres"), "{said}");
     assert!(folder.values("out.geojson", "elev").contains(&(40.0 * 1200.0 / 3937.0).to_string()));
 }

@@ -1,6 +1,6 @@
 //! Contour lines of a height map: [`contours`].
 //!
-//! The steps: heights are smoothed, if asked for ([`smoothed`](super::smooth::smoothed)); each level is traced through
+//! The steps: heights are smoothed, if asked for ([`smoothed`]); each level is traced through
 //! the squares of four cell centres; the traced lines get a smooth course with few vertices, within a tolerance. Lines
 //! never cross or touch, by construction: each has its own windows on the sides of the squares.
 
