@@ -81,11 +81,12 @@ enum Verb {
 
 /// Options that every verb has.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
 struct Common {
     /// Print errors only
     #[arg(short, long, global = true)]
     quiet: bool,
-    /// List every finding about the input, not just the first ones of each kind
+    /// Tell details, and list every finding about the input, not just the first ones of each kind
     #[arg(short, long, global = true, conflicts_with = "quiet")]
     verbose: bool,
     /// Replace files, and layers of a GeoPackage, that another program made. Without this option only those that tokosen
