@@ -130,7 +130,8 @@ mod tests {
         assert_eq!(smooth.values.iter().filter(|z| z.is_nan()).count(), 1);
         let error = |i: usize| (smooth.values[i] - plane.values[i]).abs();
         assert!(error(10 * 70 + 50) < 1e-3, "{}", error(10 * 70 + 50));
-        assert!(change.largest < 1.2, "{change:?}: a slope of 0.5 over 6 m");
+        // A Gaussian without correction moves a corner by 0.8 deviations of both slopes, 3.6 m.
+        assert!(change.largest < 1.8, "{change:?}");
         assert!(change.rms < 0.25 && change.rms <= change.largest);
     }
 
