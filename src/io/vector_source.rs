@@ -56,7 +56,7 @@ impl VectorSource {
     /// 基盤地図情報 the vector files in it, both in the order of their names. Everything else gives itself.
     ///
     /// # Errors
-    /// No file matches the pattern, the pattern is wrong, or a folder cannot be read.
+    /// No file matches the pattern, the pattern is wrong, or a folder cannot be read or holds no such file.
     pub fn expand(&self) -> Result<Vec<Self>> {
         let text = self.path.to_string_lossy();
         let paths = if !self.path.exists() && text.contains(WILDCARDS) {
@@ -102,6 +102,10 @@ fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
             files.push(path);
         }
     }
+    if files.is_empty() {
+        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb or .dxf, and nothing of 基盤地図情報 (.xml, .zip)";
+        return Err(Error::file(folder, message));
+    }
     files.sort();
     Ok(files)
 }
@@ -136,6 +140,9 @@ mod tests {
         assert_eq!(names("*.shp"), ["a.shp", "b.shp"]);
         assert_eq!(names(""), ["a.shp", "b.shp", "c.gpkg"]);
         assert_eq!(names("missing.shp"), ["missing.shp"]);
+        let empty = tempfile::tempdir().expect("a folder");
+        let nothing = VectorSource::from(empty.path()).expand();
+        assert!(nothing.is_err_and(|e| e.to_string().contains("holds no contours")));
         let none = VectorSource::from(folder.path().join("*.dxf")).expand();
         assert!(none.is_err_and(|e| e.to_string().contains("no file matches")));
         std::fs::write(folder.path().join("FG-GML-1-ALL.zip"), "").expect("a file");
