@@ -102,7 +102,7 @@ struct Common {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => suggest::with_right_flag(error, &Cli::command()).exit(),
+        Err(error) => suggest::with_right_flag(error, Cli::command()).exit(),
     };
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));

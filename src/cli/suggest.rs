@@ -21,7 +21,7 @@ const KNOWN: [(&str, &[&str]); 13] = [
 ];
 
 /// The error of wrong arguments, with the right flag if it is about a flag of another program.
-pub fn with_right_flag(mut error: Error, program: &Command) -> Error {
+pub fn with_right_flag(mut error: Error, mut program: Command) -> Error {
     if error.kind() != ErrorKind::UnknownArgument {
         return error;
     }
@@ -31,6 +31,8 @@ pub fn with_right_flag(mut error: Error, program: &Command) -> Error {
     };
     let bare = given.split('=').next().unwrap_or_default().trim_start_matches('-').to_ascii_lowercase();
     let right = KNOWN.iter().find(|(_, others)| others.contains(&bare.as_str())).map(|(right, _)| *right);
+    // Building gives each verb the flags that all have.
+    program.build();
     let verb = std::env::args().find_map(|word| program.find_subcommand(word).cloned());
     let has = |flag: &str| {
         let long = flag.trim_start_matches("--");
