@@ -45,6 +45,12 @@ COMMANDS = {
     "densify feet": "densify ../drawn/feet.geojson --unit us-ft -i 1 -o a.gpkg",
     "densify gsi": f"densify {CNTR} -i 5 -o a.gpkg --compare {DEM5A} --report a.html --water ../drawn/FG-GML-543745-WA.xml -v",
     "densify repair": " && ".join(f"densify {FAULTY} --repair {how} -i 5 -o {how}.gpkg" for how in ("safe", "all")),
+    "densify part and labels": f"densify {REAL} -i 5 --extent 745000,4018000,749000,4021000 --labels -o a.gpkg --preview a.png"
+                               f" && densify {REAL} -i 10 --clip ../drawn/sheet.geojson --labels=40 -o a.dxf",
+    "densify sheets": f"densify {REAL} -i 20 --extent 744000,4015000,749000,4025000 -o west.shp"
+                      f" && densify {REAL} -i 20 --extent 749000,4015000,755000,4025000 -o east.shp"
+                      " && densify west.shp east.shp -i 10 -o a.gpkg",
+    "densify coarser": f"densify {REAL} -i 100 -o a.gpkg && densify {REAL} -i 100 --keep-input -o b.gpkg",
     "dem cell, verbose": f"dem {REAL} --cell 10 -o a.tif -v",
     "dem like": f"dem {REAL} --like {TRUTH} -o a.tif --preview a.png",
     "dem degrees": f"dem {REAL} --cell-degrees 1s -o a.tif && dem ../drawn/degrees.geojson --cell 5 -o b.tif",
@@ -63,6 +69,8 @@ COMMANDS = {
     "dem gsi": f"dem {CNTR} --like {DEM5A} -o a.tif",
     "dem repair": f"dem {FAULTY} --repair all --cell 5 -o a.tif -v",
     "dem quiet": f"dem {HILL} --cell 10 -o a.tif -q",
+    "contour": f"contour {TRUTH} -i 10 --labels -o a.gpkg --preview a.png && contour {TRUTH} -i 20,5 --smooth 60 -o b.geojson"
+               f" && contour {DEM5A} -i 1 --to-crs EPSG:6677 -o c.fgb",
     "derive dem": f"derive {TRUTH} --slope a.tif --aspect a.asc --hillshade a.png --steep a.gpkg --steep-angle 20",
     "derive contours": f"derive {REAL} --cell 20 --slope a.exr --hillshade b.tif --steep a.geojson",
     "derive light": f"derive {TRUTH} --hillshade a.tif --multidirectional --cog && "

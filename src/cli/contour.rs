@@ -104,7 +104,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
     let Grid { corner, cell, cols, rows } = dem.grid;
     let extent = cell * DVec2::new(cols as f64, rows as f64) * DVec2::new(1.0, -1.0);
     let (low, high) = (corner.min(corner + extent), corner.max(corner + extent));
-    let labels = args.levels.labels.place(&found.layers, (low, high), unit);
+    let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
     let written = console.step("writing", || {
         let all = output_layers(&found.layers, labels.as_deref(), &names, &back);
         write_layers_back(&staged, &all, &back)

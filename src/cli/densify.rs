@@ -127,7 +127,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         memory: None,
     };
     let layers = terrain.contours_with(params, console)?;
-    let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit);
+    let labels = args.levels.labels.place(&layers, terrain.surface.frame.extent(), unit)?;
     let written = console.step("writing", || {
         let all = output_layers(&layers, labels.as_deref(), &names, &back);
         write_layers_back(&staged, &all, &back)

@@ -124,6 +124,8 @@ struct SourceDem {
     dem: Dem,
     source: HeightsFrom,
     findings: Vec<Finding>,
+    /// Number of findings outside of the part of the map that is written.
+    outside: usize,
 }
 
 /// Runs the verb.
@@ -132,7 +134,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     args.check(is_raster, console)?;
     let light = args.light.params()?;
     let outputs = args.open()?;
-    let SourceDem { dem, source, findings } =
+    let SourceDem { dem, source, findings, outside } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
     check(&dem).map_err(|error| error.in_file(args.input.map.file()))?;
     // For contours, `--strict` was checked when they were read.
@@ -167,7 +169,7 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         describe(&staged.commit()?, steeps, args, console);
         console.say(&format!("note       {note}"));
     }
-    summary::close(findings.len(), console);
+    summary::close_part(findings.len(), outside, console);
     Ok(())
 }
 
@@ -236,7 +238,7 @@ impl DeriveArgs {
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
-        Ok(SourceDem { dem, source: HeightsFrom::HeightMap, findings: read.findings })
+        Ok(SourceDem { dem, source: HeightsFrom::HeightMap, findings: read.findings, outside: 0 })
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
@@ -248,7 +250,7 @@ impl DeriveArgs {
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);
         let dem = terrain.dem_with(&grid, console)?;
-        Ok(SourceDem { dem, source, findings: terrain.findings })
+        Ok(SourceDem { dem, source, findings: terrain.findings, outside: terrain.findings_outside })
     }
 }
 

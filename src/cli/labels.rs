@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use glam::DVec2;
 use tokosen::base::ElevationUnit;
-use tokosen::contour::ContourLayer;
+use tokosen::contour::{ContourLayer, ContourLine};
 use tokosen::io::VectorFormat;
 use tokosen::slice::{Label, LabelParams, place_labels};
 
@@ -13,6 +13,9 @@ use super::failure::Failure;
 
 /// The height of a text, as a share of the longer side of the map, if none is given: 2 mm on a sheet of half a metre.
 const USUAL: f64 = 1.0 / 250.0;
+
+/// Labels that a run may place. More cannot be read on any map.
+const MOST: f64 = 1e6;
 
 #[derive(Debug, Clone, Args)]
 pub struct LabelArgs {
@@ -39,37 +42,26 @@ impl LabelArgs {
     }
 
     /// Places labels on the index contours of each layer. `extent` is the box around the map; elevations are written in
-    /// `unit`.
+    /// `unit`. `None` if there are to be none.
     pub fn place(
         &self,
         layers: &[ContourLayer],
         (low, high): (DVec2, DVec2),
         unit: ElevationUnit,
-    ) -> Option<Vec<Vec<Label>>> {
-        let height = self.labels?.unwrap_or_else(|| round(USUAL * (high - low).max_element()));
+    ) -> Result<Option<Vec<Vec<Label>>>, Failure> {
+        let Some(height) = self.labels else { return Ok(None) };
+        let height = height.unwrap_or_else(|| USUAL * (high - low).max_element());
         let params = LabelParams { unit, within: Some([low, high]), ..LabelParams::new(height) };
-        Some(layers.iter().map(|layer| place_labels(&layer.lines, &params)).collect())
-    }
-}
-
-/// A number near this one whose first digit is 1, 2 or 5 and whose others are 0.
-fn round(number: f64) -> f64 {
-    let power = 10f64.powf(number.log10().floor());
-    let digit = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| {
-        let off = |digit: &f64| (digit * power / number).ln().abs();
-        off(a).total_cmp(&off(b))
-    });
-    digit.unwrap_or(1.0) * power
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn heights_are_round() {
-        for (number, wanted) in [(36.0, 50.0), (12.0, 10.0), (0.0021, 0.002), (800.0, 1000.0)] {
-            assert!((round(number) / wanted - 1.0).abs() < 1e-9, "{number}");
+        let length: f64 = layers.iter().flat_map(|layer| &layer.lines).filter(|line| line.index).map(length_of).sum();
+        let count = length / params.spacing;
+        if count > MOST {
+            let message = format!("--labels={height} gives about {count:.0} labels: choose a greater height");
+            return Err(Failure::Usage(message));
         }
+        Ok(Some(layers.iter().map(|layer| place_labels(&layer.lines, &params)).collect()))
     }
+}
+
+fn length_of(line: &ContourLine) -> f64 {
+    line.points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }

@@ -14,4 +14,5 @@ pub use layer::{LayerParams, SIMPLIFIED, contour_layers};
 pub use simplify::Simplification;
 pub(crate) use simplify::{simplified, window};
 pub use target::Target;
+pub(crate) use trace::end_of_batch;
 pub use trace::{Traced, slice};

@@ -59,7 +59,7 @@ pub fn slice(
     let marks: Vec<Mutex<Vec<u32>>> = (0..rayon::current_num_threads().max(1)).map(|_| Mutex::default()).collect();
     let mut from = 0;
     while from < levels.len() {
-        let to = end_of_batch(&counts, from);
+        let to = end_of_batch(&counts, from, BATCH);
         let batch = from as u32..to as u32;
         let crossed = Rows::new(to - from, || {
             ranges.iter().enumerate().flat_map(|(t, &(first, end))| {
@@ -96,12 +96,12 @@ pub fn slice(
     lines
 }
 
-/// The end of the batch of levels that begins with `from`: at least one level, and no more crossings than [`BATCH`].
-fn end_of_batch(counts: &[usize], from: usize) -> usize {
+/// The end of the batch of levels that begins with `from`: at least one level, and no more crossings than `most`.
+pub(crate) fn end_of_batch(counts: &[usize], from: usize, most: usize) -> usize {
     let mut size = counts[from];
     let further = counts[from + 1..].iter().take_while(|&&count| {
         size += count;
-        size <= BATCH
+        size <= most
     });
     from + 1 + further.count()
 }

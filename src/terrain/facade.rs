@@ -63,17 +63,18 @@ impl Terrain {
         }
         let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
         let params = options.surface(input, cells.as_ref());
+        // A height map covers the part alone, not the window around it. A part without ground is told before the work.
+        let ground = || frame_ring(&input.map, &params.frame);
+        let part_of_ground = part.as_ref().map(|part| part.of(&ground().area)).transpose()?;
         if let Some(cells) = &cells {
-            // A height map covers the part alone, not the window around it.
-            let ground = frame_ring(&input.map, &params.frame);
-            let ground = part.as_ref().map(|part| FrameRing { area: part.of(&ground.area) }).unwrap_or(ground);
+            let ground = part_of_ground.map_or_else(ground, |area| FrameRing { area });
             cells.check_room(&ground, params.memory)?;
         }
         let built = build(std::mem::take(&mut input.map), &params, progress);
         let mut surface = input.found(built)?;
         input.check_strict()?;
         let mut findings = std::mem::take(&mut input.findings);
-        let part = part.map(|part| part.of(&surface.frame.area));
+        let part = part.map(|part| part.of(&surface.frame.area)).transpose()?;
         if let Some(area) = &part {
             // It is the window that reaches beyond the map, and nobody asked for it.
             findings.retain(|finding| finding.kind != FindingKind::FrameBeyondMap);

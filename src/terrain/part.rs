@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use geo::{BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
+use geo::{Area, BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -101,9 +101,19 @@ impl Part {
     }
 
     /// The part of the ground that is asked for; `ground` is all that there is.
-    pub(super) fn of(&self, ground: &MultiPolygon<f64>) -> MultiPolygon<f64> {
+    ///
+    /// # Errors
+    /// [`Error::PartOutside`] if there is no ground in the part.
+    pub(super) fn of(&self, ground: &MultiPolygon<f64>) -> Result<MultiPolygon<f64>> {
         // An intersection moves vertices by a rounding error; then a grid could get a further column.
-        if ground.contains(&self.area) { self.area.clone() } else { ground.intersection(&self.area) }
+        if ground.contains(&self.area) {
+            return Ok(self.area.clone());
+        }
+        let common = ground.intersection(&self.area);
+        match (common.unsigned_area() > 0.0, self.area.bounding_rect(), self.boxed.bounding_rect()) {
+            (false, Some(part), Some(map)) => Err(Error::PartOutside { part: corners(&part), map: corners(&map) }),
+            _ => Ok(common),
+        }
     }
 }
 
@@ -116,8 +126,13 @@ pub(super) fn clip_lines(lines: &mut Vec<ContourLine>, area: &MultiPolygon<f64>)
     });
     let map = ContourMap { contours: numbered.collect(), ..ContourMap::default() };
     let pieces = clip(map, area).map.contours;
-    *lines =
-        pieces.into_iter().map(|c| ContourLine { points: c.points, ..lines[c.feature.number() as usize] }).collect();
+    let piece = |piece: Contour| {
+        let mut line = ContourLine { points: piece.points, ..lines[piece.feature.number() as usize] };
+        // A ring that is cut open has no ground inside.
+        line.depression &= line.is_closed();
+        line
+    };
+    *lines = pieces.into_iter().map(piece).collect();
 }
 
 /// Leaves out the heights of cells whose centres lie outside of an area. `on_plane` leads from a centre to the plane of
@@ -150,7 +165,7 @@ fn window(map: &ContourMap, part: &Rect<f64>, whole: &Rect<f64>) -> Rect<f64> {
             Coord { x: part.min().x - reach, y: part.min().y - reach },
             Coord { x: part.max().x + reach, y: part.max().y + reach },
         );
-        if window.contains(whole) {
+        if corners(whole).into_iter().all(|corner| holds(&window, corner)) {
             return window;
         }
         let kept: Vec<&Contour> = map.contours.iter().filter(|line| meets(line, &window)).collect();

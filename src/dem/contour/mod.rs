@@ -19,7 +19,7 @@ use crate::base::progress::Progress;
 use crate::base::rows::Rows;
 use crate::base::{ElevationUnit, Grid, memory};
 use crate::contour::{ContourLayer, ContourLine, Source};
-use crate::slice::{Target, is_index, signed_area};
+use crate::slice::{Target, end_of_batch, is_index, signed_area};
 use course::Workspace;
 use trace::{Field, Freedom, NOT_VISITED, Trace, is_flat};
 
@@ -253,7 +253,7 @@ fn traced(
     let mut found = Vec::with_capacity(levels.len());
     while found.len() < levels.len() {
         let from = found.len();
-        let to = end_of_batch(&counts, from);
+        let to = end_of_batch(&counts, from, BATCH);
         let batch = from as u32..to as u32;
         let squares = Rows::new(to - from, || {
             (0..dem.values.len()).flat_map(|square| {
@@ -310,16 +310,6 @@ fn counts(field: &Field<'_>, squares: usize, levels: usize) -> Vec<usize> {
         count as usize
     };
     changes[..levels].iter().map(through).collect()
-}
-
-/// The end of the batch of levels that begins with `from`: at least one level, and no more crossings than [`BATCH`].
-fn end_of_batch(counts: &[usize], from: usize) -> usize {
-    let mut size = counts[from];
-    let further = counts[from + 1..].iter().take_while(|&&count| {
-        size += count;
-        size <= BATCH
-    });
-    from + 1 + further.count()
 }
 
 /// Difference between a level and the nearest other one, metres; infinite if there is none.
