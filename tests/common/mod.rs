@@ -4,6 +4,7 @@
 #![allow(dead_code, unused_imports, reason = "every integration test uses its own part of this module")]
 
 mod crossings;
+mod distance;
 mod draws;
 mod folder;
 mod random;
@@ -11,6 +12,7 @@ mod terrain;
 mod tracer;
 
 pub use crossings::{crossings, same_level_crossings};
+pub use distance::distance;
 pub use draws::draws;
 pub use folder::Folder;
 pub use random::Random;

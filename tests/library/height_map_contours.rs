@@ -13,7 +13,7 @@ use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, SMALLEST_TOLERANCE, TOLERANCE, contours};
 use tokosen::slice::{Target, signed_area};
 
-use crate::common::{self, Random, Terrain, contours_of, crossings};
+use crate::common::{self, Random, Terrain, contours_of, crossings, distance};
 
 /// The heights of a terrain as a height map.
 fn dem_of(terrain: &Terrain) -> Dem {
@@ -53,16 +53,6 @@ fn run(dem: &Dem, interval: f64, tolerance: Option<f64>) -> DemContours {
 
 fn lines(found: &DemContours) -> &[ContourLine] {
     &found.layers[0].lines
-}
-
-/// Distance from a point to a line.
-fn distance(p: DVec2, line: &[DVec2]) -> f64 {
-    let to = |pair: &[DVec2]| {
-        let (a, along) = (pair[0], pair[1] - pair[0]);
-        let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance(a + share * along)
-    };
-    line.windows(2).map(to).fold(f64::INFINITY, f64::min)
 }
 
 /// Points on a line, a quarter of a cell apart or less.

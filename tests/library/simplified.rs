@@ -7,7 +7,7 @@ use tokosen::contour::{ContourLine, Source};
 use tokosen::slice::{LayerParams, SIMPLIFIED, Target, contour_layers};
 use tokosen::surface::{Surface, SurfaceParams, build};
 
-use crate::common;
+use crate::common::{self, distance};
 use crate::guarantees::{clean_map, map_of};
 
 fn new_lines(surface: &Surface, step: f64, simplify: Option<f64>) -> Vec<ContourLine> {
@@ -15,16 +15,6 @@ fn new_lines(surface: &Surface, step: f64, simplify: Option<f64>) -> Vec<Contour
     let layer =
         contour_layers(surface, &LayerParams { targets, simplify, ..LayerParams::default() }, &()).unwrap().remove(0);
     layer.lines.into_iter().filter(|line| line.source == Source::Interpolated).collect()
-}
-
-/// Distance from a point to a line.
-fn distance(p: DVec2, line: &[DVec2]) -> f64 {
-    let to = |pair: &[DVec2]| {
-        let (a, along) = (pair[0], pair[1] - pair[0]);
-        let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance(a + share * along)
-    };
-    line.windows(2).map(to).fold(f64::INFINITY, f64::min)
 }
 
 #[test]

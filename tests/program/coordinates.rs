@@ -9,13 +9,14 @@ use geo::{BoundingRect, Coord, MapCoords};
 use glam::DVec2;
 use tokosen::base::Grid;
 use tokosen::clean::{CleanParams, clean};
-use tokosen::contour::{Contour, ContourLayer, ContourLine, ContourMap, Source};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::crs::{Crs, Transform};
 use tokosen::io::raster::read_grid;
-use tokosen::io::{ReadOptions, StagedOutput, read_area, read_contours, write_contours};
+use tokosen::io::{ReadOptions, read_area, read_contours};
 use tokosen::surface::{SurfaceKind, SurfaceParams, build, heights, heights_on};
 
 use crate::common;
+use crate::maps::put;
 use crate::running::Running;
 
 /// These tests.
@@ -26,19 +27,7 @@ type Folder = common::Folder<Here>;
 impl Folder {
     /// Writes a map's lines, in the order and with the vertices they have.
     fn put(&self, name: &str, map: &ContourMap) {
-        let line = |c: &Contour| ContourLine {
-            elevation: c.elevation,
-            points: c.points.clone(),
-            source: Source::Input,
-            index: false,
-            depression: false,
-            expected: None,
-        };
-        let lines = map.contours.iter().map(line).collect();
-        let layer = ContourLayer { name: "contours".into(), lines, artefact_rings: 0, dead_ends: 0 };
-        let staged = StagedOutput::create(&self.path(name)).unwrap();
-        write_contours(&staged, &[layer], map.crs.as_ref()).unwrap();
-        staged.commit().unwrap();
+        put(&self.path(name), map, "contours");
     }
 
     fn read(&self, name: &str) -> ContourMap {

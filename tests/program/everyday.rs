@@ -5,14 +5,15 @@
 use std::path::Path;
 
 use glam::DVec2;
-use tokosen::contour::{ContourLayer, ContourLine, Source};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::crs::Crs;
 use tokosen::io::layer::{Geometry, Layer, Row, Shape};
 use tokosen::io::raster::read_dem;
-use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_contours, write_layers};
+use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_layers};
 
 use crate::common::Folder;
-use crate::running::{said, tokosen};
+use crate::maps::put;
+use crate::running::{folder_with, said, tokosen};
 
 const PAGE: &str = include_str!("../../src/guide/everyday.md");
 
@@ -45,13 +46,6 @@ fn run(folder: &Folder, command: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &said(&output)
 }
 
-fn put(folder: &Folder, name: &str, lines: Vec<ContourLine>) {
-    let layer = ContourLayer { name: "contours".into(), lines, artefact_rings: 0, dead_ends: 0 };
-    let staged = StagedOutput::create(&folder.path(name)).unwrap();
-    write_contours(&staged, &[layer], Some(&Crs::from_epsg(32616))).unwrap();
-    staged.commit().unwrap();
-}
-
 /// A square around a place.
 fn square(middle: DVec2, half: f64) -> Vec<DVec2> {
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|p| middle + half * DVec2::from(p)).to_vec()
@@ -59,9 +53,8 @@ fn square(middle: DVec2, half: f64) -> Vec<DVec2> {
 
 /// The files that the commands read, made of the sample.
 fn inputs() -> Folder {
-    let folder = Folder::new();
+    let folder = folder_with("caryville_20m.gpkg", "contours.gpkg");
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
-    std::fs::copy(samples.join("caryville_20m.gpkg"), folder.path("contours.gpkg")).unwrap();
     std::fs::copy(samples.join("caryville_20m_truth.tif"), folder.path("published_dem.tif")).unwrap();
     std::fs::create_dir(folder.path("sheets")).unwrap();
     for command in [
@@ -90,20 +83,15 @@ fn inputs() -> Folder {
 
     // A coast with hills behind it, and an islet before it.
     let origin = DVec2::new(700_000.0, 4_000_000.0);
-    let line = |elevation: f64, points: Vec<DVec2>| ContourLine {
-        elevation,
-        points,
-        source: Source::Input,
-        index: false,
-        depression: false,
-        expected: None,
-    };
+    let line = |elevation: f64, points: Vec<DVec2>| Contour { elevation, points, feature: 0.into() };
     let coast = |k: u32| {
         let at = |i: u32| origin + DVec2::new(10.0 * f64::from(i), 50.0 * f64::from(k) + 15.0 * f64::from(i).sin());
         line(10.0 * f64::from(k), (0..=100).map(at).collect())
     };
     let islet = line(0.0, square(origin + DVec2::new(500.0, -400.0), 20.0));
-    put(&folder, "coast.gpkg", (0..6).map(coast).chain([islet]).collect());
+    let contours = (0..6).map(coast).chain([islet]).collect();
+    let map = ContourMap { contours, crs: Some(Crs::from_epsg(32616)), ..ContourMap::default() };
+    put(&folder.path("coast.gpkg"), &map, "contours");
 
     let truth = read_dem(&folder.path("published_dem.tif")).unwrap().value.dem;
     let mut spots = "x,y,z\n".to_owned();

@@ -8,25 +8,11 @@ use glam::DVec2;
 use rusqlite::Connection;
 use tokosen::io::{ReadOptions, read_contours};
 
-use crate::common::Folder;
-use crate::running::{run, said};
+use crate::common::distance;
+use crate::running::{Running, folder_with};
 
 /// A label: text, elevation, angle, height, place.
 type Row = (String, f64, f64, f64, DVec2);
-
-fn done(folder: &Folder, line: &str) -> String {
-    let output = run(folder.0.path(), line);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &said(&output);
-    assert!(output.status.success(), "{line}: {text}");
-    text
-}
-
-fn sample() -> Folder {
-    let folder = Folder::new();
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/caryville_20m.gpkg");
-    std::fs::copy(sample, folder.path("in.gpkg")).unwrap();
-    folder
-}
 
 /// The labels of a layer of a GeoPackage.
 fn labels(path: &Path, layer: &str) -> Vec<Row> {
@@ -44,19 +30,10 @@ fn labels(path: &Path, layer: &str) -> Vec<Row> {
     found.unwrap().map(Result::unwrap).collect()
 }
 
-fn distance(p: DVec2, line: &[DVec2]) -> f64 {
-    let to = |w: &[DVec2]| {
-        let along = w[1] - w[0];
-        let share = ((p - w[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        p.distance(w[0] + along * share)
-    };
-    line.windows(2).map(to).fold(f64::INFINITY, f64::min)
-}
-
 #[test]
 fn labels_lie_on_index_contours() {
-    let folder = sample();
-    done(&folder, "densify in.gpkg -i 10 --labels=60 -o out.gpkg");
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    folder.succeeds("densify in.gpkg -i 10 --labels=60 -o out.gpkg");
     let rows = labels(&folder.path("out.gpkg"), "labels");
     assert!(rows.len() > 20, "{}", rows.len());
     let options = ReadOptions { layer: Some("contours_10m".into()), ..ReadOptions::default() };
@@ -79,8 +56,8 @@ fn labels_lie_on_index_contours() {
 
 #[test]
 fn several_intervals_have_labels_of_their_own() {
-    let folder = sample();
-    done(&folder, "densify in.gpkg -i 10,5 --labels -o out.gpkg");
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    folder.succeeds("densify in.gpkg -i 10,5 --labels -o out.gpkg");
     for layer in ["labels_10m", "labels_5m"] {
         assert!(!labels(&folder.path("out.gpkg"), layer).is_empty());
     }
@@ -88,9 +65,9 @@ fn several_intervals_have_labels_of_their_own() {
 
 #[test]
 fn labels_turn_with_the_coordinates_of_the_output() {
-    let folder = sample();
-    done(&folder, "densify in.gpkg -i 10 --labels=60 -o plane.gpkg");
-    done(&folder, "densify in.gpkg -i 10 --labels=60 -o degrees.gpkg --to-crs EPSG:4326");
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    folder.succeeds("densify in.gpkg -i 10 --labels=60 -o plane.gpkg");
+    folder.succeeds("densify in.gpkg -i 10 --labels=60 -o degrees.gpkg --to-crs EPSG:4326");
     let [plane, degrees] = ["plane.gpkg", "degrees.gpkg"].map(|name| labels(&folder.path(name), "labels"));
     assert_eq!(plane.len(), degrees.len());
     for (a, b) in plane.iter().zip(&degrees).filter(|(a, _)| a.2.abs() < 80.0) {
@@ -103,8 +80,8 @@ fn labels_turn_with_the_coordinates_of_the_output() {
 
 #[test]
 fn a_drawing_has_texts_in_the_file_of_its_lines() {
-    let folder = sample();
-    done(&folder, "densify in.gpkg -i 10 --labels=60 -o out.dxf");
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    folder.succeeds("densify in.gpkg -i 10 --labels=60 -o out.dxf");
     let drawing = std::fs::read_to_string(folder.path("out.dxf")).unwrap();
     let texts = drawing.matches("\nTEXT\n").count();
     assert!(texts > 20 && drawing.contains("CONTOUR-LABEL"), "{texts}");
@@ -112,9 +89,10 @@ fn a_drawing_has_texts_in_the_file_of_its_lines() {
     // Lines are read again, and texts do no harm.
     let map = read_contours(&folder.path("out.dxf"), &ReadOptions::default()).unwrap().value;
     assert!(map.contours.len() > 200);
-    for wrong in ["-o out.shp", "-o out.geojson", "-o out.gpkg --index 0", "-o out.gpkg --labels=0"] {
+    for wrong in
+        ["-o out.shp", "-o out.geojson", "-o out.gpkg --index 0", "-o out.gpkg --labels=0", "-o out.gpkg --labels=1e-9"]
+    {
         let flag = if wrong.contains("--labels") { "" } else { "--labels" };
-        let output = run(folder.0.path(), &format!("densify in.gpkg -i 10 {flag} {wrong} --overwrite"));
-        assert_eq!(output.status.code(), Some(2), "{wrong}: {}", said(&output));
+        folder.ends(&format!("densify in.gpkg -i 10 {flag} {wrong} --overwrite"), 2);
     }
 }

@@ -12,6 +12,7 @@ mod everyday;
 mod existing_outputs;
 mod file_troubles;
 mod labels;
+mod maps;
 mod other_crs;
 mod out_of_proportion;
 mod parts;

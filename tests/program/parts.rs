@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-use std::path::Path;
-
 use glam::DVec2;
 use tokosen::contour::ContourMap;
 use tokosen::dem::Dem;
@@ -11,31 +9,10 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::common::Folder;
-use crate::running::{run, said};
+use crate::running::{Running, folder_with};
 
 /// The extent of the part in the sample.
 const EXTENT: [f64; 4] = [745_000.0, 4_022_000.0, 746_500.0, 4_023_200.0];
-
-fn done(folder: &Folder, line: &str) -> String {
-    let output = run(folder.0.path(), line);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &said(&output);
-    assert!(output.status.success(), "{line}: {text}");
-    text
-}
-
-fn failed(folder: &Folder, line: &str, code: i32) -> String {
-    let output = run(folder.0.path(), line);
-    assert_eq!(output.status.code(), Some(code), "{line}: {}", said(&output));
-    said(&output)
-}
-
-/// A folder with the sample in it, in.gpkg.
-fn sample() -> Folder {
-    let folder = Folder::new();
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/caryville_20m.gpkg");
-    std::fs::copy(sample, folder.path("in.gpkg")).unwrap();
-    folder
-}
 
 fn lines(folder: &Folder, name: &str) -> ContourMap {
     read_contours(&folder.path(name), &ReadOptions::default()).unwrap().value
@@ -52,10 +29,10 @@ fn is_in(p: DVec2) -> bool {
 
 #[test]
 fn heights_of_a_part_are_those_of_the_whole_map() {
-    let folder = sample();
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
     let given = EXTENT.map(|v| v.to_string()).join(",");
-    done(&folder, "dem in.gpkg --cell 20 -o whole.tif");
-    done(&folder, &format!("dem in.gpkg --cell 20 --extent {given} -o part.tif"));
+    folder.succeeds("dem in.gpkg --cell 20 -o whole.tif");
+    folder.succeeds(&format!("dem in.gpkg --cell 20 --extent {given} -o part.tif"));
     let (whole, part) = (heights(&folder, "whole.tif"), heights(&folder, "part.tif"));
     assert_eq!((part.grid.cols, part.grid.rows), (75, 60));
     assert_eq!(part.grid.corner, DVec2::new(EXTENT[0], EXTENT[3]));
@@ -73,9 +50,9 @@ fn heights_of_a_part_are_those_of_the_whole_map() {
 
 #[test]
 fn lines_of_a_part_end_at_its_border_and_keep_their_vertices() {
-    let folder = sample();
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
     let given = EXTENT.map(|v| v.to_string()).join(",");
-    done(&folder, &format!("densify in.gpkg -i 10 --extent {given} -o part.gpkg --preview part.png"));
+    folder.succeeds(&format!("densify in.gpkg -i 10 --extent {given} -o part.gpkg --preview part.png"));
     let (input, part) = (lines(&folder, "in.gpkg"), lines(&folder, "part.gpkg"));
     let mut on_border = 0;
     for line in &part.contours {
@@ -103,10 +80,32 @@ fn lines_of_a_part_end_at_its_border_and_keep_their_vertices() {
 }
 
 #[test]
+fn a_ring_that_is_cut_open_marks_no_depression() {
+    let folder = folder_with("fig5cd_three_branches_basin.geojson", "in.geojson");
+    let marks = |name: &str| -> Vec<(bool, bool)> {
+        let file: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.path(name)).unwrap()).unwrap();
+        let of = |feature: &serde_json::Value, name: &str| feature["properties"][name].as_bool().unwrap();
+        let features = file["features"].as_array().unwrap().iter();
+        features.map(|feature| (of(feature, "closed"), of(feature, "depression"))).collect()
+    };
+    folder.succeeds("densify in.geojson -i 5 -o whole.geojson");
+    let input = lines(&folder, "in.geojson");
+    let points = || input.contours.iter().flat_map(|line| &line.points);
+    let [low, high] =
+        [points().fold(DVec2::INFINITY, |m, p| m.min(*p)), points().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p))];
+    assert!(marks("whole.geojson").contains(&(true, true)), "the sample has a basin");
+    let middle = low.midpoint(high);
+    let extent = format!("{},{},{},{}", low.x, low.y, middle.x, high.y);
+    folder.succeeds(&format!("densify in.geojson -i 5 --extent {extent} -o part.geojson"));
+    let part = marks("part.geojson");
+    assert!(part.iter().any(|(closed, _)| !closed) && part.iter().all(|(closed, mark)| *closed || !mark), "{part:?}");
+}
+
+#[test]
 fn a_part_can_be_in_another_system_or_a_polygon() {
-    let folder = sample();
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
     let degrees = "-84.268,36.314,-84.257,36.320";
-    let text = done(&folder, &format!("dem in.gpkg --cell 20 --extent {degrees} --extent-crs EPSG:4326 -o part.tif"));
+    let text = folder.succeeds(&format!("dem in.gpkg --cell 20 --extent {degrees} --extent-crs EPSG:4326 -o part.tif"));
     assert!(heights(&folder, "part.tif").values.iter().any(|v| v.is_finite()), "{text}");
     let ring = "[[745000,4022000],[746500,4022000],[745000,4023200],[745000,4022000]]";
     let polygon = format!(
@@ -114,20 +113,24 @@ fn a_part_can_be_in_another_system_or_a_polygon() {
         "features":[{{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[{ring}]}}}}]}}"#
     );
     std::fs::write(folder.path("part.geojson"), polygon).unwrap();
-    done(&folder, "dem in.gpkg --cell 20 --clip part.geojson -o part.tif");
+    folder.succeeds("dem in.gpkg --cell 20 --clip part.geojson -o part.tif");
     let dem = heights(&folder, "part.tif");
     let share = dem.values.iter().filter(|v| v.is_finite()).count() as f64 / dem.values.len() as f64;
     assert!((share - 0.5).abs() < 0.02, "{share}");
-    done(&folder, "densify in.gpkg -i 10 --clip part.geojson -o part.gpkg");
+    folder.succeeds("densify in.gpkg -i 10 --clip part.geojson -o part.gpkg");
 }
 
 #[test]
 fn a_part_that_is_not_there_is_told() {
-    let folder = sample();
-    let outside = failed(&folder, "dem in.gpkg --cell 20 --extent 0,0,10,10 -o part.tif", 1);
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let outside = folder.ends("dem in.gpkg --cell 20 --extent 0,0,10,10 -o part.tif", 1);
     assert!(outside.contains("outside of the contours"), "{outside}");
+    // A corner of the box around the contours, outside of their hull.
+    let corner = "754450,4024440,754480,4024480";
+    let nothing = folder.ends(&format!("densify in.gpkg -i 10 --extent {corner} -o part.gpkg"), 1);
+    assert!(nothing.contains("outside of the contours"), "{nothing}");
     for wrong in ["1,2,3", "10,0,0,10", "a,b,c,d"] {
-        failed(&folder, &format!("dem in.gpkg --cell 20 --extent {wrong} -o part.tif"), 2);
+        folder.ends(&format!("dem in.gpkg --cell 20 --extent {wrong} -o part.tif"), 2);
     }
-    failed(&folder, "dem in.gpkg --cell 20 --extent 0,0,10,10 --clip x.gpkg -o part.tif", 2);
+    folder.ends("dem in.gpkg --cell 20 --extent 0,0,10,10 --clip x.gpkg -o part.tif", 2);
 }

@@ -22,6 +22,14 @@ pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A folder with a file of samples/ in it, under the name `to`.
+pub fn folder_with(sample: &str, to: &str) -> Folder {
+    let folder = Folder::new();
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(sample);
+    std::fs::copy(sample, folder.path(to)).unwrap();
+    folder
+}
+
 /// Runs the program in a test's folder.
 pub trait Running {
     /// Whether it went well, and what it said on both streams.
@@ -33,6 +41,9 @@ pub trait Running {
         assert!(well, "{arguments}: {text}");
         text
     }
+
+    /// Runs the program, which must end with this status; gives what it said on standard error.
+    fn ends(&self, arguments: &str, status: i32) -> String;
 }
 
 impl<Tests> Running for Folder<Tests> {
@@ -41,5 +52,11 @@ impl<Tests> Running for Folder<Tests> {
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
         assert!(!text.contains("panicked"), "{arguments}: {text}");
         (output.status.success(), text)
+    }
+
+    fn ends(&self, arguments: &str, status: i32) -> String {
+        let output = run(self.0.path(), arguments);
+        assert_eq!(output.status.code(), Some(status), "{arguments}: {}", said(&output));
+        said(&output)
     }
 }

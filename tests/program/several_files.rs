@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-use std::path::Path;
-
 use glam::DVec2;
-use tokosen::contour::{Contour, ContourLayer, ContourLine, ContourMap, Source};
+use tokosen::contour::{Contour, ContourMap};
 use tokosen::crs::{Crs, Transform};
-use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_contours};
+use tokosen::io::{ReadOptions, read_contours};
 
 use crate::common::Folder;
-use crate::running::{run, said};
+use crate::maps::put;
+use crate::running::Running;
 
 /// The middle of a hill, in JGD2011 / Japan Plane Rectangular CS IX.
 const MIDDLE: DVec2 = DVec2::new(-12_000.0, -34_000.0);
@@ -30,37 +29,8 @@ fn half(is_east: bool) -> ContourMap {
     ContourMap { contours: (0..6).map(arc).collect(), crs: Some(Crs::from_epsg(6677)), ..ContourMap::default() }
 }
 
-fn put(path: &Path, map: &ContourMap, name: &str) {
-    let line = |c: &Contour| ContourLine {
-        elevation: c.elevation,
-        points: c.points.clone(),
-        source: Source::Input,
-        index: false,
-        depression: false,
-        expected: None,
-    };
-    let lines = map.contours.iter().map(line).collect();
-    let layer = ContourLayer { name: name.into(), lines, artefact_rings: 0, dead_ends: 0 };
-    let staged = StagedOutput::create(path).unwrap();
-    write_contours(&staged, &[layer], map.crs.as_ref()).unwrap();
-    staged.commit().unwrap();
-}
-
 fn read(folder: &Folder, name: &str) -> ContourMap {
     read_contours(&folder.path(name), &ReadOptions::default()).unwrap().value
-}
-
-fn done(folder: &Folder, line: &str) -> String {
-    let output = run(folder.0.path(), line);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &said(&output);
-    assert!(output.status.success(), "{line}: {text}");
-    text
-}
-
-fn failed(folder: &Folder, line: &str, code: i32) -> String {
-    let output = run(folder.0.path(), line);
-    assert_eq!(output.status.code(), Some(code), "{line}: {}", said(&output));
-    said(&output)
 }
 
 /// A folder with the two sheets as shapefiles in `sheets`.
@@ -76,7 +46,7 @@ fn sheets() -> Folder {
 fn lines_of_sheets_are_joined_at_their_edge() {
     let folder = sheets();
     for input in ["sheets/east.shp sheets/west.shp", "sheets/*.shp", "sheets"] {
-        let text = done(&folder, &format!("densify {input} -i 5 -o out.gpkg"));
+        let text = folder.succeeds(&format!("densify {input} -i 5 -o out.gpkg"));
         let map = read(&folder, "out.gpkg");
         assert_eq!(map.contours.len(), 6 + 5, "{input}: {text}");
         assert!(map.contours.iter().all(Contour::is_closed), "{input}: {text}");
@@ -94,7 +64,7 @@ fn a_sheet_in_another_system_is_transformed_and_told() {
     let mut west = half(false);
     west.contours.iter_mut().flat_map(|c| &mut c.points).for_each(|p| *p = way.forward(*p).unwrap());
     put(&folder.path("west.geojson"), &ContourMap { crs: Some(to), ..west }, "contours");
-    let text = done(&folder, "densify sheets/east.shp west.geojson -i 5 -o out.gpkg");
+    let text = folder.succeeds("densify sheets/east.shp west.geojson -i 5 -o out.gpkg");
     assert!(text.contains("west.geojson: the file is in JGD2011"), "{text}");
     let map = read(&folder, "out.gpkg");
     assert!(map.contours.len() == 11 && map.contours.iter().all(Contour::is_closed), "{text}");
@@ -108,9 +78,9 @@ fn findings_name_the_file_of_a_feature() {
     let repeated = west.contours[2].points[20];
     west.contours[2].points.insert(20, repeated);
     put(&folder.path("sheets/west.shp"), &west, "contours");
-    let text = done(&folder, "check sheets -v");
+    let text = folder.succeeds("check sheets -v");
     assert!(text.contains("(feature 2 of file 2) is repeated"), "{text}");
-    let json = done(&folder, "check sheets --json");
+    let json = folder.succeeds("check sheets --json");
     assert!(json.contains("\"2 of file 2\""), "{json}");
 }
 
@@ -119,26 +89,26 @@ fn a_layer_is_named_after_its_file() {
     let folder = Folder::new();
     put(&folder.path("all.gpkg"), &half(true), "east");
     put(&folder.path("all.gpkg"), &half(false), "west");
-    let ambiguous = failed(&folder, "dem all.gpkg --cell 20 -o out.tif", 1);
+    let ambiguous = folder.ends("dem all.gpkg --cell 20 -o out.tif", 1);
     assert!(ambiguous.contains("east") && ambiguous.contains("west"), "{ambiguous}");
-    done(&folder, "dem all.gpkg|layername=east --cell 20 -o out.tif");
-    done(&folder, "densify all.gpkg|layername=east all.gpkg|layername=west -i 5 -o out.gpkg");
+    folder.succeeds("dem all.gpkg|layername=east --cell 20 -o out.tif");
+    folder.succeeds("densify all.gpkg|layername=east all.gpkg|layername=west -i 5 -o out.gpkg");
     assert!(read(&folder, "out.gpkg").contours.iter().all(Contour::is_closed));
-    let wrong = failed(&folder, "dem all.gpkg|layername=north --cell 20 -o out.tif", 1);
+    let wrong = folder.ends("dem all.gpkg|layername=north --cell 20 -o out.tif", 1);
     assert!(wrong.contains("there is no layer \"north\""), "{wrong}");
-    let wrong = failed(&folder, "dem all.gpkg|layerid=1 --cell 20 -o out.tif", 2);
+    let wrong = folder.ends("dem all.gpkg|layerid=1 --cell 20 -o out.tif", 2);
     assert!(wrong.contains("|layername=NAME"), "{wrong}");
 }
 
 #[test]
 fn what_cannot_be_one_map_is_told() {
     let folder = sheets();
-    let none = failed(&folder, "dem sheets/*.gpkg --cell 20 -o out.tif", 1);
+    let none = folder.ends("dem sheets/*.gpkg --cell 20 -o out.tif", 1);
     assert!(none.contains("no file matches"), "{none}");
-    done(&folder, "dem sheets --cell 20 -o out.tif");
-    let mixed = failed(&folder, "derive out.tif sheets/east.shp --slope slope.tif", 2);
+    folder.succeeds("dem sheets --cell 20 -o out.tif");
+    let mixed = folder.ends("derive out.tif sheets/east.shp --slope slope.tif", 2);
     assert!(mixed.contains("out.tif is a height map"), "{mixed}");
     // The output is one of the inputs, also when a pattern names it.
-    let own = failed(&folder, "densify sheets/*.shp -i 5 -o sheets/west.shp", 2);
+    let own = folder.ends("densify sheets/*.shp -i 5 -o sheets/west.shp", 2);
     assert!(own.contains("is an input"), "{own}");
 }

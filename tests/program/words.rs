@@ -2,33 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
 
-use std::path::Path;
-
 use tokosen::contour::ContourMap;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::common::Folder;
-use crate::running::{run, said};
-
-fn sample() -> Folder {
-    let folder = Folder::new();
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/fig1f_nested.geojson");
-    std::fs::copy(sample, folder.path("in.geojson")).unwrap();
-    folder
-}
-
-fn done(folder: &Folder, line: &str) -> String {
-    let output = run(folder.0.path(), line);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &said(&output);
-    assert!(output.status.success(), "{line}: {text}");
-    text
-}
-
-fn refused(folder: &Folder, line: &str) -> String {
-    let output = run(folder.0.path(), line);
-    assert_eq!(output.status.code(), Some(2), "{line}: {}", said(&output));
-    said(&output)
-}
+use crate::running::{Running, folder_with, said};
 
 fn lines(folder: &Folder, name: &str) -> ContourMap {
     read_contours(&folder.path(name), &ReadOptions::default()).unwrap().value
@@ -43,8 +21,8 @@ fn levels(map: &ContourMap) -> Vec<f64> {
 
 #[test]
 fn short_help_has_the_usual_options() {
-    let folder = Folder::new();
-    let [short, long] = ["dem -h", "dem --help"].map(|line| done(&folder, line));
+    let folder: Folder = Folder::new();
+    let [short, long] = ["dem -h", "dem --help"].map(|line| folder.succeeds(line));
     for usual in ["--cell", "--output", "--extent", "--water", "--preview"] {
         assert!(short.contains(usual) && long.contains(usual), "{usual}");
     }
@@ -56,7 +34,7 @@ fn short_help_has_the_usual_options() {
 
 #[test]
 fn flags_of_other_programs_get_the_right_one() {
-    let folder = sample();
+    let folder = folder_with("fig1f_nested.geojson", "in.geojson");
     for (line, right) in [
         ("dem in.geojson --cell 5 -o a.tif --bbox 0,0,1,1", "--extent"),
         ("dem in.geojson --cell 5 -o a.tif --cutline a.gpkg", "--clip"),
@@ -66,24 +44,24 @@ fn flags_of_other_programs_get_the_right_one() {
         ("derive in.geojson --cell 5 --shade a.tif", "--hillshade"),
         ("densify in.geojson -i 2 -o a.gpkg --force", "--overwrite"),
     ] {
-        let message = refused(&folder, line);
+        let message = folder.ends(line, 2);
         assert!(message.contains(&format!("'{right}'")), "{line}: {message}");
     }
     // A verb that lacks the flag does not propose it.
-    assert!(!refused(&folder, "mesh in.geojson -o a.glb --bbox 0,0,1,1").contains("--extent"));
+    assert!(!folder.ends("mesh in.geojson -o a.glb --bbox 0,0,1,1", 2).contains("--extent"));
 }
 
 #[test]
 fn units_have_their_usual_names() {
-    let folder = sample();
-    done(&folder, "densify in.geojson -i 5 -o ft.geojson --to-unit ft");
-    done(&folder, "densify in.geojson -i 5 -o feet.geojson --to-unit feet");
+    let folder = folder_with("fig1f_nested.geojson", "in.geojson");
+    folder.succeeds("densify in.geojson -i 5 -o ft.geojson --to-unit ft");
+    folder.succeeds("densify in.geojson -i 5 -o feet.geojson --to-unit feet");
     assert_eq!(levels(&lines(&folder, "ft.geojson")), levels(&lines(&folder, "feet.geojson")));
 }
 
 #[test]
 fn systems_can_be_proj_strings() {
-    let folder = sample();
+    let folder = folder_with("fig1f_nested.geojson", "in.geojson");
     let args =
         ["densify", "in.geojson", "-i", "2", "-o", "out.gpkg", "--crs", "+proj=utm +zone=54 +datum=WGS84 +no_defs"];
     let output = crate::running::tokosen().current_dir(folder.0.path()).args(args).output().unwrap();
@@ -93,11 +71,11 @@ fn systems_can_be_proj_strings() {
 
 #[test]
 fn a_coarser_interval_gives_its_own_lines() {
-    let folder = sample();
+    let folder = folder_with("fig1f_nested.geojson", "in.geojson");
     let input = lines(&folder, "in.geojson");
     let all = levels(&input);
     let step = all[1] - all[0];
-    let text = done(&folder, &format!("densify in.geojson -i {} -o coarse.geojson", 2.0 * step));
+    let text = folder.succeeds(&format!("densify in.geojson -i {} -o coarse.geojson", 2.0 * step));
     assert!(text.contains("--keep-input"), "{text}");
     let coarse = lines(&folder, "coarse.geojson");
     let wanted: Vec<f64> = all.iter().copied().filter(|level| level % (2.0 * step) == 0.0).collect();
@@ -108,8 +86,8 @@ fn a_coarser_interval_gives_its_own_lines() {
         map.contours.iter().filter(|line| wanted.contains(&line.elevation)).map(|line| line.points.len()).sum()
     };
     assert_eq!(count(&coarse), count(&input));
-    done(&folder, &format!("densify in.geojson -i {} -o kept.geojson --keep-input", 2.0 * step));
+    folder.succeeds(&format!("densify in.geojson -i {} -o kept.geojson --keep-input", 2.0 * step));
     assert_eq!(levels(&lines(&folder, "kept.geojson")), all);
-    let text = done(&folder, &format!("densify in.geojson -i {step} -o same.geojson"));
+    let text = folder.succeeds(&format!("densify in.geojson -i {step} -o same.geojson"));
     assert!(!text.contains("coarser") && levels(&lines(&folder, "same.geojson")) == all, "{text}");
 }
