@@ -1,7 +1,7 @@
 //! A part of a map: results end at its border, and the contours around it still count.
 //!
-//! The surface is built over a window around the part. The window is so wide that what lies beyond it has no say in the
-//! part. Lines that do not meet the window are left out first, so a part of a large map takes little time.
+//! The surface is built over a window around the part. The window is so wide that contours beyond it hardly change the
+//! surface in the part. Lines outside of the window are left out first, so a part of a large map takes little time.
 
 use std::collections::HashSet;
 
