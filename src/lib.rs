@@ -150,6 +150,7 @@ pub mod resample;
 pub mod skeleton;
 pub mod slice;
 pub mod spline;
+pub mod streams;
 pub mod subdivision;
 pub mod subdomains;
 pub mod surface;

@@ -8,6 +8,7 @@ use tokosen::draw::preview::picture;
 use tokosen::surface::Triangles;
 
 use super::console::Console;
+use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
@@ -42,6 +43,8 @@ pub struct DemArgs {
     preview: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    diagnostics: DiagnosticsArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -62,8 +65,10 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     args.height_map.grid.check(crs)?;
     args.surface.check()?;
     let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files()).chain(args.part.file());
-    let job = Job::start(&args.input, inputs, [args.output.as_path()], args.preview.as_deref(), console)?;
+    let outputs = [args.output.as_path().into()].into_iter().chain(args.diagnostics.planned());
+    let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     console.plan(["writing"]);
+    let diagnostics = args.diagnostics.open()?;
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
     let mut input = job.read_part(&args.part)?;
@@ -73,10 +78,12 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     };
     let terrain = job.build(&mut input, &args.surface, options)?;
     let dem = output.write(&terrain, console)?;
+    diagnostics.iter().try_for_each(|file| file.write(&terrain, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     output.commit(&dem, console)?;
+    diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

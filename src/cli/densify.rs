@@ -15,6 +15,7 @@ use tokosen::{Options, Terrain};
 
 use super::compare::{draw, open_page, summarise};
 use super::console::Console;
+use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
@@ -76,6 +77,8 @@ pub struct DensifyArgs {
     preview: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    diagnostics: DiagnosticsArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -107,6 +110,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         .as_deref()
         .map(|path| DemOutput::open(path, &args.height_map, args.levels.to_crs.to_crs.as_ref(), unit))
         .transpose()?;
+    let diagnostics = args.diagnostics.open()?;
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
@@ -133,6 +137,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         write_layers_back(&staged, &all, &back)
     })?;
     let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    diagnostics.iter().try_for_each(|file| file.write(&terrain, unit))?;
     job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
 
     let findings = std::mem::take(&mut terrain.findings);
@@ -146,6 +151,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         }
         args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
     }
+    diagnostics.map(|file| file.commit(console)).transpose()?;
     if let (Some(output), Some(dem)) = (dem_output, &dem) {
         output.commit(dem, console)?;
     }
@@ -214,6 +220,7 @@ impl DensifyArgs {
         let others = [&self.height_map.grid.like, &self.compare].into_iter().flatten().map(PathBuf::as_path);
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs = contours.chain([&self.dem, &self.report].into_iter().flatten().map(|path| path.as_path().into()));
+        let outputs = outputs.chain(self.diagnostics.planned());
         let inputs = others.chain(self.surface.files()).chain(self.part.file());
         Job::start(&self.input, inputs, outputs, self.preview.as_deref(), console)
     }

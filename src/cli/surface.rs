@@ -15,6 +15,7 @@ use super::failure::Failure;
 use super::flags::first_given;
 use super::memory;
 use super::source::source;
+use super::streams::StreamArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Surface")]
@@ -26,6 +27,8 @@ pub struct SurfaceArgs {
     pub frame: FrameArgs,
     #[command(flatten)]
     pub water: WaterArgs,
+    #[command(flatten)]
+    pub streams: StreamArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true, hide_short_help = true)]
     pub resolution: f64,
@@ -95,7 +98,7 @@ impl KindArg {
 impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.frame.file().into_iter().chain(self.water.file())
+        self.frame.file().into_iter().chain(self.water.file()).chain(self.streams.files())
     }
 
     /// The steps of building the surface, for the progress.
@@ -118,6 +121,7 @@ impl SurfaceArgs {
             (self.frame.frame != FrameArg::Hull, "--frame"),
             (self.water.water.is_some(), "--water"),
             (self.water.sea.is_some(), "--sea"),
+            (!self.streams.streams.is_empty(), "--streams"),
             (self.resolution != RESOLUTION, "--resolution"),
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
@@ -130,6 +134,7 @@ impl SurfaceArgs {
         let is_smooth = self.surface == KindArg::Spline;
         first_given([
             (self.resolution != RESOLUTION && self.surface == KindArg::Linear, "--resolution"),
+            (!self.streams.streams.is_empty() && self.surface == KindArg::Linear, "--streams"),
             (self.tension.is_some() && !is_smooth, "--tension"),
             (self.noise.is_some() && !is_smooth, "--noise"),
         ])
@@ -146,10 +151,11 @@ impl SurfaceArgs {
         }
     }
 
-    /// Adds the frame and the lakes to an input; reads their files if there are any.
+    /// Adds the frame, the lakes and the streams to an input; reads their files if there are any.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         self.frame.add_to(input)?;
-        self.water.add_to(input)
+        self.water.add_to(input)?;
+        self.streams.add_to(input)
     }
 
     /// The library's options, for a height map on a grid if there is one.
@@ -166,6 +172,7 @@ impl SurfaceArgs {
             tension: self.tension,
             noise: self.noise,
             sea: self.water.sea_in_metres(unit),
+            stream_tolerance: self.streams.stream_tolerance,
             grid: grid.cloned(),
             triangles,
             memory: memory::available(),

@@ -28,6 +28,7 @@ mod paths;
 pub mod raster;
 mod shapefile;
 mod staged;
+mod streams;
 mod table;
 mod text;
 mod text_points;
@@ -41,6 +42,7 @@ use geo::MultiPolygon;
 use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
 use crate::crs::{Crs, FromWorking};
+use crate::streams::StreamLine;
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
 use layer::{Layer, ReprojectedShapes};
@@ -123,6 +125,19 @@ pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake
     let findings = std::mem::take(&mut table.findings);
     let lakes = water::lakes(path, table, options.elevation_field.as_deref())?;
     Ok(Report { value: (lakes, crs), findings })
+}
+
+/// Reads lines of rivers and streams. Also gives the coordinate reference system if the file names one.
+///
+/// Elevations do not count. A line of several parts becomes one stream per part. What cannot be a stream is a finding.
+///
+/// # Errors
+/// The file cannot be read or has no lines.
+pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<StreamLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Streams)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = streams::streams(path, table)?;
+    Ok(Report { value: (value, crs), findings })
 }
 
 fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Table> {

@@ -35,6 +35,8 @@ pub(super) enum Purpose {
     Area,
     /// Polygons of water, with their heights.
     Water,
+    /// Lines of rivers and streams.
+    Streams,
 }
 
 /// An attribute of the features.

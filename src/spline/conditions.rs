@@ -7,6 +7,7 @@ use super::lattice::{Crossing, Lattice};
 use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
+use crate::streams::Stream;
 use crate::tuning::SplineTuning;
 
 /// What the smooth surface on a grid has to meet. Arrays have one value per node, row by row from the north-west. NaN
@@ -30,6 +31,8 @@ pub struct Conditions<'a> {
     pub reference: Vec<f32>,
     /// Whether water may stay at a node.
     pub hollows: Vec<bool>,
+    /// Streams with their heights.
+    pub streams: &'a [Stream],
 }
 
 impl Conditions<'_> {
@@ -50,6 +53,23 @@ impl Conditions<'_> {
     pub(super) fn spot_crossings(&self) -> Vec<(Crossing, f64)> {
         spot_crossings(&self.spots, &Lattice::of_grid(&self.grid), &self.reference)
     }
+}
+
+/// The crossings of a stream with eastward and with southward edges of a lattice, with the heights of the stream there.
+pub(super) fn stream_crossings(stream: &Stream, lattice: &Lattice) -> [Vec<(Crossing, f64)>; 2] {
+    let (mut east, mut south) = (Vec::new(), Vec::new());
+    for w in stream.points.windows(2) {
+        let (a, b) = (w[0].truncate(), w[1].truncate());
+        let height = |crossing: Crossing, step: DVec2| {
+            let node = crossing.node as usize;
+            let at = DVec2::new((node % lattice.cols) as f64, (node / lattice.cols) as f64) + crossing.along * step;
+            let at = lattice.first + at * lattice.step * DVec2::new(1.0, -1.0);
+            let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            (crossing, w[0].z + share * (w[1].z - w[0].z))
+        };
+        lattice.cross(&[a, b], |c| east.push(height(c, DVec2::X)), |c| south.push(height(c, DVec2::Y)));
+    }
+    [east, south]
 }
 
 /// Spot heights as crossings. The slope of the reference surface carries each height to the edges north and south of

@@ -16,6 +16,7 @@ use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage};
 use crate::base::Grid;
 use crate::base::progress::Progress;
+use crate::streams::fall_along;
 use crate::tuning::SplineTuning;
 
 /// Finds the smooth surface that meets the conditions.
@@ -38,6 +39,7 @@ pub fn spline(
         contours: &conditions.contours,
         spots: conditions.spot_crossings(),
         creases: &conditions.creases,
+        streams: conditions.streams,
         crease_threshold: hyper_parameters.crease_threshold,
         bounds: with_slack([lo, hi], slack, slack_reach, grid.cols),
         reference,
@@ -83,7 +85,10 @@ pub fn spline(
         }
     }
     let limits = Limits { lo, depth: interval as f32 };
+    let floor = |n: usize| if lo[n].is_nan() { f32::NEG_INFINITY } else { lo[n] };
+    fall_along(conditions.streams, grid, &mut heights, floor);
     breach(&mut heights, &lattice, &limits, |n| hollows[n]);
+    fall_along(conditions.streams, grid, &mut heights, floor);
     progress.finish();
     WorkingGrid { grid: *grid, heights }
 }

@@ -5,12 +5,14 @@ use std::borrow::Cow;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::conditions::stream_crossings;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
 use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::progress::Progress;
+use crate::streams::Stream;
 use crate::tuning::SplineTuning;
 
 /// Name of this step in reports of progress.
@@ -31,6 +33,8 @@ pub struct Problem<'a> {
     pub spots: Vec<(Crossing, f64)>,
     /// Ridge and canyon lines.
     pub creases: &'a [Vec<DVec2>],
+    /// Streams with their heights.
+    pub streams: &'a [Stream],
     /// IRLS threshold across those lines, as a share of the threshold elsewhere.
     pub crease_threshold: f64,
     /// Lowest and highest height that each node may have, metres.
@@ -225,7 +229,11 @@ impl Stage<'_> {
             lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
             (east, south)
         };
-        let (east, south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
+        let (mut east, mut south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
+        for [of_east, of_south] in problem.streams.iter().map(|stream| stream_crossings(stream, lattice)) {
+            east.push(of_east);
+            south.push(of_south);
+        }
         let SplineTuning { coarse_contour_weight, crease_weight, wide, .. } = *problem.tuning;
         let weight =
             problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));
@@ -390,6 +398,7 @@ mod tests {
                 contours: &[(10.0, &lines[0]), (20.0, &lines[1])],
                 spots: Vec::new(),
                 creases: &[],
+                streams: &[],
                 crease_threshold: 0.1,
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
                 reference: &reference,

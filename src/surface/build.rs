@@ -16,7 +16,8 @@ use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
-use crate::spline::{self, bytes_on, spline, working_grid};
+use crate::spline::{self, Conditions, bytes_on, spline, working_grid};
+use crate::streams::{Stream, settle};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
@@ -43,7 +44,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut subdivision, closures, finer, findings } = found?;
+    let Triangulated { mut subdivision, closures, streams, finer, findings } = found?;
     // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
@@ -60,7 +61,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
-        let conditions = conditions(&subdivision, &break_lines, &grid, &triangles);
+        let mut conditions =
+            Conditions { streams: &streams, ..conditions(&subdivision, &break_lines, &grid, &triangles) };
+        let course = |stream: &Stream| stream.points.iter().map(|p| p.truncate()).collect();
+        conditions.creases.extend(streams.iter().map(course));
         progress.finish();
         (Some(spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress)), triangles)
     });
@@ -79,7 +83,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
-    let surface = Surface { map, tin, regions, closures, break_lines, frame, interval, working, chosen, errors };
+    let surface =
+        Surface { map, tin, regions, closures, break_lines, streams, frame, interval, working, chosen, errors };
     Ok(Report { value: surface, findings })
 }
 
@@ -87,6 +92,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
 struct Triangulated {
     subdivision: Subdivision,
     closures: Vec<(f64, [DVec2; 2])>,
+    streams: Vec<Stream>,
     /// Ridge and canyon lines, and the triangulation with them; `None` for the linear surface. Their progress step is
     /// not finished yet.
     finer: Option<(Skeleton, Tin)>,
@@ -95,7 +101,7 @@ struct Triangulated {
 
 /// Triangulates a map, and finds its ridge and canyon lines where they are needed.
 fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
-    let Report { value: mut subdivision, findings } = prepared.subdivide(&params.water, progress)?;
+    let Report { value: mut subdivision, mut findings } = prepared.subdivide(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid);
         let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
@@ -106,13 +112,23 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
+    let streams = if params.kind == SurfaceKind::Linear || params.streams.lines.is_empty() {
+        Vec::new()
+    } else {
+        progress.start("streams", 0);
+        let ground = (&subdivision.map, &subdivision.tin, &subdivision.regions);
+        let settled = settle(&params.streams, ground, subdivision.extent().spacing, &params.tuning.streams);
+        progress.finish();
+        findings.extend(settled.findings);
+        settled.streams
+    };
     let finer = if params.kind == SurfaceKind::Linear {
         None
     } else {
         progress.start("ridge and canyon lines", 0);
-        Some(finer(&subdivision, triangulation, params.resolution, &params.tuning.skeleton)?)
+        Some(finer(&subdivision, triangulation, &streams, params.resolution, &params.tuning.skeleton)?)
     };
-    Ok(Triangulated { subdivision, closures, finer, findings })
+    Ok(Triangulated { subdivision, closures, streams, finer, findings })
 }
 
 /// The gap closures as lines, with higher ground on their right.

@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::contour::{ContourMap, Interval};
 use crate::skeleton::BreakLine;
 use crate::spline::WorkingGrid;
+use crate::streams::Stream;
 use crate::subdomains::{FrameRing, Regions};
 use crate::tin::Tin;
 use crate::validate::{Chosen, ErrorField};
@@ -23,6 +24,8 @@ pub struct Surface {
     pub closures: Vec<(f64, [DVec2; 2])>,
     /// Ridge and canyon lines; empty for [`SurfaceKind::Linear`](super::SurfaceKind::Linear).
     pub break_lines: Vec<BreakLine>,
+    /// The streams as they are used.
+    pub streams: Vec<Stream>,
     /// The outline of the frame.
     pub frame: FrameRing,
     /// The contour interval of the input.

@@ -52,6 +52,7 @@ pub(crate) fn conditions<'a>(
         bounds: [lo, hi],
         reference,
         hollows,
+        streams: &[],
     }
 }
 

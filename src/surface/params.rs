@@ -2,6 +2,7 @@
 
 use crate::base::error::{Error, Result};
 use crate::spline::SplineParams;
+use crate::streams::Streams;
 use crate::subdivision::Water;
 use crate::subdomains::Frame;
 use crate::tuning::Tuning;
@@ -62,6 +63,8 @@ pub struct SurfaceParams {
     pub resolution: f64,
     /// Lakes and the sea.
     pub water: Water,
+    /// Rivers and streams. Not for [`SurfaceKind::Linear`].
+    pub streams: Streams,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
     /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
@@ -81,6 +84,7 @@ impl Default for SurfaceParams {
             frame: Frame::default(),
             resolution: 1.0,
             water: Water::default(),
+            streams: Streams::default(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
@@ -99,7 +103,12 @@ impl SurfaceParams {
         if !self.resolution.is_finite() || self.resolution < 0.0 {
             return Err(Error::out_of_range("resolution parameter w", self.resolution, "0 or more"));
         }
-        for (name, value) in [("tension", self.spline.tension), ("noise of the contours", self.spline.noise)] {
+        let numbers = [
+            ("tension", self.spline.tension),
+            ("noise of the contours", self.spline.noise),
+            ("tolerance of streams", self.streams.tolerance),
+        ];
+        for (name, value) in numbers {
             if let Some(value) = value.filter(|v| !v.is_finite() || *v < 0.0) {
                 return Err(Error::out_of_range(name, value, "0 or more"));
             }

@@ -21,7 +21,7 @@ impl SurfaceBuilder for TrialBuilder<'_> {
     fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
         let triangulation = std::mem::take(&mut subdivision.triangulation);
-        let finer = finer(&subdivision, triangulation, resolution, self.tuning).ok()?;
+        let finer = finer(&subdivision, triangulation, &[], resolution, self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }

@@ -15,7 +15,7 @@ use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
-use crate::io::{ReadOptions, VectorSource, read_area, read_contours, read_spot_heights, read_water};
+use crate::io::{ReadOptions, VectorSource, read_area, read_contours, read_spot_heights, read_streams, read_water};
 
 impl Input {
     /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
@@ -97,6 +97,22 @@ impl Input {
         let path = &source.path;
         let (lakes, crs) = read_water(path, &self.reading(source))?.collect(&mut self.findings);
         self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads lines of rivers and streams from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_streams`] and [`Input::add_streams`]; the error names the file.
+    pub fn read_streams(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (lines, crs), mut findings } = read_streams(path, &self.reading(source))?;
+        let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
+        for finding in &mut findings {
+            let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
+            finding.place = place.map(|p| p.truncate());
+        }
+        self.findings.append(&mut findings);
+        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Reads a boundary polygon from a file: the ground ends there.

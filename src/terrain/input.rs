@@ -19,6 +19,7 @@ use crate::base::error::{Finding, Report, Result};
 use crate::contour::{ContourMap, Lake, UnitHint};
 use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
+use crate::streams::StreamLine;
 use crate::subdomains::Frame;
 
 /// How contours are read.
@@ -56,6 +57,8 @@ pub struct Input {
     pub frame: Frame,
     /// Lakes, on the working plane.
     pub lakes: Vec<Lake>,
+    /// Rivers and streams, on the working plane.
+    pub streams: Vec<StreamLine>,
     /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
@@ -184,6 +187,20 @@ impl Input {
         for lake in lakes {
             let polygon = to_working.polygon(&lake.polygon)?;
             self.lakes.push(Lake { polygon, ..lake }.in_metres(unit));
+        }
+        Ok(())
+    }
+
+    /// Adds lines of rivers and streams, in any direction. They are in the contours' coordinate reference system if `crs`
+    /// is `None`.
+    ///
+    /// # Errors
+    /// As [`Input::add_spots`].
+    pub fn add_streams(&mut self, lines: impl IntoIterator<Item = StreamLine>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        for line in lines {
+            let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
+            self.streams.push(StreamLine { points: points.collect::<Result<_>>()?, ..line });
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ use super::prepare::Preparation;
 use crate::base::error::Result;
 use crate::crs::Reprojection;
 use crate::spline::SplineParams;
+use crate::streams::Streams;
 use crate::subdivision::Water;
 use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::tuning::Tuning;
@@ -27,6 +28,8 @@ pub struct Options {
     pub noise: Option<f64>,
     /// The level of the sea, metres. Ground that reaches down only to contours of this level is the sea.
     pub sea: Option<f64>,
+    /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`].
+    pub stream_tolerance: Option<f64>,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
@@ -49,6 +52,7 @@ impl Default for Options {
             tension: None,
             noise: None,
             sea: None,
+            stream_tolerance: None,
             grid: None,
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
@@ -71,6 +75,7 @@ impl Options {
             frame: std::mem::take(&mut input.frame),
             resolution: self.resolution,
             water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
+            streams: Streams { lines: std::mem::take(&mut input.streams), tolerance: self.stream_tolerance },
             spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
             triangles: self.triangles,
             uncertainty: self.uncertainty,

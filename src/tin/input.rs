@@ -14,6 +14,8 @@ pub struct TinInput {
     pub(super) heights: Vec<f64>,
     pub(super) kinds: Vec<VertexKind>,
     pub(super) edges: Vec<[u32; 2]>,
+    /// Edges that are left out where they cross others, with their rank.
+    pub(super) loose: Vec<(u8, [u32; 2])>,
     pub(super) border_tolerance: f64,
 }
 
@@ -29,6 +31,7 @@ impl TinInput {
             heights: Vec::new(),
             kinds: Vec::new(),
             edges: Vec::new(),
+            loose: Vec::new(),
             border_tolerance,
         }
     }
@@ -73,6 +76,12 @@ impl TinInput {
     /// Adds an edge between two points that the triangulation must hold. Edges may touch, not cross.
     pub fn push_edge(&mut self, a: u32, b: u32) {
         self.edges.push([a, b]);
+    }
+
+    /// Adds an edge that the triangulation holds if it crosses no other edge that was added. Of loose edges, those of a
+    /// lower `rank` come first.
+    pub fn push_loose_edge(&mut self, a: u32, b: u32, rank: u8) {
+        self.loose.push((rank, [a, b]));
     }
 
     /// Adds the vertices of a line in map coordinates and the edges between them.

@@ -25,6 +25,7 @@ mod roughness;
 mod shrinkage;
 mod skeleton;
 mod spline;
+mod streams;
 mod trials;
 mod wide;
 
@@ -36,6 +37,7 @@ pub use roughness::RoughnessTuning;
 pub use shrinkage::{GainTuning, ShrinkageTuning};
 pub use skeleton::SkeletonTuning;
 pub use spline::SplineTuning;
+pub use streams::StreamTuning;
 pub use trials::TrialTuning;
 pub use wide::WideTuning;
 
@@ -73,5 +75,7 @@ tuned! {
         errors: ErrorTuning = ErrorTuning::default(),
         /// Triangles of the smooth surface.
         nodes: NodeTuning = NodeTuning::default(),
+        /// Streams.
+        streams: StreamTuning = StreamTuning::default(),
     }
 }

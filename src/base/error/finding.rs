@@ -153,6 +153,14 @@ kinds! {
     LakeLeftOut = "lake-left-out", Warning, "lakes left out";
     /// Contours lie below sea level; the ground around them was left unchanged.
     BelowSea = "below-sea", Note, "contours below the sea";
+    /// A stream was drawn upstream; it was turned.
+    StreamTurned = "stream-turned", Note, "streams drawn upstream";
+    /// A stream was moved to agree with the contours.
+    StreamMoved = "stream-moved", Note, "streams moved into the bends of contours";
+    /// A stream runs upwards across a contour. The part that does was left out.
+    StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
+    /// A stream was left out as a whole.
+    StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
@@ -241,6 +249,12 @@ impl Finding {
             self.features.push(feature);
         }
         self.of_elevations([elevation])
+    }
+
+    /// The same finding, also about a feature that has no elevation.
+    pub fn of_feature(mut self, feature: impl Into<FeatureId>) -> Self {
+        self.features.push(feature.into());
+        self
     }
 
     /// The same finding, also about heights that belong to no feature, metres.

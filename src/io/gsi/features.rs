@@ -67,6 +67,11 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             let message = "files of 基盤地図情報 hold no frame; name a file with a polygon, or take hull or bbox";
             return Err(Error::file(path, message));
         }
+        Purpose::Streams => {
+            let message =
+                "files of 基盤地図情報 hold the edges of rivers (WL) and no lines along them; name a file with lines";
+            return Err(Error::file(path, message));
+        }
     };
     if let Some(layer) = request.layer {
         return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));

@@ -12,6 +12,7 @@ mod repaired;
 mod reprojected;
 mod skeleton;
 mod steep;
+mod streams;
 
 pub use contours::of_contours;
 pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_name, joined};
@@ -23,3 +24,4 @@ pub use repaired::{REPAIRED_LAYERS, holds_spots, of_map, of_repaired, of_spots};
 pub(super) use reprojected::ReprojectedShapes;
 pub use skeleton::{curve_mesh, skeleton_lines, skeleton_triangles};
 pub use steep::{STEEP_LAYER, steep_areas};
+pub use streams::stream_lines;

@@ -1,0 +1,55 @@
+//! `--diagnostics`: a GeoPackage with what became of streams and other lines.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use tokosen::Terrain;
+use tokosen::base::ElevationUnit;
+use tokosen::io::layer::stream_lines;
+use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
+
+use super::console::Console;
+use super::failure::Failure;
+use super::output::check_extension;
+
+#[derive(Debug, Clone, Args)]
+pub struct DiagnosticsArgs {
+    /// Also write the streams as they are used, with direction, order, heights and shift: .gpkg
+    #[arg(long, value_name = "FILE", requires = "streams", hide_short_help = true)]
+    pub diagnostics: Option<PathBuf>,
+}
+
+/// The layers.
+const LAYERS: [&str; 1] = ["streams"];
+
+impl DiagnosticsArgs {
+    /// The file as an output of the run.
+    pub fn planned(&self) -> Option<PlannedOutput<'_>> {
+        self.diagnostics.as_deref().map(|path| PlannedOutput { path, layers: &LAYERS })
+    }
+
+    /// Opens the file, if it is asked for.
+    pub fn open(&self) -> Result<Option<Diagnostics>, Failure> {
+        let Some(path) = &self.diagnostics else { return Ok(None) };
+        check_extension(path, "diagnostics", &["gpkg"])?;
+        Ok(Some(Diagnostics(StagedOutput::create(path)?)))
+    }
+}
+
+/// The file that is written.
+pub struct Diagnostics(StagedOutput);
+
+impl Diagnostics {
+    /// Writes the layers, in the coordinates of the contours.
+    pub fn write(&self, terrain: &Terrain, unit: ElevationUnit) -> Result<(), Failure> {
+        let back = terrain.to_output(None)?.with_heights_in(unit);
+        write_layers_back(&self.0, &[stream_lines(&terrain.surface.streams)], &back)?;
+        Ok(())
+    }
+
+    /// Puts the file in its place.
+    pub fn commit(self, console: &Console) -> Result<(), Failure> {
+        console.say(&format!("written    {}", self.0.commit()?.display()));
+        Ok(())
+    }
+}

@@ -1,0 +1,286 @@
+//! A reach that never rises across a contour.
+//!
+//! A drawn stream may cross one contour three times or more, because the two lines were drawn apart from each other. The
+//! detour is replaced by the piece of contour beside it, if that moves the stream by no more than the tolerance.
+//! Otherwise the contours win: the detour is cut out.
+
+use glam::DVec2;
+
+use super::course::{Course, Stretch, is_above};
+use crate::contour::ContourMap;
+use crate::geometry::{Segment, point_distance};
+use crate::subdomains::{Band, Regions, line_at};
+use crate::tin::{NONE, Tin};
+
+/// The map as streams see it.
+pub(super) struct Ground<'a> {
+    pub map: &'a ContourMap,
+    pub tin: &'a Tin,
+    pub regions: &'a Regions,
+    /// The first point of each contour of the map in the triangulation, as [`line_starts`](crate::subdomains) gives it.
+    pub starts: &'a [u32],
+}
+
+/// A vertex of a used piece. The height is known on contours and on water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Vertex {
+    /// Position relative to the origin of the triangulation.
+    pub place: DVec2,
+    pub height: Option<f64>,
+}
+
+/// A piece of a reach that never rises.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Piece {
+    pub vertices: Vec<Vertex>,
+    /// The sub-domains of its first and its last vertex.
+    pub regions: [u32; 2],
+    /// Whether it begins and ends at the nodes of the reach.
+    pub at_nodes: [bool; 2],
+}
+
+/// What was done about a detour, with the level of the contour that was crossed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Detour {
+    /// The stream was moved along the contour by this distance at most, map units.
+    Moved { place: DVec2, level: f64, by: f64 },
+    /// The stream was cut. `length` is what was cut out, map units.
+    Cut { place: DVec2, level: f64, length: f64 },
+}
+
+/// Divides a reach into pieces that never rise. `points` and the course run downstream.
+pub(super) fn descending(
+    ground: &Ground<'_>,
+    points: &[DVec2],
+    course: &Course,
+    tolerance: f64,
+) -> (Vec<Piece>, Vec<Detour>) {
+    let along = Along::new(points);
+    let mut pieces: Vec<Piece> = Vec::new();
+    let mut detours = Vec::new();
+    let mut piece = Piece::default();
+    let mut last: Option<usize> = None;
+    let crossing = |k: usize| {
+        let crossing = course.crossings[k];
+        Vertex { place: crossing.place, height: crossing.level }
+    };
+    for k in kept(&course.stretches, ground.regions) {
+        let stretch = course.stretches[k];
+        let arc = last.filter(|last| last + 1 < k).map(|last| detour(ground, course, &along, (last, k), tolerance));
+        detours.extend(arc.iter().filter_map(|found| found.1));
+        match (last, arc) {
+            (Some(last), None) => piece.vertices.push(crossing(last)),
+            (Some(_), Some((Some(arc), _))) => piece.vertices.extend(arc),
+            (last, _) => {
+                piece.vertices.extend(last.map(crossing));
+                let start = Piece { regions: [stretch.region; 2], at_nodes: [k == 0, false], ..Piece::default() };
+                pieces.push(std::mem::replace(&mut piece, start));
+                piece.vertices.extend(k.checked_sub(1).map(crossing));
+            }
+        }
+        let height = ground.regions.regions[stretch.region as usize].water;
+        piece.vertices.extend(along.inside(stretch).map(|place| Vertex { place, height }));
+        piece.regions[1] = stretch.region;
+        last = Some(k);
+    }
+    if let Some(last) = last {
+        piece.at_nodes[1] = last + 1 == course.stretches.len();
+        if !piece.at_nodes[1] {
+            piece.vertices.push(crossing(last));
+            note_end(course, last + 1..course.stretches.len(), last, &mut detours);
+        }
+    }
+    pieces.push(piece);
+    pieces.iter_mut().for_each(|piece| piece.vertices.dedup_by(|b, a| a.place == b.place));
+    pieces.retain(|piece| piece.vertices.len() > 1);
+    (pieces, detours)
+}
+
+/// The way along a contour that replaces the stretches between two that are kept, if there is one within the tolerance,
+/// and what is to be reported.
+fn detour(
+    ground: &Ground<'_>,
+    course: &Course,
+    along: &Along<'_>,
+    (last, next): (usize, usize),
+    tolerance: f64,
+) -> (Option<Vec<Vertex>>, Option<Detour>) {
+    let skipped = &course.stretches[last + 1..next];
+    // A piece outside the frame is no contradiction.
+    if skipped.iter().any(|s| s.region == NONE) {
+        return (None, None);
+    }
+    let (out, back) = (course.crossings[last], course.crossings[next - 1]);
+    let length: f64 = skipped.iter().map(|s| s.to - s.from).sum();
+    let level = out.level.or(back.level).unwrap_or(f64::NAN);
+    let arc = Some(()).filter(|()| out.level == back.level);
+    let arc = arc.and_then(|()| contour_between(ground, out.edge, back.edge, 4.0 * (tolerance + length)));
+    let by = arc.as_ref().map(|arc| farthest(arc, &along.between(out.at, back.at)));
+    match (arc, by) {
+        (Some(arc), Some(by)) if by <= tolerance => {
+            let places = [out.place].into_iter().chain(arc).chain([back.place]);
+            let vertices = places.map(|place| Vertex { place, height: out.level });
+            (Some(vertices.collect()), Some(Detour::Moved { place: out.place, level, by }))
+        }
+        _ => (None, Some(Detour::Cut { place: out.place, level, length })),
+    }
+}
+
+/// Reports the end of a reach that was left out.
+fn note_end(course: &Course, left_out: std::ops::Range<usize>, last: usize, detours: &mut Vec<Detour>) {
+    let inside: Vec<Stretch> = course.stretches[left_out].iter().copied().filter(|s| s.region != NONE).collect();
+    let length: f64 = inside.iter().map(|s| s.to - s.from).sum();
+    if !inside.is_empty() {
+        let crossing = course.crossings[last];
+        let level = crossing.level.unwrap_or(f64::NAN);
+        detours.push(Detour::Cut { place: crossing.place, level, length });
+    }
+}
+
+/// The stretches that are kept, ascending: bands never rise from one to the next, and as little length as possible is
+/// left out at each contradiction.
+fn kept(stretches: &[Stretch], regions: &Regions) -> Vec<usize> {
+    let band = |k: usize| -> Option<Band> { regions.regions.get(stretches[k].region as usize).map(|r| r.band) };
+    let length = |k: usize| stretches[k].to - stretches[k].from;
+    let mut kept: Vec<usize> = Vec::new();
+    let mut k = 0;
+    while k < stretches.len() {
+        let Some(here) = band(k) else {
+            k += 1;
+            continue;
+        };
+        let rises = |j: &usize| band(*j).is_some_and(|b| is_above(here, b));
+        let first_lower = kept.iter().rposition(|j| !rises(j)).map_or(0, |p| p + 1);
+        if first_lower == kept.len() {
+            kept.push(k);
+            k += 1;
+            continue;
+        }
+        // Either what lies below is left out, or all from here to where the line is down again.
+        let below = kept.last().and_then(|&j| band(j));
+        let returns = (k..stretches.len()).find(|&m| match (band(m), below) {
+            (Some(b), Some(below)) => !is_above(b, below),
+            _ => false,
+        });
+        let returns = returns.unwrap_or(stretches.len());
+        let bump: f64 = (k..returns).map(length).sum();
+        let dip: f64 = kept[first_lower..].iter().map(|&j| length(j)).sum();
+        if bump <= dip {
+            k = returns;
+        } else {
+            kept.truncate(first_lower);
+        }
+    }
+    kept
+}
+
+/// The vertices of a contour between two of its edges; `None` if the edges lie on different lines, or if the piece is
+/// longer than `most`.
+fn contour_between(ground: &Ground<'_>, from: [u32; 2], to: [u32; 2], most: f64) -> Option<Vec<DVec2>> {
+    let Ground { map, tin, starts, .. } = ground;
+    let number = |v: u32| -> Option<(u32, usize)> {
+        let line = (v != NONE).then(|| line_at(tin, starts, v)).flatten()?;
+        Some((line, (tin.source[v as usize] - starts[line as usize]) as usize))
+    };
+    let [(line, a0), (l1, a1), (l2, b0), (l3, b1)] =
+        [number(from[0])?, number(from[1])?, number(to[0])?, number(to[1])?];
+    if [l1, l2, l3].iter().any(|l| *l != line) {
+        return None;
+    }
+    let contour = &map.contours[line as usize];
+    let ring = contour.points.len() - usize::from(contour.is_closed());
+    let mut same = [a0.min(a1), a0.max(a1)];
+    let other = [b0.min(b1), b0.max(b1)];
+    if same == other {
+        return Some(Vec::new());
+    }
+    // The edge between the last and the first point of a ring begins at the last one.
+    let first_of = |pair: [usize; 2]| if pair[1] - pair[0] > 1 { pair[1] } else { pair[0] };
+    same[0] = first_of(same);
+    let (i, j) = (same[0], first_of(other));
+    let forward = (j + ring - i) % ring;
+    let ways = if contour.is_closed() {
+        [Some((i, forward, true)), Some((j, ring - forward, false))]
+    } else if j > i {
+        [Some((i, forward, true)), None]
+    } else {
+        [Some((j, i - j, false)), None]
+    };
+    let mut best: Option<(f64, Vec<DVec2>)> = None;
+    for (start, count, is_forward) in ways.into_iter().flatten() {
+        // Vertices after the first edge up to the one that begins the second.
+        let mut points = Vec::new();
+        let mut length = 0.0;
+        for k in 1..=count {
+            let p = contour.points[(start + k) % ring] - tin.origin;
+            length += points.last().map_or(0.0, |q: &DVec2| q.distance(p));
+            points.push(p);
+            if length > most {
+                break;
+            }
+        }
+        if length <= most && best.as_ref().is_none_or(|(shortest, _)| length < *shortest) {
+            if !is_forward {
+                points.reverse();
+            }
+            best = Some((length, points));
+        }
+    }
+    best.map(|(_, points)| points)
+}
+
+/// The greatest distance from one of the points to a line.
+fn farthest(points: &[DVec2], line: &[DVec2]) -> f64 {
+    let distance = |p: &DVec2| {
+        let pairs = line.windows(2).map(|w| point_distance(*p, &Segment { a: w[0], b: w[1] }));
+        pairs.fold(f64::INFINITY, f64::min)
+    };
+    points.iter().map(distance).fold(0.0, f64::max)
+}
+
+/// Distances along a line.
+struct Along<'a> {
+    points: &'a [DVec2],
+    at: Vec<f64>,
+}
+
+impl<'a> Along<'a> {
+    fn new(points: &'a [DVec2]) -> Self {
+        let mut at = vec![0.0];
+        let mut sum = 0.0;
+        for w in points.windows(2) {
+            sum += w[0].distance(w[1]);
+            at.push(sum);
+        }
+        Self { points, at }
+    }
+
+    /// The vertices strictly inside a stretch, and the ends of the line at its ends.
+    fn inside(&self, stretch: Stretch) -> impl Iterator<Item = DVec2> + '_ {
+        let last = self.points.len() - 1;
+        let is_in = move |k: usize| {
+            let at = self.at[k];
+            (stretch.from < at && at < stretch.to)
+                || (k == 0 && stretch.from == 0.0)
+                || (k == last && stretch.to >= self.at[last])
+        };
+        let from = self.at.partition_point(|at| *at < stretch.from);
+        let to = self.at.partition_point(|at| *at <= stretch.to);
+        (from..to).filter(move |&k| is_in(k)).map(|k| self.points[k])
+    }
+
+    /// The piece between two distances.
+    fn between(&self, from: f64, to: f64) -> Vec<DVec2> {
+        let first = self.at.partition_point(|at| *at <= from);
+        let end = self.at.partition_point(|at| *at < to).max(first);
+        let inner = self.points[first..end].iter().copied();
+        [self.place(from)].into_iter().chain(inner).chain([self.place(to)]).collect()
+    }
+
+    fn place(&self, at: f64) -> DVec2 {
+        let k = self.at.partition_point(|a| *a <= at).clamp(1, self.points.len() - 1);
+        let (a, b) = (self.at[k - 1], self.at[k]);
+        let share = if b > a { ((at - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
+        self.points[k - 1].lerp(self.points[k], share)
+    }
+}

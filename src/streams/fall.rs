@@ -1,0 +1,117 @@
+//! Heights on a grid that fall along streams.
+//!
+//! The cells of a grid lie beside a stream, not on it. Banks are higher than the water, so heights read along a stream
+//! would rise and fall with the distance of the stream from the cell centres. Here they are lowered until they never
+//! rise, by as little as needed. Two readings count: that of the nearest cell, and the bilinear one between four cells.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use super::line::Stream;
+use crate::base::Grid;
+
+/// Readings per cell along a stream.
+const READINGS: f64 = 4.0;
+/// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
+const ROUNDS: usize = 12;
+
+/// Lowers `heights` along streams until they never rise downstream. No height falls below `floor`. Heights that are NaN
+/// stay. `streams` come in an order in which each one follows those that flow into it.
+pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], floor: impl Fn(usize) -> f32) {
+    for _ in 0..ROUNDS {
+        let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
+        let mut changed = false;
+        for stream in streams {
+            let (Some(first), Some(last)) = (stream.points.first(), stream.points.last()) else { continue };
+            let key = |p: DVec2| p.to_array().map(f64::to_bits);
+            let mut most = ends.get(&key(first.truncate())).copied().unwrap_or([f32::INFINITY; 2]);
+            let mut before = usize::MAX;
+            for_each_reading(stream, grid, |place| {
+                let n = nearest(grid, place);
+                if let Some(n) = n.filter(|&n| n != before && !heights[n].is_nan()) {
+                    before = n;
+                    let below = if most[0] == f32::INFINITY { most[0] } else { most[0].next_down() };
+                    if heights[n] > below {
+                        let lowered = below.max(floor(n)).min(heights[n]);
+                        changed |= lowered < heights[n];
+                        heights[n] = lowered;
+                    }
+                    most[0] = most[0].min(heights[n]);
+                }
+                if let Some(corners) = corners(grid, place) {
+                    let read = |heights: &[f32]| corners.iter().map(|&(n, share)| share * heights[n]).sum::<f32>();
+                    let value = read(heights);
+                    if value > most[1] {
+                        changed |= lower(heights, &corners, value, most[1], &floor);
+                    }
+                    let value = read(heights);
+                    if !value.is_nan() {
+                        most[1] = most[1].min(value);
+                    }
+                }
+            });
+            let end = ends.entry(key(last.truncate())).or_insert([f32::INFINITY; 2]);
+            *end = [end[0].min(most[0]), end[1].min(most[1])];
+        }
+        if !changed {
+            break;
+        }
+    }
+}
+
+/// Lowers those of four corners that are above `wanted`, until the reading between them is there. Whether one changed.
+fn lower(
+    heights: &mut [f32],
+    corners: &[(usize, f32); 4],
+    value: f32,
+    wanted: f32,
+    floor: &impl Fn(usize) -> f32,
+) -> bool {
+    let room = |n: usize, heights: &[f32]| (heights[n] - wanted.max(floor(n))).max(0.0);
+    let all: f32 = corners.iter().map(|&(n, share)| share * room(n, heights)).sum();
+    if all <= 0.0 {
+        return false;
+    }
+    // The share of its room that each corner gives up.
+    let part = ((value - wanted) / all).min(1.0);
+    let mut changed = false;
+    for &(n, share) in corners {
+        let lowered = heights[n] - part * room(n, heights);
+        if share > 0.0 && lowered < heights[n] {
+            heights[n] = lowered;
+            changed = true;
+        }
+    }
+    changed
+}
+
+/// Calls `read` with places along a stream, from its first vertex to its last, as columns and rows with fractions.
+fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2)) {
+    let mut points = stream.points.iter().map(|p| grid.place(p.truncate()));
+    let Some(mut a) = points.next() else { return };
+    read(a);
+    for b in points {
+        let count = (READINGS * a.distance(b)).ceil().max(1.0);
+        (1..=count as usize).for_each(|k| read(a.lerp(b, k as f64 / count)));
+        a = b;
+    }
+}
+
+fn nearest(grid: &Grid, place: DVec2) -> Option<usize> {
+    let whole = place.round();
+    let is_on = whole.cmpge(DVec2::ZERO).all() && whole.x < grid.cols as f64 && whole.y < grid.rows as f64;
+    is_on.then(|| whole.y as usize * grid.cols + whole.x as usize)
+}
+
+/// The four cells around a place, with their shares of the bilinear reading.
+fn corners(grid: &Grid, place: DVec2) -> Option<[(usize, f32); 4]> {
+    let first = place.floor();
+    let is_on = first.cmpge(DVec2::ZERO).all() && first.x + 1.0 < grid.cols as f64 && first.y + 1.0 < grid.rows as f64;
+    is_on.then(|| {
+        let n = first.y as usize * grid.cols + first.x as usize;
+        let (u, v) = ((place.x - first.x) as f32, (place.y - first.y) as f32);
+        let below = n + grid.cols;
+        [(n, (1.0 - u) * (1.0 - v)), (n + 1, u * (1.0 - v)), (below, (1.0 - u) * v), (below + 1, u * v)]
+    })
+}

@@ -1,0 +1,48 @@
+//! Streams as the input gives them, and as they are used.
+
+use glam::{DVec2, DVec3};
+
+use crate::base::FeatureId;
+
+/// A stream as a map draws it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamLine {
+    /// Its course, map units, in any direction.
+    pub points: Vec<DVec2>,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
+}
+
+/// The streams of a map.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Streams {
+    /// The lines.
+    pub lines: Vec<StreamLine>,
+    /// How far a stream is moved to agree with the contours, map units. If `None`: a share of the mean spacing of the
+    /// contours ([`StreamTuning::tolerance`](crate::tuning::StreamTuning::tolerance)).
+    pub tolerance: Option<f64>,
+}
+
+/// A piece of a stream as the surface uses it, from one confluence or end to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stream {
+    /// Vertices (x, y in map units, height in metres), downstream. Heights never rise.
+    pub points: Vec<DVec3>,
+    /// Whether a contour or water gives the height of a vertex.
+    pub(crate) fixed: Vec<bool>,
+    /// The feature that it came from.
+    pub feature: FeatureId,
+    /// Strahler order: 1 at a source; where two of one order meet, the next one.
+    pub order: u32,
+    /// The largest distance by which it was moved, map units.
+    pub shift: f64,
+    /// Whether it was drawn upstream.
+    pub turned: bool,
+}
+
+impl Stream {
+    /// Length on the map, map units.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()
+    }
+}

@@ -1,0 +1,29 @@
+//! Streams: lines along which water runs, brought into agreement with the contours.
+//!
+//! A map draws streams and contours separately, and the two never fit exactly. The contours have priority. The steps:
+//!
+//! 1. The lines become a network of reaches between sources, confluences and outlets (`network`).
+//! 2. A walk through the triangulation gives the contours that each reach crosses and the sub-domains between (`course`).
+//! 3. The contours, and the network where they are silent, give the direction of flow (`direction`). The direction in
+//!    which a line was drawn does not count.
+//! 4. A reach that crosses a contour beside the tip of its bend is moved into the tip (`shift`). Tip and crossing are
+//!    matched by dynamic programming along the reach.
+//! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
+//! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
+//!    Carlson 1980, SIAM J. Numer. Anal. 17).
+//!
+//! What was changed, cut or left out is a finding.
+
+mod course;
+mod descend;
+mod direction;
+mod fall;
+mod line;
+mod network;
+mod profile;
+mod settle;
+mod shift;
+
+pub(crate) use fall::fall_along;
+pub use line::{Stream, StreamLine, Streams};
+pub(crate) use settle::settle;

@@ -1,0 +1,206 @@
+//! The network of streams: reaches between nodes.
+//!
+//! Lines meet where they share a point, where they cross, and where a line ends at another one.
+
+use std::collections::BTreeSet;
+
+use glam::DVec2;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Line};
+
+use super::line::StreamLine;
+use crate::base::union_find::UnionFind;
+use crate::geometry::{Meeting, Segment, meeting, place};
+
+/// A piece of a line between two nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Reach {
+    /// Its course, from the first node to the second.
+    pub points: Vec<DVec2>,
+    /// Its nodes.
+    pub nodes: [usize; 2],
+    /// The line that it is a piece of.
+    pub line: usize,
+}
+
+impl Reach {
+    /// The same from its second node to its first.
+    pub fn reversed(mut self) -> Self {
+        self.points.reverse();
+        self.nodes.reverse();
+        self
+    }
+
+    /// Length, map units.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| w[0].distance(w[1])).sum()
+    }
+}
+
+/// Reaches and their nodes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Network {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// The reaches, in the order of the lines.
+    pub reaches: Vec<Reach>,
+}
+
+/// A place that divides a line: number of the segment, share of it, position.
+type Break = (usize, f64, DVec2);
+
+impl Network {
+    /// The network of lines. Points nearer to each other than `snap` count as one, map units.
+    pub fn new(lines: &[StreamLine], snap: f64) -> Self {
+        let mut reaches = Vec::new();
+        for (line, breaks) in breaks(lines, snap).into_iter().enumerate() {
+            let points = &lines[line].points;
+            let mut piece: Vec<DVec2> = Vec::new();
+            let push = |piece: &mut Vec<DVec2>, p: DVec2| {
+                if piece.last() != Some(&p) {
+                    piece.push(p);
+                }
+            };
+            let mut next = breaks.into_iter().peekable();
+            for (k, &p) in points.iter().enumerate() {
+                push(&mut piece, p);
+                while let Some((_, _, at)) = next.next_if(|(segment, ..)| *segment == k) {
+                    push(&mut piece, at);
+                    reaches.push(Reach { points: std::mem::replace(&mut piece, vec![at]), nodes: [0; 2], line });
+                }
+            }
+            reaches.push(Reach { points: piece, nodes: [0; 2], line });
+        }
+        reaches.retain(|reach| reach.points.len() > 1);
+        let nodes = number_nodes(&mut reaches, snap);
+        // A loop has no direction. A reach that is shorter than the snap distance is a point.
+        reaches.retain(|reach| reach.nodes[0] != reach.nodes[1]);
+        let mut seen = BTreeSet::new();
+        reaches.retain(|reach| {
+            let mut key: Vec<[u64; 2]> = reach.points.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+            if key.first() > key.last() {
+                key.reverse();
+            }
+            seen.insert(key)
+        });
+        Self { nodes, reaches }
+    }
+}
+
+/// The places that divide each line, in its direction.
+fn breaks(lines: &[StreamLine], snap: f64) -> Vec<Vec<Break>> {
+    let segments = |(l, line): (usize, &StreamLine)| {
+        let pairs = line.points.windows(2).enumerate().collect::<Vec<_>>();
+        pairs
+            .into_iter()
+            .map(|(k, w)| GeomWithData::new(Line::new(w[0].to_array(), w[1].to_array()), (l, k)))
+            .collect::<Vec<_>>()
+    };
+    let tree = RTree::bulk_load(lines.iter().enumerate().flat_map(segments).collect());
+    let mut found: Vec<Vec<Break>> = vec![Vec::new(); lines.len()];
+    let mut divide = |(l, k): (usize, usize), at: DVec2| {
+        let points = &lines[l].points;
+        let is_end = [points.first(), points.last()].into_iter().flatten().any(|end| end.distance(at) <= snap);
+        if !is_end {
+            let (a, b) = (points[k], points[k + 1]);
+            let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            found[l].push((k, share, at));
+        }
+    };
+    for (l, line) in lines.iter().enumerate() {
+        for end in [line.points.first(), line.points.last()].into_iter().flatten() {
+            for near in tree.locate_within_distance(end.to_array(), snap * snap) {
+                if near.data.0 != l {
+                    divide(near.data, *end);
+                }
+            }
+        }
+    }
+    for (s, t) in tree.intersection_candidates_with_other_tree(&tree) {
+        if s.data.0 >= t.data.0 {
+            continue;
+        }
+        let [a, b] = [s, t].map(|s| Segment { a: s.geom().from.into(), b: s.geom().to.into() });
+        if matches!(meeting(&a, &b), Meeting::Cross | Meeting::Touch) {
+            let at = place(&a, &b);
+            divide(s.data, at);
+            divide(t.data, at);
+        }
+    }
+    for breaks in &mut found {
+        breaks.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        breaks.dedup_by(|a, b| a.2.distance(b.2) <= snap);
+    }
+    found
+}
+
+/// Numbers the nodes at the ends of the reaches. Ends at one node get one position.
+fn number_nodes(reaches: &mut [Reach], snap: f64) -> usize {
+    let ends = reaches.iter().flat_map(|reach| [reach.points[0], reach.points[reach.points.len() - 1]]);
+    let ends: Vec<DVec2> = ends.collect();
+    let tree = RTree::bulk_load(ends.iter().enumerate().map(|(k, p)| GeomWithData::new(p.to_array(), k)).collect());
+    let mut groups = UnionFind::new(ends.len());
+    for (k, p) in ends.iter().enumerate() {
+        let mut near: Vec<usize> = tree.locate_within_distance(p.to_array(), snap * snap).map(|n| n.data).collect();
+        near.sort_unstable();
+        for other in near {
+            let (a, b) = (groups.root(k), groups.root(other));
+            if a != b {
+                groups.hang(a.max(b), a.min(b));
+            }
+        }
+    }
+    let mut number = vec![usize::MAX; ends.len()];
+    let mut count = 0;
+    for k in 0..ends.len() {
+        let root = groups.root(k);
+        if number[root] == usize::MAX {
+            number[root] = count;
+            count += 1;
+        }
+        let (reach, last) = (&mut reaches[k / 2], k % 2 == 1);
+        reach.nodes[k % 2] = number[root];
+        let at = if last { reach.points.len() - 1 } else { 0 };
+        reach.points[at] = ends[root];
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(points: &[(f64, f64)]) -> StreamLine {
+        StreamLine { points: points.iter().map(|&p| p.into()).collect(), feature: 0.into() }
+    }
+
+    #[test]
+    fn lines_are_divided_where_others_end_touch_or_cross() {
+        let lines = [
+            line(&[(0.0, 0.0), (10.0, 0.0), (20.0, 0.0)]),
+            // Ends a little beside the first line.
+            line(&[(5.0, 8.0), (5.0, 0.004)]),
+            // Shares a vertex with the first one, and crosses the second.
+            line(&[(0.0, 4.0), (8.0, 4.0), (10.0, 0.0), (12.0, -3.0)]),
+        ];
+        let network = Network::new(&lines, 0.01);
+        let count = |line: usize| network.reaches.iter().filter(|r| r.line == line).count();
+        assert_eq!([count(0), count(1), count(2)], [3, 2, 3]);
+        assert_eq!(network.nodes, 9);
+        let degree = |n: usize| network.reaches.iter().flat_map(|r| r.nodes).filter(|&m| m == n).count();
+        let mut degrees: Vec<usize> = (0..network.nodes).map(degree).collect();
+        degrees.sort_unstable();
+        assert_eq!(degrees, [1, 1, 1, 1, 1, 1, 3, 3, 4]);
+    }
+
+    #[test]
+    fn loops_points_and_copies_are_no_reaches() {
+        let lines = [
+            line(&[(0.0, 0.0), (10.0, 0.0)]),
+            line(&[(10.0, 0.0), (0.0, 0.0)]),
+            line(&[(3.0, 3.0), (4.0, 3.0), (4.0, 4.0), (3.0, 3.0)]),
+            line(&[(7.0, 7.0), (7.0, 7.001)]),
+        ];
+        assert_eq!(Network::new(&lines, 0.01).reaches.len(), 1);
+    }
+}

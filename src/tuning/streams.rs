@@ -1,0 +1,27 @@
+//! Streams.
+
+use super::tuned;
+
+tuned! {
+    /// How streams are brought into agreement with contours.
+    StreamTuning {
+        /// How far a stream is moved at most, in spacings, if the caller does not say.
+        ///
+        /// Refit: RMSE near streams that were shifted.
+        tolerance: f64 = 0.5,
+        /// Ends of streams nearer to each other than this meet, in spacings.
+        snap: f64 = 1e-3,
+        /// Vertices of streams per spacing.
+        ///
+        /// Refit: RMSE and time.
+        vertices_per_spacing: f64 = 6.0,
+        /// A bend of a contour whose arms run downstream at least this far has a tip, in tolerances.
+        least_tip: f64 = 0.1,
+        /// From this depth on, all tips count the same, in tolerances.
+        deep_tip: f64 = 0.5,
+        /// Cost of a shift by the tolerance, against a gain of 1 for a deep tip.
+        shift_cost: f64 = 0.5,
+        /// Cost of a change of the shift by the tolerance, from one crossing to the next.
+        change_cost: f64 = 0.5,
+    }
+}
