@@ -7,7 +7,7 @@ use super::lattice::{Crossing, Lattice};
 use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
 use crate::base::Grid;
-use crate::streams::Stream;
+use crate::streams::{Stream, Sure};
 use crate::tuning::SplineTuning;
 
 /// What the smooth surface on a grid has to meet. Arrays have one value per node, row by row from the north-west. NaN
@@ -56,9 +56,11 @@ impl Conditions<'_> {
 }
 
 /// The crossings of a stream with eastward and with southward edges of a lattice, with the heights of the stream there.
+/// Only where they are more than a guess.
 pub(super) fn stream_crossings(stream: &Stream, lattice: &Lattice) -> [Vec<(Crossing, f64)>; 2] {
     let (mut east, mut south) = (Vec::new(), Vec::new());
-    for w in stream.points.windows(2) {
+    let is_known = stream.sure.windows(2).map(|w| w[0].min(w[1]) > Sure::Guessed);
+    for (w, _) in stream.points.windows(2).zip(is_known).filter(|(_, known)| *known) {
         let (a, b) = (w[0].truncate(), w[1].truncate());
         let height = |crossing: Crossing, step: DVec2| {
             let node = crossing.node as usize;

@@ -16,16 +16,16 @@ use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage};
 use crate::base::Grid;
 use crate::base::progress::Progress;
-use crate::streams::fall_along;
+use crate::streams::{Stream, fall_along, follow};
 use crate::tuning::SplineTuning;
 
-/// Finds the smooth surface that meets the conditions.
+/// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
 pub fn spline(
     conditions: &Conditions<'_>,
     hyper_parameters: &HyperParameters,
     tuning: &SplineTuning,
     progress: &dyn Progress,
-) -> WorkingGrid {
+) -> (WorkingGrid, Vec<Stream>) {
     let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, hollows, .. } = conditions;
     let interval = *interval;
     let lattice = Lattice::of_grid(grid);
@@ -85,12 +85,21 @@ pub fn spline(
         }
     }
     let limits = Limits { lo, depth: interval as f32 };
-    let floor = |n: usize| if lo[n].is_nan() { f32::NEG_INFINITY } else { lo[n] };
-    fall_along(conditions.streams, grid, &mut heights, floor);
-    breach(&mut heights, &lattice, &limits, |n| hollows[n]);
-    fall_along(conditions.streams, grid, &mut heights, floor);
+    if conditions.streams.is_empty() {
+        breach(&mut heights, &lattice, &limits, |n| hollows[n]);
+        progress.finish();
+        return (WorkingGrid { grid: *grid, heights }, Vec::new());
+    }
+    let mut streams = conditions.streams.to_vec();
+    let mut working = WorkingGrid { grid: *grid, heights };
+    follow(&mut streams, |p| f64::from(working.at(p)));
+    let heights = &mut working.heights;
+    let bounds = |n: usize| [lo[n], hi[n]];
+    fall_along(&streams, grid, heights, bounds);
+    breach(heights, &lattice, &limits, |n| hollows[n]);
+    fall_along(&streams, grid, heights, bounds);
     progress.finish();
-    WorkingGrid { grid: *grid, heights }
+    (working, streams)
 }
 
 /// Weight of the square at a crossing, against that of a second difference. The surface meets the contours within a

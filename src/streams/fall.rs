@@ -1,12 +1,12 @@
 //! Heights on a grid that fall along streams.
 //!
 //! The cells of a grid lie beside a stream, not on it. Banks are higher than the water, so heights read along a stream
-//! would rise and fall with the distance of the stream from the cell centres. Here they are lowered until they never
+//! would rise and fall with the distance of the stream from the cell centres. Here they are changed until they never
 //! rise, by as little as needed. Two readings count: that of the nearest cell, and the bilinear one between four cells.
 
 use std::collections::HashMap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::line::Stream;
 use crate::base::Grid;
@@ -16,39 +16,45 @@ const READINGS: f64 = 4.0;
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
 
-/// Lowers `heights` along streams until they never rise downstream. No height falls below `floor`. Heights that are NaN
-/// stay. `streams` come in an order in which each one follows those that flow into it.
-pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], floor: impl Fn(usize) -> f32) {
+/// Changes `heights` along streams until they never rise downstream. They are first raised to those of the streams, then
+/// lowered as far as needed. All stay between `bounds`. Heights that are NaN stay. `streams` come in an order in which
+/// each one follows those that flow into it.
+pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
+    for stream in streams {
+        for_each_reading(stream, grid, |place, z| {
+            if let Some(n) = nearest(grid, place).filter(|&n| heights[n] < z) {
+                heights[n] = z.min(bounds(n)[1]).max(heights[n]);
+            }
+            if let Some(corners) = corners(grid, place) {
+                move_to(z, heights, &corners, &bounds);
+            }
+        });
+    }
+    let key = |p: DVec2| p.to_array().map(f64::to_bits);
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
         let mut changed = false;
         for stream in streams {
             let (Some(first), Some(last)) = (stream.points.first(), stream.points.last()) else { continue };
-            let key = |p: DVec2| p.to_array().map(f64::to_bits);
             let mut most = ends.get(&key(first.truncate())).copied().unwrap_or([f32::INFINITY; 2]);
             let mut before = usize::MAX;
-            for_each_reading(stream, grid, |place| {
+            for_each_reading(stream, grid, |place, _| {
                 let n = nearest(grid, place);
                 if let Some(n) = n.filter(|&n| n != before && !heights[n].is_nan()) {
                     before = n;
                     let below = if most[0] == f32::INFINITY { most[0] } else { most[0].next_down() };
                     if heights[n] > below {
-                        let lowered = below.max(floor(n)).min(heights[n]);
+                        let lowered = below.max(bounds(n)[0]).min(heights[n]);
                         changed |= lowered < heights[n];
                         heights[n] = lowered;
                     }
                     most[0] = most[0].min(heights[n]);
                 }
                 if let Some(corners) = corners(grid, place) {
-                    let read = |heights: &[f32]| corners.iter().map(|&(n, share)| share * heights[n]).sum::<f32>();
-                    let value = read(heights);
-                    if value > most[1] {
-                        changed |= lower(heights, &corners, value, most[1], &floor);
+                    if reading(heights, &corners) > most[1] {
+                        changed |= move_to(most[1], heights, &corners, &bounds);
                     }
-                    let value = read(heights);
-                    if !value.is_nan() {
-                        most[1] = most[1].min(value);
-                    }
+                    most[1] = most[1].min(reading(heights, &corners));
                 }
             });
             let end = ends.entry(key(last.truncate())).or_insert([f32::INFINITY; 2]);
@@ -60,40 +66,47 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], f
     }
 }
 
-/// Lowers those of four corners that are above `wanted`, until the reading between them is there. Whether one changed.
-fn lower(
-    heights: &mut [f32],
-    corners: &[(usize, f32); 4],
-    value: f32,
-    wanted: f32,
-    floor: &impl Fn(usize) -> f32,
-) -> bool {
-    let room = |n: usize, heights: &[f32]| (heights[n] - wanted.max(floor(n))).max(0.0);
+/// The bilinear reading between four cells.
+fn reading(heights: &[f32], corners: &[(usize, f32); 4]) -> f32 {
+    corners.iter().map(|&(n, share)| share * heights[n]).sum()
+}
+
+/// Moves the corners on the other side of `wanted` towards it, until the reading between them is there. Corners stay
+/// between their bounds. Whether one was changed.
+fn move_to(wanted: f32, heights: &mut [f32], corners: &[(usize, f32); 4], bounds: &impl Fn(usize) -> [f32; 2]) -> bool {
+    let misses = wanted - reading(heights, corners);
+    // How far a corner may move; of the sign of `misses`.
+    let room = |n: usize, heights: &[f32]| {
+        let [lo, hi] = bounds(n);
+        let by = wanted.min(hi).max(lo) - heights[n];
+        if by * misses > 0.0 { by } else { 0.0 }
+    };
     let all: f32 = corners.iter().map(|&(n, share)| share * room(n, heights)).sum();
-    if all <= 0.0 {
+    if all == 0.0 || !all.is_finite() || !misses.is_finite() {
         return false;
     }
-    // The share of its room that each corner gives up.
-    let part = ((value - wanted) / all).min(1.0);
+    let part = (misses / all).min(1.0);
     let mut changed = false;
     for &(n, share) in corners {
-        let lowered = heights[n] - part * room(n, heights);
-        if share > 0.0 && lowered < heights[n] {
-            heights[n] = lowered;
+        let moved = heights[n] + part * room(n, heights);
+        if share > 0.0 && moved != heights[n] {
+            heights[n] = moved;
             changed = true;
         }
     }
     changed
 }
 
-/// Calls `read` with places along a stream, from its first vertex to its last, as columns and rows with fractions.
-fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2)) {
-    let mut points = stream.points.iter().map(|p| grid.place(p.truncate()));
+/// Calls `read` with places along a stream, from its first vertex to its last, as columns and rows with fractions, and
+/// with the heights of the stream there.
+fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2, f32)) {
+    let mut points = stream.points.iter().map(|p| grid.place(p.truncate()).extend(p.z));
     let Some(mut a) = points.next() else { return };
-    read(a);
+    let mut read_at = |p: DVec3| read(p.truncate(), p.z as f32);
+    read_at(a);
     for b in points {
-        let count = (READINGS * a.distance(b)).ceil().max(1.0);
-        (1..=count as usize).for_each(|k| read(a.lerp(b, k as f64 / count)));
+        let count = (READINGS * a.truncate().distance(b.truncate())).ceil().max(1.0);
+        (1..=count as usize).for_each(|k| read_at(a.lerp(b, k as f64 / count)));
         a = b;
     }
 }

@@ -28,8 +28,8 @@ pub struct Streams {
 pub struct Stream {
     /// Vertices (x, y in map units, height in metres), downstream. Heights never rise.
     pub points: Vec<DVec3>,
-    /// Whether a contour or water gives the height of a vertex.
-    pub(crate) fixed: Vec<bool>,
+    /// How sure the height of each vertex is.
+    pub(crate) sure: Vec<Sure>,
     /// The feature that it came from.
     pub feature: FeatureId,
     /// Strahler order: 1 at a source; where two of one order meet, the next one.
@@ -38,6 +38,17 @@ pub struct Stream {
     pub shift: f64,
     /// Whether it was drawn upstream.
     pub turned: bool,
+}
+
+/// How sure a height of a stream is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Sure {
+    /// The contours around are far: the smooth surface knows better.
+    Guessed,
+    /// From the contours that the stream crosses above and below.
+    Between,
+    /// A contour or water has this height.
+    Exact,
 }
 
 impl Stream {

@@ -18,6 +18,7 @@ mod course;
 mod descend;
 mod direction;
 mod fall;
+mod follow;
 mod line;
 mod network;
 mod profile;
@@ -25,5 +26,7 @@ mod settle;
 mod shift;
 
 pub(crate) use fall::fall_along;
+pub(crate) use follow::follow;
+pub(crate) use line::Sure;
 pub use line::{Stream, StreamLine, Streams};
 pub(crate) use settle::settle;

@@ -8,6 +8,7 @@
 use glam::DVec2;
 
 use super::descend::{Piece, Vertex};
+use super::line::Sure;
 use crate::subdomains::Band;
 
 /// A piece of the network with its nodes, if it begins and ends there.
@@ -28,13 +29,16 @@ impl Edge {
 /// Heights of the vertices of each edge, and the Strahler order of each.
 pub(super) struct Profiles {
     pub heights: Vec<Vec<f64>>,
+    pub sure: Vec<Vec<Sure>>,
     pub orders: Vec<u32>,
     /// The edges, each after those that flow into it.
     pub downstream: Vec<usize>,
 }
 
 /// The heights of all vertices. They never rise downstream.
-pub(super) fn profiles(edges: &[Edge], nodes: usize) -> Profiles {
+///
+/// Between knots that are further apart than `reach`, heights are guessed, map units.
+pub(super) fn profiles(edges: &[Edge], nodes: usize, reach: f64) -> Profiles {
     let mut into: Vec<Vec<usize>> = vec![Vec::new(); nodes];
     let mut out_of: Vec<Vec<usize>> = vec![Vec::new(); nodes];
     for (e, edge) in edges.iter().enumerate() {
@@ -60,11 +64,12 @@ pub(super) fn profiles(edges: &[Edge], nodes: usize) -> Profiles {
     let main = |all: &[usize]| all.iter().copied().reduce(|a, b| if upstream[b] > upstream[a] { b } else { a });
     let stem_of = stems(edges, &order, &|node| main(&into[node]), &|node| main(&out_of[node]));
     let mut heights: Vec<Vec<f64>> = edges.iter().map(|e| vec![f64::NAN; e.piece.vertices.len()]).collect();
-    let mut node_heights = vec![f64::NAN; nodes];
+    let mut sure: Vec<Vec<Sure>> = edges.iter().map(|e| vec![Sure::Guessed; e.piece.vertices.len()]).collect();
+    let mut node_heights = vec![(f64::NAN, Sure::Guessed); nodes];
     for stem in stem_of {
-        solve(edges, &stem, &mut node_heights, &mut heights);
+        solve(edges, &stem, reach, &mut node_heights, (&mut heights, &mut sure));
     }
-    Profiles { heights, orders, downstream: order }
+    Profiles { heights, sure, orders, downstream: order }
 }
 
 /// The edges, each after those above it. Edges in a circle come last.
@@ -125,7 +130,13 @@ fn stems(
 }
 
 /// Heights along one stem.
-fn solve(edges: &[Edge], stem: &[usize], node_heights: &mut [f64], heights: &mut [Vec<f64>]) {
+fn solve(
+    edges: &[Edge],
+    stem: &[usize],
+    reach: f64,
+    node_heights: &mut [(f64, Sure)],
+    (heights, sure): (&mut [Vec<f64>], &mut [Vec<Sure>]),
+) {
     let (Some(&first), Some(&last)) = (stem.first(), stem.last()) else { return };
     // Distance and height of each vertex whose height is known.
     let mut knots: Vec<(f64, f64)> = Vec::new();
@@ -150,21 +161,34 @@ fn solve(edges: &[Edge], stem: &[usize], node_heights: &mut [f64], heights: &mut
         least = if falls { z } else { least };
         falls
     });
-    let known = |node: Option<usize>, node_heights: &[f64]| node.map(|n| node_heights[n]).filter(|z| z.is_finite());
+    let known = |node: Option<usize>| node.map(|n| node_heights[n]).filter(|(z, _)| z.is_finite());
     let inside = |z: f64, band: Band| if z.is_finite() { band.strictly_inside(z) } else { band.lo.midpoint(band.hi) };
+    // Whether the heights of the ends are known.
+    let mut is_known = [true; 2];
     if knots.last().is_none_or(|&(s, _)| s < walked) {
         let edge = &edges[last];
         let highest = knots.last().map_or(f64::INFINITY, |k| k.1);
-        let guess = known(edge.nodes[1], node_heights).unwrap_or_else(|| inside(edge.guesses[1], edge.bands[1]));
-        knots.push((walked, guess.min(highest)));
+        let (z, sure) = known(edge.nodes[1]).unwrap_or((inside(edge.guesses[1], edge.bands[1]), Sure::Guessed));
+        knots.push((walked, z.min(highest)));
+        is_known[1] = sure > Sure::Guessed;
     }
     if knots.first().is_none_or(|&(s, _)| s > 0.0) {
         let edge = &edges[first];
         let lowest = knots.first().map_or(f64::NEG_INFINITY, |k| k.1);
-        let guess = known(edge.nodes[0], node_heights).unwrap_or_else(|| inside(edge.guesses[0], edge.bands[0]));
-        knots.insert(0, (0.0, guess.max(lowest)));
+        let (z, sure) = known(edge.nodes[0]).unwrap_or((inside(edge.guesses[0], edge.bands[0]), Sure::Guessed));
+        knots.insert(0, (0.0, z.max(lowest)));
+        is_known[0] = sure > Sure::Guessed;
     }
     let curve = Monotone::new(&knots);
+    let sure_at = |s: f64| {
+        let after = knots.partition_point(|k| k.0 <= s).clamp(1, knots.len() - 1);
+        let (is_first, is_last) = (after == 1, after + 1 == knots.len());
+        // What is known on one side only reaches half as far.
+        let one_sided = (is_first && !is_known[0]) || (is_last && !is_known[1]);
+        let gap = (knots[after].0 - knots[after - 1].0) * if one_sided { 2.0 } else { 1.0 };
+        let is_open = is_first && is_last && !is_known[0] && !is_known[1];
+        if gap <= reach && !is_open { Sure::Between } else { Sure::Guessed }
+    };
     for (&e, at) in stem.iter().zip(&at) {
         heights[e] = at.iter().map(|&s| curve.at(s)).collect();
         // Rounding must not make the line rise.
@@ -173,9 +197,12 @@ fn solve(edges: &[Edge], stem: &[usize], node_heights: &mut [f64], heights: &mut
             *z = z.min(highest);
             highest = *z;
         }
-        for (node, z) in edges[e].nodes.into_iter().zip([heights[e].first(), heights[e].last()]) {
-            if let (Some(node), Some(&z)) = (node, z) {
-                node_heights[node] = z;
+        let vertices = edges[e].piece.vertices.iter().zip(at);
+        sure[e] = vertices.map(|(v, &s)| if v.height.is_some() { Sure::Exact } else { sure_at(s) }).collect();
+        let ends = [(heights[e].first(), sure[e].first()), (heights[e].last(), sure[e].last())];
+        for (node, end) in edges[e].nodes.into_iter().zip(ends) {
+            if let (Some(node), (Some(&z), Some(&sure))) = (node, end) {
+                node_heights[node] = (z, sure);
             }
         }
     }

@@ -83,14 +83,14 @@ pub(crate) fn settle(
         }
     }
     guess_ends(&ground, &mut edges);
-    let Profiles { mut heights, orders, downstream } = profiles(&edges, nodes);
+    let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
     findings.extend(line_findings(&lines, &reaches, (&back, &shift_of), &reach_of, tin.origin));
     let stream = |e: usize| {
         let (vertices, r) = (&edges[e].piece.vertices, reach_of[e]);
         let heights = std::mem::take(&mut heights[e]);
         Stream {
             points: vertices.iter().zip(heights).map(|(v, z)| (v.place + tin.origin).extend(z)).collect(),
-            fixed: vertices.iter().map(|v| v.height.is_some()).collect(),
+            sure: std::mem::take(&mut sure[e]),
             feature: lines[reaches[r].line].feature,
             order: orders[e],
             shift: shift_of[r],

@@ -8,7 +8,7 @@ use super::built::Surface;
 use super::conditions::conditions;
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
-use super::skeleton_lines::{finer, with_skeleton};
+use super::skeleton_lines::{finer, give_heights, with_skeleton};
 use super::trial_builder::TrialBuilder;
 use crate::base::error::{Finding, Report, Result};
 use crate::base::memory;
@@ -44,7 +44,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut subdivision, closures, streams, finer, findings } = found?;
+    let Triangulated { mut subdivision, closures, mut streams, finer, findings } = found?;
     // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
@@ -66,7 +66,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         let course = |stream: &Stream| stream.points.iter().map(|p| p.truncate()).collect();
         conditions.creases.extend(streams.iter().map(course));
         progress.finish();
-        (Some(spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress)), triangles)
+        let (working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+        drop(conditions);
+        streams = followed;
+        (Some(working), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
@@ -79,6 +82,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         && let Some(working) = &working
     {
         progress.start("triangulating the smooth surface", 0);
+        give_heights(&mut subdivision.tin, &streams);
         (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles, tuning)?;
         progress.finish();
     }

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::base::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
-use crate::streams::Stream;
+use crate::streams::{Stream, Sure};
 use crate::subdivision::Subdivision;
 use crate::tin::{NONE, Tin, TinInput, Triangulation, VertexKind};
 use crate::tuning::SkeletonTuning;
@@ -67,8 +67,8 @@ fn push_streams(input: &mut TinInput, subdivision: &Subdivision, streams: &[Stre
     let tin = &subdivision.tin;
     let place = |p: DVec2| p.to_array().map(f64::to_bits);
     let mut known: HashMap<[u64; 2], u32> = HashMap::new();
-    let fixed = streams.iter().flat_map(|s| s.points.iter().zip(&s.fixed)).filter(|(_, fixed)| **fixed);
-    known.extend(fixed.map(|(p, _)| (place(p.truncate() - tin.origin), NONE)));
+    let exact = streams.iter().flat_map(|s| s.points.iter().zip(&s.sure)).filter(|(_, sure)| **sure == Sure::Exact);
+    known.extend(exact.map(|(p, _)| (place(p.truncate() - tin.origin), NONE)));
     for (v, p) in tin.positions.iter().enumerate().filter(|(v, _)| tin.kinds[*v] == VertexKind::Contour) {
         if let Some(vertex) = known.get_mut(&place(*p)) {
             *vertex = tin.source[v];
@@ -77,12 +77,12 @@ fn push_streams(input: &mut TinInput, subdivision: &Subdivision, streams: &[Stre
     let mut near = 0;
     for stream in streams {
         let mut before: Option<u32> = None;
-        for (p, &is_fixed) in stream.points.iter().zip(&stream.fixed) {
+        for (p, sure) in stream.points.iter().zip(&stream.sure) {
             let position = p.truncate() - tin.origin;
             let on_contour = known.get(&place(position)).copied().filter(|&v| v != NONE);
             let vertex = match on_contour {
                 Some(vertex) => Some(vertex),
-                None if is_fixed => None,
+                None if *sure == Sure::Exact => None,
                 None => {
                     clear_triangle(tin, &mut near, position).map(|_| input.push_local(position, p.z, VertexKind::Axis))
                 }
@@ -91,6 +91,21 @@ fn push_streams(input: &mut TinInput, subdivision: &Subdivision, streams: &[Stre
                 input.push_loose_edge(a, b, FIRST);
             }
             before = vertex;
+        }
+    }
+}
+
+/// Gives the vertices of streams the heights of the streams.
+pub fn give_heights(tin: &mut Tin, streams: &[Stream]) {
+    let place = |p: DVec2| p.to_array().map(f64::to_bits);
+    let all = streams.iter().flat_map(|stream| stream.points.iter().zip(&stream.sure));
+    let free = all.filter(|(_, sure)| **sure < Sure::Exact);
+    let height: HashMap<[u64; 2], f64> = free.map(|(p, _)| (place(p.truncate() - tin.origin), p.z)).collect();
+    let Tin { positions, heights, kinds, .. } = tin;
+    let vertices = positions.iter().zip(heights).zip(kinds).filter(|(_, kind)| **kind == VertexKind::Axis);
+    for ((position, z), _) in vertices {
+        if let Some(&height) = height.get(&place(*position)) {
+            *z = height;
         }
     }
 }

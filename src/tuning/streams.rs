@@ -15,6 +15,11 @@ tuned! {
         ///
         /// Refit: RMSE and time.
         vertices_per_spacing: f64 = 6.0,
+        /// Heights of a stream are known between two crossings of contours that are at most this far from each other, in
+        /// spacings.
+        ///
+        /// Refit: RMSE.
+        sure_reach: f64 = 8.0,
         /// A bend of a contour whose arms run downstream at least this far has a tip, in tolerances.
         least_tip: f64 = 0.1,
         /// From this depth on, all tips count the same, in tolerances.

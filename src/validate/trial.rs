@@ -247,7 +247,7 @@ impl Trial {
         };
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
         hyper_parameters.map(|hyper_parameters| {
-            let surface = spline(&conditions, &hyper_parameters, tuning, &());
+            let (surface, _) = spline(&conditions, &hyper_parameters, tuning, &());
             let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
             let residual = |(place, weight): (&HiddenPlace, &Option<f64>)| {

@@ -1,0 +1,69 @@
+//! Heights of streams where contours are far: those of the smooth surface, made to fall.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use super::line::{Stream, Sure};
+
+/// Gives vertices whose height is a guess the height that `smooth` has there. Then heights fall along the network again:
+/// the new height is the mean of the lowest one upstream and the highest one downstream, neither of which ever rises.
+/// `streams` come in an order in which each one follows those that flow into it.
+pub(crate) fn follow(streams: &mut [Stream], smooth: impl Fn(DVec2) -> f64) {
+    for stream in streams.iter_mut() {
+        for (p, _) in stream.points.iter_mut().zip(&stream.sure).filter(|(_, sure)| **sure == Sure::Guessed) {
+            let height = smooth(p.truncate());
+            p.z = if height.is_nan() { p.z } else { height };
+        }
+    }
+    let first = |stream: &Stream| key(stream.points.first().map_or(DVec2::NAN, |p| p.truncate()));
+    let last = |stream: &Stream| key(stream.points.last().map_or(DVec2::NAN, |p| p.truncate()));
+    let is_known = |sure: Sure| sure > Sure::Guessed;
+    // What is known limits what is guessed: first from below, then from above.
+    let mut below: HashMap<[u64; 2], f64> = HashMap::new();
+    for stream in streams.iter_mut().rev() {
+        let mut least = below.get(&last(stream)).copied().unwrap_or(f64::NEG_INFINITY);
+        for (p, sure) in stream.points.iter_mut().zip(&stream.sure).rev() {
+            if is_known(*sure) { least = least.max(p.z) } else { p.z = p.z.max(least) }
+        }
+        let at = below.entry(first(stream)).or_insert(f64::NEG_INFINITY);
+        *at = at.max(least);
+    }
+    let mut above: HashMap<[u64; 2], f64> = HashMap::new();
+    for stream in streams.iter_mut() {
+        let mut most = above.get(&first(stream)).copied().unwrap_or(f64::INFINITY);
+        for (p, sure) in stream.points.iter_mut().zip(&stream.sure) {
+            if is_known(*sure) { most = most.min(p.z) } else { p.z = p.z.min(most) }
+        }
+        let at = above.entry(last(stream)).or_insert(f64::INFINITY);
+        *at = at.min(most);
+    }
+    // The lowest height upstream, and the highest one downstream, of each vertex.
+    let mut lowest: Vec<Vec<f64>> = Vec::with_capacity(streams.len());
+    let mut ends: HashMap<[u64; 2], f64> = HashMap::new();
+    for stream in streams.iter() {
+        let mut least = ends.get(&first(stream)).copied().unwrap_or(f64::INFINITY);
+        let of_stream = stream.points.iter().map(|p| {
+            least = least.min(p.z);
+            least
+        });
+        lowest.push(of_stream.collect());
+        let at = ends.entry(last(stream)).or_insert(f64::INFINITY);
+        *at = at.min(least);
+    }
+    let mut starts: HashMap<[u64; 2], f64> = HashMap::new();
+    for (stream, lowest) in streams.iter_mut().zip(&lowest).rev() {
+        let mut most = starts.get(&last(stream)).copied().unwrap_or(f64::NEG_INFINITY);
+        for (p, least) in stream.points.iter_mut().zip(lowest).rev() {
+            most = most.max(p.z);
+            p.z = most.midpoint(*least);
+        }
+        let at = starts.entry(first(stream)).or_insert(f64::NEG_INFINITY);
+        *at = at.max(most);
+    }
+}
+
+/// The bits of a position.
+fn key(p: DVec2) -> [u64; 2] {
+    p.to_array().map(f64::to_bits)
+}
