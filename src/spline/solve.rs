@@ -16,8 +16,11 @@ use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage};
 use crate::base::Grid;
 use crate::base::progress::Progress;
-use crate::streams::{Stream, fall_along, follow};
+use crate::streams::{Stream, fall_along, follow, raise_to};
 use crate::tuning::SplineTuning;
+
+/// How often pits are breached beside streams.
+const STREAM_ROUNDS: usize = 2;
 
 /// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
 pub fn spline(
@@ -92,12 +95,16 @@ pub fn spline(
     }
     let mut streams = conditions.streams.to_vec();
     let mut working = WorkingGrid { grid: *grid, heights };
-    follow(&mut streams, |p| f64::from(working.at(p)));
+    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     let heights = &mut working.heights;
     let bounds = |n: usize| [lo[n], hi[n]];
+    raise_to(&streams, grid, heights, bounds);
     fall_along(&streams, grid, heights, bounds);
-    breach(heights, &lattice, &limits, |n| hollows[n]);
-    fall_along(&streams, grid, heights, bounds);
+    // Each of the two may undo a little of what the other has done.
+    for _ in 0..STREAM_ROUNDS {
+        breach(heights, &lattice, &limits, |n| hollows[n]);
+        fall_along(&streams, grid, heights, bounds);
+    }
     progress.finish();
     (working, streams)
 }

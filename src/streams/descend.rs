@@ -27,6 +27,8 @@ pub(super) struct Vertex {
     /// Position relative to the origin of the triangulation.
     pub place: DVec2,
     pub height: Option<f64>,
+    /// The sub-domain.
+    pub region: u32,
 }
 
 /// A piece of a reach that never rises.
@@ -62,7 +64,7 @@ pub(super) fn descending(
     let mut last: Option<usize> = None;
     let crossing = |k: usize| {
         let crossing = course.crossings[k];
-        Vertex { place: crossing.place, height: crossing.level }
+        Vertex { place: crossing.place, height: crossing.level, region: course.stretches[k].region }
     };
     for k in kept(&course.stretches, ground.regions) {
         let stretch = course.stretches[k];
@@ -79,7 +81,7 @@ pub(super) fn descending(
             }
         }
         let height = ground.regions.regions[stretch.region as usize].water;
-        piece.vertices.extend(along.inside(stretch).map(|place| Vertex { place, height }));
+        piece.vertices.extend(along.inside(stretch).map(|place| Vertex { place, height, region: stretch.region }));
         piece.regions[1] = stretch.region;
         last = Some(k);
     }
@@ -119,7 +121,8 @@ fn detour(
     match (arc, by) {
         (Some(arc), Some(by)) if by <= tolerance => {
             let places = [out.place].into_iter().chain(arc).chain([back.place]);
-            let vertices = places.map(|place| Vertex { place, height: out.level });
+            let region = course.stretches[last].region;
+            let vertices = places.map(|place| Vertex { place, height: out.level, region });
             (Some(vertices.collect()), Some(Detour::Moved { place: out.place, level, by }))
         }
         _ => (None, Some(Detour::Cut { place: out.place, level, length })),

@@ -16,20 +16,14 @@ const READINGS: f64 = 4.0;
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
 
-/// Changes `heights` along streams until they never rise downstream. They are first raised to those of the streams, then
-/// lowered as far as needed. All stay between `bounds`. Heights that are NaN stay. `streams` come in an order in which
-/// each one follows those that flow into it.
+/// Raises heights along streams to those of the streams. All stay between `bounds`.
+pub(crate) fn raise_to(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
+    streams.iter().for_each(|stream| raise_along(stream, grid, heights, &bounds));
+}
+
+/// Lowers heights along streams until they never rise downstream. All stay between `bounds`. Heights that are NaN stay.
+/// `streams` come in an order in which each one follows those that flow into it.
 pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
-    for stream in streams {
-        for_each_reading(stream, grid, |place, z| {
-            if let Some(n) = nearest(grid, place).filter(|&n| heights[n] < z) {
-                heights[n] = z.min(bounds(n)[1]).max(heights[n]);
-            }
-            if let Some(corners) = corners(grid, place) {
-                move_to(z, heights, &corners, &bounds);
-            }
-        });
-    }
     let key = |p: DVec2| p.to_array().map(f64::to_bits);
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
@@ -63,6 +57,39 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], b
         if !changed {
             break;
         }
+    }
+}
+
+/// Raises what is lower than a stream: the cells that it runs through, to its height where it is nearest to their centre,
+/// and the readings between cells.
+fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl Fn(usize) -> [f32; 2]) {
+    let raise = |heights: &mut [f32], n: usize, z: f32| {
+        if heights[n] < z {
+            heights[n] = z.min(bounds(n)[1]).max(heights[n]);
+        }
+    };
+    // The cell that the stream runs through, with its distance from the centre and its height there.
+    let mut through: Option<(usize, f64, f32)> = None;
+    for_each_reading(stream, grid, |place, z| {
+        let distance = place.distance_squared(place.round());
+        match (nearest(grid, place), &mut through) {
+            (Some(n), Some((cell, least, height))) if *cell == n => {
+                if distance < *least {
+                    (*least, *height) = (distance, z);
+                }
+            }
+            (n, through) => {
+                if let Some((cell, _, height)) = std::mem::replace(through, n.map(|n| (n, distance, z))) {
+                    raise(heights, cell, height);
+                }
+            }
+        }
+        if let Some(corners) = corners(grid, place).filter(|corners| reading(heights, corners) < z) {
+            move_to(z, heights, &corners, bounds);
+        }
+    });
+    if let Some((cell, _, height)) = through {
+        raise(heights, cell, height);
     }
 }
 

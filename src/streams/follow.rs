@@ -1,19 +1,21 @@
-//! Heights of streams where contours are far: those of the smooth surface, made to fall.
+//! Heights of streams where contours are far: those of a surface, made to fall.
 
 use std::collections::HashMap;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::line::{Stream, Sure};
 
-/// Gives vertices whose height is a guess the height that `smooth` has there. Then heights fall along the network again:
+/// Gives vertices whose height is a guess the height that `guess` has there. Then heights fall along the network again:
 /// the new height is the mean of the lowest one upstream and the highest one downstream, neither of which ever rises.
 /// `streams` come in an order in which each one follows those that flow into it.
-pub(crate) fn follow(streams: &mut [Stream], smooth: impl Fn(DVec2) -> f64) {
+pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     for stream in streams.iter_mut() {
-        for (p, _) in stream.points.iter_mut().zip(&stream.sure).filter(|(_, sure)| **sure == Sure::Guessed) {
-            let height = smooth(p.truncate());
-            p.z = if height.is_nan() { p.z } else { height };
+        let Stream { points, sure, bands, .. } = stream;
+        let guessed = points.iter_mut().zip(sure).zip(bands).filter(|((_, sure), _)| **sure == Sure::Guessed);
+        for ((p, _), band) in guessed {
+            let height = guess(*p);
+            p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
     }
     let first = |stream: &Stream| key(stream.points.first().map_or(DVec2::NAN, |p| p.truncate()));

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::base::FeatureId;
+use crate::subdomains::Band;
 
 /// A stream as a map draws it.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +31,8 @@ pub struct Stream {
     pub points: Vec<DVec3>,
     /// How sure the height of each vertex is.
     pub(crate) sure: Vec<Sure>,
+    /// The band of the sub-domain around each vertex.
+    pub(crate) bands: Vec<Band>,
     /// The feature that it came from.
     pub feature: FeatureId,
     /// Strahler order: 1 at a source; where two of one order meet, the next one.

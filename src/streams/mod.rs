@@ -25,7 +25,7 @@ mod profile;
 mod settle;
 mod shift;
 
-pub(crate) use fall::fall_along;
+pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
 pub(crate) use line::Sure;
 pub use line::{Stream, StreamLine, Streams};

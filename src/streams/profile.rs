@@ -145,7 +145,7 @@ fn solve(
     for &e in stem {
         let mut own = Vec::with_capacity(edges[e].piece.vertices.len());
         let mut before: Option<DVec2> = None;
-        for Vertex { place, height } in &edges[e].piece.vertices {
+        for Vertex { place, height, .. } in &edges[e].piece.vertices {
             walked += before.map_or(0.0, |b: DVec2| b.distance(*place));
             before = Some(*place);
             own.push(walked);

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::course::Course;
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
-use super::line::{Stream, StreamLine, Streams};
+use super::follow::follow;
+use super::line::{Stream, StreamLine, Streams, Sure};
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
 use super::shift::{moved, shifts};
@@ -85,19 +86,22 @@ pub(crate) fn settle(
     guess_ends(&ground, &mut edges);
     let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
     findings.extend(line_findings(&lines, &reaches, (&back, &shift_of), &reach_of, tin.origin));
-    let stream = |e: usize| {
+    let mut stream = |e: usize| {
         let (vertices, r) = (&edges[e].piece.vertices, reach_of[e]);
         let heights = std::mem::take(&mut heights[e]);
         Stream {
             points: vertices.iter().zip(heights).map(|(v, z)| (v.place + tin.origin).extend(z)).collect(),
             sure: std::mem::take(&mut sure[e]),
+            bands: vertices.iter().map(|v| band(regions, v.region)).collect(),
             feature: lines[reaches[r].line].feature,
             order: orders[e],
             shift: shift_of[r],
             turned: back[r],
         }
     };
-    Settled { streams: downstream.into_iter().map(stream).collect(), findings }
+    let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
+    guess_between(&ground, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
+    Settled { streams: used, findings }
 }
 
 fn band(regions: &Regions, region: u32) -> Band {
@@ -176,6 +180,27 @@ fn guess_ends(ground: &Ground<'_>, edges: &mut [Edge]) {
     }
 }
 
+/// Heights by equation (1) for the vertices of streams that contours are far from.
+fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
+    let is_guessed = |stream: &Stream, k: usize| stream.sure[k] == Sure::Guessed;
+    let mut places = Vec::new();
+    for (edge, stream) in edges.iter().zip(&*streams) {
+        let vertices =
+            edge.piece.vertices.iter().enumerate().filter(|(k, v)| is_guessed(stream, *k) && v.region != NONE);
+        places.extend(vertices.map(|(_, v)| Some((v.place, v.region))));
+    }
+    let mut heights = heights_at(ground, &places).into_iter();
+    for (edge, stream) in edges.iter().zip(&mut *streams) {
+        for (k, v) in edge.piece.vertices.iter().enumerate() {
+            if is_guessed(stream, k) && v.region != NONE {
+                let height = heights.next().filter(|z| z.is_finite());
+                stream.points[k].z = height.unwrap_or(stream.points[k].z);
+            }
+        }
+    }
+    follow(streams, |p| p.z);
+}
+
 /// Adds vertices until neighbours are at most `step` apart, map units.
 fn densify(vertices: &mut Vec<Vertex>, step: f64) {
     let mut out: Vec<Vertex> = Vec::with_capacity(vertices.len());
@@ -183,7 +208,9 @@ fn densify(vertices: &mut Vec<Vertex>, step: f64) {
         out.push(w[0]);
         let parts = (w[0].place.distance(w[1].place) / step).ceil().max(1.0) as usize;
         let between = (1..parts).map(|k| w[0].place.lerp(w[1].place, k as f64 / parts as f64));
-        out.extend(between.map(|place| Vertex { place, height: None }));
+        // A crossing belongs to both sub-domains. Between two vertices, the lower one does not matter.
+        let region = w[1].region;
+        out.extend(between.map(|place| Vertex { place, height: None, region }));
     }
     out.extend(vertices.last().copied());
     *vertices = out;

@@ -8,6 +8,7 @@ use super::conditions::on_contours;
 use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::dem::{Dem, height, locate, rasterise};
+use crate::streams::{fall_along, raise_to};
 use crate::tin::{NONE, Tin};
 
 /// Rows per task: enough to be worth a task.
@@ -36,6 +37,14 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         {
             values[cell] = level.clamp(region.band.lo, region.band.hi) as f32;
         }
+    }
+    if !surface.streams.is_empty() {
+        let band = |cell: usize| match triangles[cell] {
+            NONE => [f32::NEG_INFINITY, f32::INFINITY],
+            t => surface.regions.region(t).map_or([f32::NAN; 2], |r| [r.band.lo as f32, r.band.hi as f32]),
+        };
+        raise_to(&surface.streams, grid, &mut values, band);
+        fall_along(&surface.streams, grid, &mut values, band);
     }
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }

@@ -19,7 +19,7 @@ tuned! {
         /// spacings.
         ///
         /// Refit: RMSE.
-        sure_reach: f64 = 8.0,
+        sure_reach: f64 = 4.0,
         /// A bend of a contour whose arms run downstream at least this far has a tip, in tolerances.
         least_tip: f64 = 0.1,
         /// From this depth on, all tips count the same, in tolerances.
