@@ -11,6 +11,7 @@ mod densify;
 mod derive;
 mod failure;
 mod flags;
+mod flow;
 mod hints;
 mod input;
 mod interrupt;
