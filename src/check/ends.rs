@@ -59,8 +59,7 @@ pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wr
     let is_wrong = |line: u32| wrong.binary_search_by_key(&line, |w| w.line).is_ok();
     let is_level = |e: &OpenEnd| matches!(grid.label(e.elevation), Label::On(_));
     // Nothing is missing where the user left out a part of the map.
-    let cut: HashSet<[u64; 2]> = ground.map.cut_ends.iter().map(|p| bits(*p)).collect();
-    let is_open = |i: usize| (!ends[i].at_frame || far[i]) && !cut.contains(&bits(ends[i].position));
+    let is_open = |i: usize| (!ends[i].at_frame || far[i]) && !ends[i].is_cut;
     let wanted: Vec<usize> = (0..ends.len()).filter(|&i| is_open(i) && !is_wrong(ends[i].contour)).collect();
     if wanted.is_empty() {
         return;

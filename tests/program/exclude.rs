@@ -95,7 +95,7 @@ fn the_surface_bridges_a_hole_without_findings_about_it() {
         }
     }
     let rms = f32::sqrt(squares / count);
-    assert!(rms > 0.5 && rms < 20.0, "{rms} m");
+    assert!(rms > 0.5 && rms < 7.0, "{rms} m");
     assert!(worst < 2.0, "{worst} m far from the hole");
 }
 
