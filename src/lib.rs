@@ -15,6 +15,7 @@
 //! | step | takes | gives |
 //! |---|---|---|
 //! | [`Input::read`], [`Input::from_map`], [`Input::from_arrays`] | a file, or lines in memory | an [`Input`]: a map on its working plane, and the findings about it |
+//! | [`Input::exclude`] | an input, polygons | the same input without the contours and spot heights inside them |
 //! | [`Input::prepare`] | an input | the same input: examined, repaired, cleaned, fitted and sampled |
 //! | [`Terrain::build`] | an input | a [`Terrain`]: [`contours`](Terrain::contours), [`dem`](Terrain::dem), [`errors`](Terrain::errors), [`mesh`](Terrain::mesh) |
 //! | [`io::read_contours`] | a file, including 基盤地図情報 ([`io::gsi`]) | a [`ContourMap`](contour::ContourMap): contours, spot heights, coordinate reference system |
@@ -36,6 +37,7 @@
 //! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
 //! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |
+//! | [`dem::derive::flow_directions`], [`flow_accumulation`](dem::derive::flow_accumulation), [`catchments`](dem::derive::catchments) | a height map | where water flows, how many cells drain through each, [`Catchments`](dem::derive::Catchments) |
 //! | [`mesh::mesh`](fn@mesh::mesh) | a surface | a [`Mesh`](mesh::Mesh), open or a solid |
 //! | [`draw::preview::render`] | a height map, contours, ridge and canyon lines | a picture |
 //! | [`dem::compare::compare`] | two height maps on one grid | a [`Comparison`](dem::compare::Comparison): figures over all cells and by class |

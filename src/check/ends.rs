@@ -58,8 +58,9 @@ pub fn report_ends(ground: &Ground, graph: &Graph, grid: &LevelGrid, wrong: &[Wr
     let is_outlying = |i: usize| usual > 0.0 && distance_to_frame(ground, ends[i].position) <= OUTLYING * usual;
     let is_wrong = |line: u32| wrong.binary_search_by_key(&line, |w| w.line).is_ok();
     let is_level = |e: &OpenEnd| matches!(grid.label(e.elevation), Label::On(_));
-    let wanted: Vec<usize> =
-        (0..ends.len()).filter(|&i| (!ends[i].at_frame || far[i]) && !is_wrong(ends[i].contour)).collect();
+    // Nothing is missing where the user left out a part of the map.
+    let is_open = |i: usize| (!ends[i].at_frame || far[i]) && !ends[i].is_cut;
+    let wanted: Vec<usize> = (0..ends.len()).filter(|&i| is_open(i) && !is_wrong(ends[i].contour)).collect();
     if wanted.is_empty() {
         return;
     }

@@ -13,6 +13,7 @@ use rstar::primitives::GeomWithData;
 
 use super::removed::{self, SegmentKey};
 use crate::base::FeatureId;
+use crate::base::bits::bits;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::Contour;
 use crate::geometry::compare_points;
@@ -45,10 +46,16 @@ pub(super) struct Joined {
 /// An end of a line: twice the line's number, plus one for the line's last point.
 type End = usize;
 
-/// Joins lines, which must be simple and sorted. No segment that is `in_the_way` is used for it.
-pub(super) fn join(lines: Vec<Contour>, snap: f64, in_the_way: &HashSet<SegmentKey>) -> Joined {
+/// Joins lines, which must be simple and sorted. No segment that is `in_the_way` is used for it, and no gap is closed at an
+/// end whose position is one of `apart`.
+pub(super) fn join(
+    lines: Vec<Contour>,
+    snap: f64,
+    apart: &HashSet<[u64; 2]>,
+    in_the_way: &HashSet<SegmentKey>,
+) -> Joined {
     let levels: Vec<Vec<Contour>> = by_level(lines);
-    let levels: Vec<Joined> = levels.into_par_iter().map(|level| join_level(level, snap, in_the_way)).collect();
+    let levels: Vec<Joined> = levels.into_par_iter().map(|level| join_level(level, snap, apart, in_the_way)).collect();
     let mut all = Joined { unchanged: Vec::new(), joined: Vec::new(), connectors: BTreeMap::new() };
     for mut level in levels {
         all.unchanged.append(&mut level.unchanged);
@@ -69,9 +76,10 @@ fn by_level(lines: Vec<Contour>) -> Vec<Vec<Contour>> {
     levels
 }
 
-fn join_level(lines: Vec<Contour>, snap: f64, in_the_way: &HashSet<SegmentKey>) -> Joined {
+fn join_level(lines: Vec<Contour>, snap: f64, apart: &HashSet<[u64; 2]>, in_the_way: &HashSet<SegmentKey>) -> Joined {
     let mut partner: Vec<Option<End>> = vec![None; 2 * lines.len()];
-    let single = pair_same_points(&lines, &mut partner);
+    let mut single = pair_same_points(&lines, &mut partner);
+    single.retain(|&end| !apart.contains(&bits(point(&lines, end))));
     if snap > 0.0 {
         pair_nearest(&lines, single, snap, &mut partner);
         for end in 0..partner.len() {

@@ -38,13 +38,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 pub(crate) use self::points::is_height;
-#[cfg(feature = "io")]
 pub(crate) use self::points::is_place;
 pub(crate) use self::segments::{Runs, Segments};
 
 use self::contacts::Contacts;
 use self::removed::{Removed, Why};
 
+use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, Report, Result};
 use crate::contour::{Contour, ContourMap};
 use crate::geometry::{self, Segment, tolerance_of_box};
@@ -118,7 +118,8 @@ impl CleanParams {
 pub fn clean(mut map: ContourMap, params: &CleanParams) -> Result<Report<ContourMap>> {
     params.check()?;
     let params = &params.on(&map);
-    let lines = clean_lines(std::mem::take(&mut map.contours), params)?;
+    let apart: HashSet<[u64; 2]> = map.cut_ends.iter().map(|p| bits(*p)).collect();
+    let lines = clean_lines(std::mem::take(&mut map.contours), params, &apart)?;
     let mut findings = lines.findings;
     findings.extend(lines.removed.iter().filter_map(Removed::finding));
     map.mended.extend(lines.faults.iter().filter_map(|fault| fault.place));
@@ -184,6 +185,11 @@ pub(super) fn in_standard_order(mut lines: Vec<Contour>) -> Vec<Contour> {
     lines
 }
 
+/// Lines without their invalid points, with the findings about them.
+pub(crate) fn without_bad_points(contours: Vec<Contour>) -> Report<Vec<Contour>> {
+    points::drop_bad(contours)
+}
+
 /// The spot heights that do not lie on a contour.
 pub(super) fn spots_off_contours(
     spots: Vec<glam::DVec3>,
@@ -203,13 +209,14 @@ struct Cleaned {
     faults: Vec<Finding>,
 }
 
-fn clean_lines(contours: Vec<Contour>, params: &CleanParams) -> Result<Cleaned> {
+/// Cleans lines. Ends at the positions `apart` are not joined across a gap.
+fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u64; 2]>) -> Result<Cleaned> {
     let Report { value: mut lines, mut findings } = points::drop_bad(contours);
     levels::unite(&mut lines);
     let mut removed = Vec::new();
     let lines = canonical::sort_unique(simple(lines, &mut removed), &mut findings);
 
-    let joined = join_where_free(lines, params)?;
+    let joined = join_where_free(lines, params, apart)?;
     findings.extend(joined.findings);
     removed.extend(joined.removed);
 
@@ -259,14 +266,14 @@ struct Joined {
 }
 
 /// Joins lines, except where the connection would meet a line. The input is not cut for the sake of a guess.
-fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams) -> Result<Joined> {
+fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u64; 2]>) -> Result<Joined> {
     let mut in_the_way = HashSet::new();
     let mut round = 0;
     loop {
         round += 1;
         // Without gaps to close there is no second round.
         let pieces = if params.snap > 0.0 { lines.clone() } else { std::mem::take(&mut lines) };
-        let join::Joined { unchanged, joined, connectors } = join::join(pieces, params.snap, &in_the_way);
+        let join::Joined { unchanged, joined, connectors } = join::join(pieces, params.snap, apart, &in_the_way);
         let (mut findings, mut removed) = (Vec::new(), Vec::new());
         let mut all = unchanged;
         all.extend(simple(joined, &mut removed));

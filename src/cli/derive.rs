@@ -1,4 +1,4 @@
-//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade and steep places out.
+//! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places and the flow of water out.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use tokosen::base::error::Finding;
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
 use tokosen::dem::{Dem, GroundScale};
-use tokosen::io::layer::{STEEP_LAYER, steep_areas};
+use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, write_layers};
 use tokosen::surface::Triangles;
@@ -16,6 +16,7 @@ use tokosen::terrain::all_right;
 
 use super::console::Console;
 use super::failure::Failure;
+use super::flow::{FlowArgs, FlowOutputs};
 use super::input::InputArgs;
 use super::job::build;
 use super::light::LightArgs;
@@ -25,7 +26,7 @@ use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
 
-/// Slope, aspect, hillshade and steep places
+/// Slope, aspect, hillshade, steep places, flow of water and catchments
 ///
 /// The input is a height map, or contour lines, from which a height map is made first (with --cell or --like). Slope
 /// and aspect are computed over 3 x 3 cells (Horn's method); at the border and beside cells without data, heights are
@@ -36,6 +37,10 @@ use super::surface::SurfaceArgs;
 /// --steep-height. The defaults of 30 degrees and 5 m are those of Japanese law for steep slopes that may fail (急傾斜地).
 /// Attributes of layer steep: area_id, area_m2 (on the map), height_m, slope_mean, slope_max, note. Parts of an area
 /// that touch at a corner have the same area_id. The result is no survey: 10 m contours cannot show slopes 5 m high.
+///
+/// Water flows from each cell to one of the eight cells around it, along the steepest descent. Pits are flooded, so that
+/// all water reaches an outlet at the border of the height map or beside cells without data. Attributes of layer
+/// catchments: catchment, area_m2 (on the map), outlet_x, outlet_y.
 #[derive(Debug, Args)]
 #[command(
     after_help = EXAMPLES,
@@ -59,6 +64,8 @@ pub struct DeriveArgs {
     hillshade: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
     light: LightArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    flow: FlowArgs,
     #[command(flatten, next_help_heading = "Output")]
     cog: CogArgs,
     /// Steep places as areas: .gpkg, .geojson or .shp
@@ -106,6 +113,7 @@ Examples:
   tokosen derive dem.tif --hillshade shade.tif --multidirectional --z-factor 2
   tokosen derive dem.asc --steep steep.gpkg
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
+  tokosen derive dem.tif --flow-accumulation streams.tif --catchments catchments.gpkg
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
 
 /// Greatest height of a steep place that may be asked for, metres; no slope on Earth is higher.
@@ -117,6 +125,7 @@ struct Outputs {
     aspect: Option<StagedOutput>,
     shade: Option<StagedOutput>,
     steep: Option<StagedOutput>,
+    flow: FlowOutputs,
 }
 
 /// The height map, what it was made from, and the findings about it.
@@ -159,15 +168,20 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         }
         None => None,
     };
+    let catchments = outputs.flow.write(&dem, &scale, tiff, console)?;
 
     summary::findings(&findings, console);
-    for staged in [outputs.slope, outputs.aspect, outputs.shade].into_iter().flatten() {
+    let rasters = [outputs.slope, outputs.aspect, outputs.shade, outputs.flow.directions, outputs.flow.accumulation];
+    for staged in rasters.into_iter().flatten() {
         let path = staged.commit()?;
         console.say(&format!("written    {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
     }
     if let (Some(staged), Some(steeps)) = (outputs.steep, &steeps) {
         describe(&staged.commit()?, steeps, args, console);
         console.say(&format!("note       {note}"));
+    }
+    if let (Some(staged), Some(catchments)) = (outputs.flow.catchments, &catchments) {
+        catchments.describe(&staged.commit()?, console);
     }
     summary::close_part(findings.len(), outside, console);
     Ok(())
@@ -177,7 +191,9 @@ impl DeriveArgs {
     /// Checks what can be checked before anything is read.
     fn check(&self, is_raster: bool, console: &Console) -> Result<(), Failure> {
         if self.outputs().next().is_none() {
-            return Err(Failure::Usage("choose an output: --slope, --aspect, --hillshade or --steep FILE".into()));
+            let flags =
+                "--slope, --aspect, --hillshade, --steep, --flow-direction, --flow-accumulation or --catchments";
+            return Err(Failure::Usage(format!("choose an output: {flags} FILE")));
         }
         let crs = self.to_crs.to_crs.as_ref();
         let for_contours = (self.grid.given())
@@ -204,21 +220,25 @@ impl DeriveArgs {
         if let Some(path) = &self.steep {
             output::check_vector(path, "steep places are written as .gpkg, .geojson or .shp")?;
         }
+        self.flow.check()?;
         self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
         let inputs = inputs.chain(self.part.file());
         let inputs: Vec<&Path> = inputs.collect();
-        let planned = |path| PlannedOutput { path, layers: &[STEEP_LAYER] };
+        let of_catchments = self.flow.catchments.as_deref();
+        let layers = |path| if Some(path) == of_catchments { &[CATCHMENTS_LAYER] } else { &[STEEP_LAYER] };
+        let planned = |path| PlannedOutput { path, layers: layers(path) };
         Ok(check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>(), console.overwrite)?)
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
-        self.rasters().chain(self.steep.as_deref())
+        self.rasters().chain(self.steep.as_deref()).chain(self.flow.areas())
     }
 
     fn rasters(&self) -> impl Iterator<Item = &Path> {
-        [&self.slope, &self.aspect, &self.hillshade].into_iter().flatten().map(PathBuf::as_path)
+        let own = [&self.slope, &self.aspect, &self.hillshade].into_iter().flatten().map(PathBuf::as_path);
+        own.chain(self.flow.rasters())
     }
 
     fn open(&self) -> Result<Outputs, Failure> {
@@ -228,6 +248,7 @@ impl DeriveArgs {
             aspect: raster(&self.aspect)?,
             shade: raster(&self.hillshade)?,
             steep: self.steep.as_deref().map(StagedOutput::create).transpose()?,
+            flow: self.flow.open()?,
         })
     }
 
@@ -255,7 +276,7 @@ impl DeriveArgs {
 }
 
 /// Computes a raster and writes it, still under its temporary name, if it is asked for.
-fn write(
+pub fn write(
     staged: &Option<StagedOutput>,
     params: &RasterParams,
     compute: impl FnOnce() -> Dem,

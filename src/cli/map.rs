@@ -34,6 +34,10 @@ pub struct MapArgs {
     /// such as x,y,z or lon,lat,elev (.csv, .txt, .xyz)
     #[arg(long, value_name = "FILE", value_parser = source())]
     pub points: Option<VectorSource>,
+    /// Leave out the contours and spot heights inside the polygons of this file, for instance of a quarry or of wrong
+    /// lines; the surface bridges them. Can be given several times
+    #[arg(long, value_name = "FILE", value_parser = source())]
+    pub exclude: Vec<VectorSource>,
     /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
     /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
     #[arg(long, value_enum, hide_short_help = true)]
@@ -86,7 +90,8 @@ impl MapArgs {
     /// The files that are read: patterns and folders are expanded.
     pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
         let contours = self.sources()?;
-        Ok(contours.into_iter().chain(self.points.clone()).map(|source| source.path).collect())
+        let others = self.points.iter().chain(&self.exclude).cloned();
+        Ok(contours.into_iter().chain(others).map(|source| source.path).collect())
     }
 
     /// The sources of the contours: patterns and folders are expanded.
@@ -130,6 +135,7 @@ impl MapArgs {
         [
             (self.elevation_field.is_some(), "--elevation-field"),
             (self.layer.is_some(), "--layer"),
+            (!self.exclude.is_empty(), "--exclude"),
             (self.unit.is_some(), "--unit"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
@@ -165,6 +171,9 @@ impl MapArgs {
         let mut input = Input::read_all(&sources, &options, console)?;
         if let Some(source) = &self.points {
             input.read_spots(source, console)?;
+        }
+        for source in &self.exclude {
+            input.read_excluded(source)?;
         }
         console.set_input(&input);
         Ok(input)

@@ -12,6 +12,7 @@ mod derive;
 mod diagnostics;
 mod failure;
 mod flags;
+mod flow;
 mod hints;
 mod input;
 mod interrupt;

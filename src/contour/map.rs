@@ -46,6 +46,9 @@ pub struct ContourMap {
     /// Positions where cleaning removed a piece of a line that met another line or itself. The rest of the line may be
     /// wrong there. So nothing is learnt from the ground around.
     pub mended: Vec<DVec2>,
+    /// Ends of contours at the border of a part that was left out ([`cut_out`](super::cut_out)). They are not joined, and
+    /// are no gaps.
+    pub cut_ends: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
     /// What the input lets suppose about the unit of the elevations, if it is more than nothing.

@@ -1,6 +1,8 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
 mod clip;
+mod cut_out;
+mod excluded;
 mod interval_search;
 mod lake;
 mod levels;
@@ -14,6 +16,8 @@ mod unit_hint;
 
 pub use crate::base::ElevationUnit;
 pub use clip::{Clipped, clip};
+pub use cut_out::{CutOut, cut_out};
+pub use excluded::Excluded;
 pub use interval_search::find_interval;
 pub use lake::Lake;
 pub use levels::{Interval, distinct_levels};

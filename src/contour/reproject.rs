@@ -20,13 +20,16 @@ pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMa
         return Err(Error::UnknownCrs { needed_for: CrsNeed::Projecting });
     };
     let mut lines: Vec<&mut [DVec2]> = map.contours.iter_mut().map(|line| line.points.as_mut_slice()).collect();
-    let mut others: Vec<DVec2> = map.spots.iter().map(|s| s.truncate()).chain(map.mended.iter().copied()).collect();
+    let mut others: Vec<DVec2> = map.spots.iter().map(|s| s.truncate()).collect();
+    others.extend(map.mended.iter().chain(&map.cut_ends));
     let Report { value: places, findings } = Reprojection::project(&mut lines, &mut others, &input, working)?;
-    let (spots, mended) = others.split_at(map.spots.len());
+    let (spots, others) = others.split_at(map.spots.len());
+    let (mended, cut_ends) = others.split_at(map.mended.len());
     for (spot, place) in map.spots.iter_mut().zip(spots) {
         *spot = place.extend(spot.z);
     }
     map.mended.copy_from_slice(mended);
+    map.cut_ends.copy_from_slice(cut_ends);
     map.crs = Some(working.clone());
     Ok(Report { value: (map, places), findings })
 }

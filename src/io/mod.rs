@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
-use crate::contour::{ContourLayer, ContourMap, Lake, SpotHeights};
+use crate::contour::{ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
 use crate::crs::{Crs, FromWorking};
 use crate::streams::StreamLine;
 use crate::subdomains::{Landform, Regions};
@@ -107,6 +107,17 @@ pub fn read_area(path: &Path, options: &ReadOptions) -> Result<(MultiPolygon<f64
     let mut table = read_table(path, options, Purpose::Area)?;
     let crs = table.crs.take();
     Ok((area::area(path, table)?, crs))
+}
+
+/// Reads the polygons of parts of the map that are left out. Also gives the coordinate reference system if the file names
+/// one. Polygons that overlap or share an edge are united and get the number of the first feature.
+///
+/// # Errors
+/// As [`read_area`].
+pub fn read_excluded(path: &Path, options: &ReadOptions) -> Result<(Vec<Excluded>, Option<Crs>)> {
+    let mut table = read_table(path, options, Purpose::Area)?;
+    let crs = table.crs.take();
+    Ok((area::excluded(path, table)?, crs))
 }
 
 /// Reads water bodies: polygons, each with its height if the file gives one. Also gives the coordinate reference system

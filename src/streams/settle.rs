@@ -180,7 +180,8 @@ fn guess_ends(ground: &Ground<'_>, edges: &mut [Edge]) {
     }
 }
 
-/// Heights by equation (1) for the vertices of streams that contours are far from.
+/// Heights of the vertices of streams that contours are far from: the mean of the curve along the stream and of equation
+/// (1). One knows the slope of the stream, the other the ground beside it.
 fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
     let is_guessed = |stream: &Stream, k: usize| stream.sure[k] == Sure::Guessed;
     let mut places = Vec::new();
@@ -193,8 +194,8 @@ fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
     for (edge, stream) in edges.iter().zip(&mut *streams) {
         for (k, v) in edge.piece.vertices.iter().enumerate() {
             if is_guessed(stream, k) && v.region != NONE {
-                let height = heights.next().filter(|z| z.is_finite());
-                stream.points[k].z = height.unwrap_or(stream.points[k].z);
+                let z = &mut stream.points[k].z;
+                *z = heights.next().filter(|z| z.is_finite()).map_or(*z, |other| z.midpoint(other));
             }
         }
     }

@@ -3,7 +3,8 @@
 //! On a ragged outline, along a cliff and at a gap, contours end beside each other. There the strips between them would
 //! run together. An edge of the triangulation from one such end to the next closes the opening. It is one of two kinds:
 //!
-//! - a *gap closure*, a piece of contour, where two ends of one level point at each other across a gap;
+//! - a *gap closure*, a piece of contour, where two ends of one level point at each other across a gap, or where both were
+//!   cut at the border of a part that was left out;
 //! - a *barrier edge* everywhere else: it separates sub-domains as the frame does, and is no contour.
 
 use std::collections::{HashMap, HashSet};
@@ -65,10 +66,9 @@ fn is_closure(a: &OpenEnd, b: &OpenEnd) -> bool {
     let across = b.position - a.position;
     let length = across.length();
     let ahead = |end: &OpenEnd, way: glam::DVec2| end.outwards.dot(way) >= COS_CLOSURE_TURN * length;
-    a.elevation == b.elevation
-        && length <= CLOSURE_SHARE * a.length.min(b.length)
-        && ahead(a, across)
-        && ahead(b, -across)
+    let is_facing = length <= CLOSURE_SHARE * a.length.min(b.length) && ahead(a, across) && ahead(b, -across);
+    // Where a part of the map was left out, contours certainly go on.
+    a.elevation == b.elevation && (is_facing || a.is_cut && b.is_cut)
 }
 
 impl GapEdges {
@@ -99,12 +99,18 @@ mod tests {
     use crate::tin::{TinInput, triangulate};
 
     fn gaps_of(lines: &[(f64, &[(f64, f64)])]) -> (Tin, GapEdges) {
+        gaps_with(lines, &[])
+    }
+
+    /// The same where lines were cut at some of their ends.
+    fn gaps_with(lines: &[(f64, &[(f64, f64)])], cut: &[(f64, f64)]) -> (Tin, GapEdges) {
         let contours = lines.iter().map(|&(elevation, points)| Contour {
             elevation,
             points: points.iter().map(|&p| p.into()).collect(),
             feature: 0.into(),
         });
-        let map = ContourMap { contours: contours.collect(), ..ContourMap::default() };
+        let cut_ends = cut.iter().map(|&p| p.into()).collect();
+        let map = ContourMap { contours: contours.collect(), cut_ends, ..ContourMap::default() };
         let ring = frame_ring(&map, &Frame::Hull);
         let (ends, extensions) = extend_open_ends(&map, &ring, 1e-7);
         let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(300.0)], 1e-7);
@@ -117,6 +123,19 @@ mod tests {
         let tin = triangulate(input).unwrap();
         let gaps = close_gaps(&tin, &ends, 10.0);
         (tin.clone().with_gap_edges(&gaps.closures, &gaps.barriers), gaps)
+    }
+
+    #[test]
+    fn ends_that_were_cut_are_closed_wherever_they_point() {
+        // An arc around a top that was left out: both of its ends point to the north.
+        let arc: &[(f64, f64)] = &[(100.0, 150.0), (100.0, 100.0), (150.0, 60.0), (200.0, 100.0), (200.0, 150.0)];
+        let frame: &[(f64, f64)] = &[(0.0, 0.0), (300.0, 0.0), (300.0, 300.0), (0.0, 300.0), (0.0, 0.0)];
+        let lines = [(10.0, frame), (20.0, arc)];
+        assert!(gaps_of(&lines).1.closures.is_empty());
+        let (tin, gaps) = gaps_with(&lines, &[(100.0, 150.0), (200.0, 150.0)]);
+        assert_eq!(gaps.closures.len(), 1);
+        let ends = gaps.closures[0].map(|v| tin.positions[v as usize] + tin.origin);
+        assert!(ends.contains(&DVec2::new(100.0, 150.0)) && ends.contains(&DVec2::new(200.0, 150.0)), "{ends:?}");
     }
 
     #[test]

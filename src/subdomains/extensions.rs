@@ -5,7 +5,7 @@
 //! two sides of the contour would be one sub-domain. The other ends (at a ragged outline, a cliff or a gap, or of an
 //! auxiliary contour) are closed later, in the triangulation: see [`close_gaps`](super::close_gaps).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -31,6 +31,8 @@ pub struct OpenEnd {
     pub contour: u32,
     /// Length of the contour, map units.
     pub length: f64,
+    /// Whether the contour was cut here because a part of the map was left out ([`ContourMap::cut_ends`]).
+    pub is_cut: bool,
     /// Whether it lies on the frame, or a frame extension leads from it to the frame.
     pub at_frame: bool,
 }
@@ -63,6 +65,8 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
     if ends.is_empty() {
         return (ends, Vec::new());
     }
+    let cut: HashSet<[u64; 2]> = map.cut_ends.iter().map(|p| bits(*p)).collect();
+    ends.iter_mut().for_each(|end| end.is_cut = cut.contains(&bits(end.position)));
     let frame = RTree::bulk_load(ring.edges().map(|[a, b]| Line::new(a.to_array(), b.to_array())).collect());
     let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
@@ -143,6 +147,7 @@ fn ends_of(contour: u32, line: &Contour) -> [OpenEnd; 2] {
         elevation: line.elevation,
         contour,
         length,
+        is_cut: false,
         at_frame: false,
     };
     let last = points.len() - 1;

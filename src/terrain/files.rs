@@ -15,7 +15,9 @@ use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
-use crate::io::{ReadOptions, VectorSource, read_area, read_contours, read_spot_heights, read_streams, read_water};
+use crate::io::{
+    ReadOptions, VectorSource, read_area, read_contours, read_excluded, read_spot_heights, read_streams, read_water,
+};
 
 impl Input {
     /// Reads contours and the spot heights that come with them: [`Input::read_with`] with default options.
@@ -113,6 +115,17 @@ impl Input {
         }
         self.findings.append(&mut findings);
         self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads polygons from a file and leaves out the contours and spot heights inside them.
+    ///
+    /// # Errors
+    /// As [`read_excluded`] and [`Input::exclude`]; the error names the file.
+    pub fn read_excluded(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (polygons, crs) = read_excluded(path, &self.reading(source))?;
+        let name = path.display().to_string();
+        self.exclude(&polygons, crs.as_ref(), &name).map_err(|error| error.in_file(path))
     }
 
     /// Reads a boundary polygon from a file: the ground ends there.

@@ -73,6 +73,8 @@ pub struct Input {
     pub(super) memory: Option<u64>,
     /// The part of the map that is asked for.
     pub(super) part: Option<Part>,
+    /// The parts of the map that were left out, on the working plane. They may overlap.
+    pub(super) excluded: Vec<MultiPolygon<f64>>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }

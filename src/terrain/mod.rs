@@ -6,6 +6,7 @@
 
 mod arrays;
 mod compare;
+mod exclude;
 mod facade;
 #[cfg(feature = "io")]
 mod files;

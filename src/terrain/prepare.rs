@@ -238,6 +238,7 @@ impl Input {
     pub(super) fn found<T>(&mut self, result: Result<Report<T>>) -> Result<T> {
         let value = self.named(result)?.collect(&mut self.findings);
         self.findings = first_causes(std::mem::take(&mut self.findings));
+        self.drop_expected();
         Ok(value)
     }
 

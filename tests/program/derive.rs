@@ -33,6 +33,23 @@ impl Folder {
         assert_eq!(status, Some(0), "{arguments}: {text}");
         text
     }
+
+    /// Contours of a plane that rises to the east, `c.geojson`.
+    fn write_contours(&self) {
+        let line = |z: i32| {
+            let x = 10 * z;
+            format!(
+                r#"{{"type":"Feature","properties":{{"elev":{z}}},"geometry":{{"type":"LineString",
+                "coordinates":[[{x},0],[{x},100],[{x},200],[{x},300]]}}}}"#
+            )
+        };
+        let lines: Vec<String> = [0, 10, 20, 30].map(line).to_vec();
+        let text = format!(
+            r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:6677"}}}},"features":[{}]}}"#,
+            lines.join(",")
+        );
+        fs::write(self.path("c.geojson"), text).unwrap();
+    }
 }
 
 /// A plane that rises by 0.75 to the east, with cells of 2 m.
@@ -67,19 +84,7 @@ fn all_products_of_a_plane() {
 #[test]
 fn contours_are_derived_from_with_their_caution() {
     let folder = Folder::new();
-    let line = |z: i32| {
-        let x = 10 * z;
-        format!(
-            r#"{{"type":"Feature","properties":{{"elev":{z}}},"geometry":{{"type":"LineString",
-            "coordinates":[[{x},0],[{x},100],[{x},200],[{x},300]]}}}}"#
-        )
-    };
-    let lines: Vec<String> = [0, 10, 20, 30].map(line).to_vec();
-    let text = format!(
-        r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:6677"}}}},"features":[{}]}}"#,
-        lines.join(",")
-    );
-    fs::write(folder.path("c.geojson"), text).unwrap();
+    folder.write_contours();
     let said = folder.succeeds("derive c.geojson --cell 5 --slope s.tif --steep steep.gpkg --steep-angle 5");
     assert!(said.contains("contours 10 m apart, which cannot show a slope of 5 m"), "{said}");
     let slope = read_dem(&folder.path("s.tif")).unwrap().value.dem;
@@ -119,6 +124,66 @@ fn the_light_of_the_hillshade_is_that_of_the_options() {
 }
 
 #[test]
+fn water_flows_down_a_plane_in_every_format() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &plane()).unwrap();
+    let text = folder.succeeds(
+        "derive dem.tif --flow-direction d.png --flow-accumulation a.asc --catchments c.geojson --slope slope.tif",
+    );
+    assert!(text.contains("layer catchments (20 polygons), 20 catchments"), "{text}");
+    // The plane falls to the west: each row is a catchment.
+    let directions = read_dem(&folder.path("d.png")).unwrap().value.dem;
+    let accumulation = read_dem(&folder.path("a.asc")).unwrap().value.dem;
+    assert_eq!((directions.grid, accumulation.grid), (plane().grid, plane().grid));
+    for cell in 0..600 {
+        let col = cell % 30;
+        let expected = (if col == 0 { 0.0 } else { 16.0 }, 30.0 - col as f32);
+        assert_eq!((directions.values[cell], accumulation.values[cell]), expected, "{cell}");
+    }
+    let found: serde_json::Value = serde_json::from_slice(&fs::read(folder.path("c.geojson")).unwrap()).unwrap();
+    let features = found["features"].as_array().unwrap();
+    assert_eq!(features.len(), 20);
+    for (row, feature) in features.iter().enumerate() {
+        let properties = &feature["properties"];
+        assert_eq!(properties["catchment"].as_u64(), Some(row as u64 + 1));
+        assert_eq!(properties["area_m2"].as_f64(), Some(120.0));
+        assert_eq!(properties["outlet_x"].as_f64(), Some(1001.0));
+        assert_eq!(properties["outlet_y"].as_f64(), Some(499.0 - 2.0 * row as f64));
+    }
+    for name in ["c.tif", "c.asc", "c.gpkg", "c.shp"] {
+        let text = folder.succeeds(&format!("derive dem.tif --catchments {name}"));
+        assert!(text.contains("20 catchments"), "{text}");
+    }
+    for name in ["c.tif", "c.asc"] {
+        let numbers = read_dem(&folder.path(name)).unwrap().value.dem.values;
+        assert!((0..600).all(|cell| numbers[cell] == (cell / 30 + 1) as f32), "{name}");
+    }
+}
+
+#[test]
+fn flow_of_contours_is_the_same_for_any_number_of_threads() {
+    let folder = Folder::new();
+    folder.write_contours();
+    let run = |threads: usize| {
+        let out = |name: &str| format!("{name}{threads}.tif");
+        folder.succeeds(&format!(
+            "derive c.geojson --cell 5 --threads {threads} --flow-direction {} --flow-accumulation {} --catchments {} --cog",
+            out("d"),
+            out("a"),
+            out("c")
+        ));
+        ["d", "a", "c"].map(|name| fs::read(folder.path(&out(name))).unwrap())
+    };
+    assert!(run(1) == run(2));
+    let read = |name: &str| read_dem(&folder.path(name)).unwrap().value.dem.values;
+    let (directions, accumulation) = (read("d1.tif"), read("a1.tif"));
+    let count = directions.iter().filter(|code| code.is_finite()).count();
+    let outlets = directions.iter().zip(&accumulation).filter(|(code, _)| **code == 0.0);
+    assert!(count > 100);
+    assert_eq!(outlets.map(|(_, cells)| *cells as usize).sum::<usize>(), count, "every cell drains to an outlet");
+}
+
+#[test]
 fn wrong_usage_is_told_before_the_work() {
     let folder = Folder::new();
     write_dem(&folder.path("dem.tif"), &plane()).unwrap();
@@ -148,6 +213,10 @@ fn wrong_usage_is_told_before_the_work() {
         ("derive dem.tif --hillshade a.tif --azimuth 45 --multidirectional", 2, "cannot be used with"),
         ("derive dem.tif --hillshade a.png --cog", 2, "--cog applies to .tif"),
         ("derive dem.tif --steep a.gpkg --cog", 2, "--cog applies to .tif"),
+        ("derive dem.tif --catchments a.gpkg --cog", 2, "--cog applies to .tif"),
+        ("derive dem.tif --catchments a.jpg", 2, "catchments are written as"),
+        ("derive dem.tif --catchments a.gpkg --steep a.gpkg", 2, "the name of two outputs"),
+        ("derive dem.tif --flow-direction a.shp", 2, "height maps are written as"),
         ("derive dem.tif --cell 5 --slope a.tif", 2, "the input is a height map"),
         ("derive dem.tif --crs 6668 --slope a.tif", 2, "--crs applies to contours"),
         ("derive dem.doc --slope a.tif", 1, "dem.doc"),

@@ -66,6 +66,14 @@ fn inputs() -> Folder {
     ] {
         run(&folder, command);
     }
+    for (name, middle) in [("quarry", [745_200.0, 4_022_150.0]), ("wrong_lines", [750_000.0, 4_020_000.0])] {
+        let ring = square(DVec2::from(middle), 150.0).iter().map(|p| p.to_array()).collect::<Vec<_>>();
+        let text = format!(
+            r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"EPSG:32616"}}}},
+            "features":[{{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[{ring:?}]}}}}]}}"#
+        );
+        std::fs::write(folder.path(&format!("{name}.geojson")), text).unwrap();
+    }
     let ring = "[[746000,4018000],[749500,4019000],[747500,4022000],[746000,4018000]]";
     let district = format!(
         r#"{{"type":"FeatureCollection","crs":{{"type":"name","properties":{{"name":"urn:ogc:def:crs:EPSG::32616"}}}},

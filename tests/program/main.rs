@@ -9,6 +9,7 @@ mod contour;
 mod coordinates;
 mod derive;
 mod everyday;
+mod exclude;
 mod existing_outputs;
 mod file_troubles;
 mod labels;

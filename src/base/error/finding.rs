@@ -80,6 +80,10 @@ kinds! {
     OtherCrs = "other-crs", Note, "files transformed to the coordinate reference system of the others";
     /// Coordinates are degrees where a plane is expected, or the other way round.
     LooksLikeDegrees = "looks-like-degrees", Error, "coordinates that look like degrees";
+    /// Contours and spot heights inside a polygon were left out, as asked for.
+    Excluded = "excluded", Note, "parts of the map left out";
+    /// No contour and no spot height lies inside the polygons that were to be left out.
+    NothingExcluded = "nothing-excluded", Warning, "polygons to leave out without contours in them";
     /// A square of a height map occurs twice.
     RepeatedMesh = "repeated-mesh", Note, "squares of the height map that occur twice";
     /// A file occurs twice, for instance in an archive and beside it. It was read once.

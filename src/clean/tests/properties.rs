@@ -1,7 +1,7 @@
 //! Properties of cleaned maps, on small grids where lines meet all the time, against a search over all pairs of segments in
 //! whole numbers, and on real coordinates.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use proptest::prelude::*;
 
@@ -197,7 +197,7 @@ fn wild() -> impl Strategy<Value = f64> {
 }
 
 fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(), TestCaseError> {
-    let cleaned = clean_lines(input.to_vec(), params).expect("few conflicts");
+    let cleaned = clean_lines(input.to_vec(), params, &HashSet::new()).expect("few conflicts");
     let lines = on_grid(&cleaned.contours);
 
     prop_assert_eq!(forbidden(&lines, separation), Vec::new());
@@ -235,7 +235,8 @@ fn check(input: &[Contour], params: &CleanParams, separation: i64) -> Result<(),
         prop_assert!(is_known, "{p:?} is reported, and the input does not have it");
     }
 
-    let again = clean_lines(rewritten(input, before.len() as u64 * 7919 + 12_345), params).expect("few conflicts");
+    let again = clean_lines(rewritten(input, before.len() as u64 * 7919 + 12_345), params, &HashSet::new())
+        .expect("few conflicts");
     prop_assert_eq!(&again.contours, &cleaned.contours);
     prop_assert_eq!(&again.findings, &cleaned.findings);
     prop_assert_eq!(&again.removed, &cleaned.removed);
@@ -258,7 +259,7 @@ fn straights(removed: &[Removed]) -> Vec<Contour> {
 /// What goes was in a conflict; the rest of the line stays.
 fn check_removed_were_bad(input: &[Contour]) -> Result<(), TestCaseError> {
     let params = CleanParams { snap: 0.0, separation: 0.0 };
-    let cleaned = clean_lines(input.to_vec(), &params).expect("few conflicts");
+    let cleaned = clean_lines(input.to_vec(), &params, &HashSet::new()).expect("few conflicts");
     let straights = on_grid(&straights(&cleaned.removed));
     let mut lines = on_grid(input);
     lines.iter_mut().for_each(|l| l.1.dedup());

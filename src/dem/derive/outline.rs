@@ -1,9 +1,19 @@
 //! Outlines of sets of cells: polygons along cell edges.
 //!
+//! Each cell has the number of its set, or is [`OUTSIDE`] of all.
+//!
 //! Cells that meet only at a corner belong to different polygons. So every polygon is simple, as the vector formats
 //! require: its rings do not cross or touch themselves, and its interior is connected.
 
 use std::collections::HashMap;
+
+use glam::DVec2;
+
+use crate::base::Grid;
+use crate::dem::GroundScale;
+
+/// The set of a cell that belongs to none.
+pub(super) const OUTSIDE: u32 = u32::MAX;
 
 /// A corner of cells: columns from the west edge, rows from the north edge.
 pub(super) type Corner = (u32, u32);
@@ -19,16 +29,17 @@ pub(super) struct Part {
     pub rings: Vec<Vec<Corner>>,
 }
 
-/// The number of the piece that each cell belongs to, and the number of pieces. Pieces are numbered from 0 in the order
-/// of their first cells. Cells outside the set have `u32::MAX`.
+/// The number of the piece that each cell belongs to, and the number of pieces. A piece is neighbours of one set. Pieces are
+/// numbered from 0 in the order of their first cells. Cells outside of all sets have no piece: [`OUTSIDE`].
 ///
 /// `joined` says which cells are neighbours.
-pub(super) fn pieces(cols: usize, inside: &[bool], joined: Joined) -> (Vec<u32>, usize) {
-    let rows = inside.len() / cols.max(1);
-    let mut labels = vec![u32::MAX; inside.len()];
+pub(super) fn pieces(cols: usize, sets: &[u32], joined: Joined) -> (Vec<u32>, usize) {
+    let rows = sets.len() / cols.max(1);
+    let mut labels = vec![OUTSIDE; sets.len()];
     let (mut count, mut open) = (0, Vec::new());
-    for start in 0..inside.len() {
-        if !inside[start] || labels[start] != u32::MAX {
+    for start in 0..sets.len() {
+        let set = sets[start];
+        if set == OUTSIDE || labels[start] != OUTSIDE {
             continue;
         }
         labels[start] = count;
@@ -39,7 +50,7 @@ pub(super) fn pieces(cols: usize, inside: &[bool], joined: Joined) -> (Vec<u32>,
                 for near_col in col.saturating_sub(1)..(col + 2).min(cols) {
                     let near = near_row * cols + near_col;
                     let shares_edge = near_row == row || near_col == col;
-                    if inside[near] && labels[near] == u32::MAX && (shares_edge || joined == Joined::AtCorners) {
+                    if sets[near] == set && labels[near] == OUTSIDE && (shares_edge || joined == Joined::AtCorners) {
                         labels[near] = count;
                         open.push(near);
                     }
@@ -60,9 +71,9 @@ pub(super) enum Joined {
     AtCorners,
 }
 
-/// The outlines of the pieces of `inside` that are joined along edges.
-pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
-    let (labels, count) = pieces(cols, inside, Joined::AlongEdges);
+/// The outlines of the pieces of sets that are joined along edges.
+pub(super) fn outlines(cols: usize, sets: &[u32]) -> Vec<Part> {
+    let (labels, count) = pieces(cols, sets, Joined::AlongEdges);
     let mut parts: Vec<Part> = (0..count).map(|_| Part { cell: 0, cells: 0, rings: Vec::new() }).collect();
     for (cell, &label) in labels.iter().enumerate().rev() {
         if let Some(part) = parts.get_mut(label as usize) {
@@ -71,11 +82,11 @@ pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
         }
     }
     // Every ring has an edge on the north side of a cell. So the search starts at these edges.
-    let mut seen = vec![false; inside.len()];
-    for cell in 0..inside.len() {
-        let is_north_edge = inside[cell] && (cell < cols || !inside[cell - cols]);
+    let mut seen = vec![false; sets.len()];
+    for cell in 0..sets.len() {
+        let is_north_edge = sets[cell] != OUTSIDE && (cell < cols || sets[cell - cols] != sets[cell]);
         if is_north_edge && !seen[cell] {
-            let ring = trace(cols, inside, cell, &mut seen);
+            let ring = trace(cols, sets, cell, &mut seen);
             let part = &mut parts[labels[cell] as usize];
             for ring in split(ring) {
                 // The outer ring is the counter-clockwise one.
@@ -86,15 +97,15 @@ pub(super) fn outlines(cols: usize, inside: &[bool]) -> Vec<Part> {
     parts
 }
 
-/// The ring that runs along the north edge of a cell, with the set on its left. It has only the corners where it turns,
+/// The ring that runs along the north edge of a cell, with the cell's set on its left. It has only the corners where it turns,
 /// and is not closed.
 ///
 /// At some corners only two diagonally opposite cells are inside. There, the ring stays with the cell that it follows.
-fn trace(cols: usize, inside: &[bool], start: usize, seen: &mut [bool]) -> Vec<Corner> {
-    let rows = inside.len() / cols;
+fn trace(cols: usize, sets: &[u32], start: usize, seen: &mut [bool]) -> Vec<Corner> {
+    let rows = sets.len() / cols;
     let is_inside = |col: i64, row: i64| {
         let within = col >= 0 && row >= 0 && (col as usize) < cols && (row as usize) < rows;
-        within && inside[row as usize * cols + col as usize]
+        within && sets[row as usize * cols + col as usize] == sets[start]
     };
     let (first_col, first_row) = ((start % cols) as i64, (start / cols) as i64);
     // West along the north edge of the first cell; y counts southwards.
@@ -160,12 +171,39 @@ fn turns_left(ring: &[Corner]) -> bool {
     ring.windows(2).map(cross).sum::<i128>() < 0
 }
 
+/// Rings on the map.
+pub(super) fn on_map(rings: &[Vec<Corner>], grid: &Grid) -> Vec<Vec<DVec2>> {
+    let place = |&(col, row): &Corner| grid.corner + DVec2::new(f64::from(col), -f64::from(row)) * grid.cell;
+    rings.iter().map(|ring| ring.iter().map(place).collect()).collect()
+}
+
+/// Area within the rings, square metres. The scale of each row gives the size of its cells.
+pub(super) fn area(rings: &[Vec<Corner>], grid: &Grid, scale: &GroundScale) -> f64 {
+    let cell = grid.cell;
+    if let GroundScale::Uniform(scale) = scale {
+        let cross = |w: &[Corner]| {
+            let [a, b] = [w[0], w[1]].map(|p| (f64::from(p.0), f64::from(p.1)));
+            b.0 * a.1 - a.0 * b.1
+        };
+        let cells: f64 = rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum::<f64>() / 2.0;
+        return cells * (cell * *scale).element_product();
+    }
+    // An edge that runs south has the area on its east side, one that runs north on its west side.
+    let column_to = |w: &[Corner]| {
+        let (top, bottom, sign) = if w[0].1 < w[1].1 { (w[0].1, w[1].1, -1.0) } else { (w[1].1, w[0].1, 1.0) };
+        let height = |row: u32| (cell * scale.row(row as usize)).element_product();
+        sign * f64::from(w[0].0) * (top..bottom).map(height).sum::<f64>()
+    };
+    rings.iter().flat_map(|ring| ring.windows(2).filter(|w| w[0].0 == w[1].0).map(column_to)).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn set(text: &[&str]) -> (usize, Vec<bool>) {
-        (text[0].len(), text.iter().flat_map(|row| row.bytes().map(|b| b == b'#')).collect())
+    fn set(text: &[&str]) -> (usize, Vec<u32>) {
+        let number = |b: u8| if b == b'.' { OUTSIDE } else { u32::from(b) };
+        (text[0].len(), text.iter().flat_map(|row| row.bytes().map(number)).collect())
     }
 
     /// Twice the area of the rings, without the holes.
@@ -174,7 +212,7 @@ mod tests {
         part.rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum()
     }
 
-    fn check(cols: usize, inside: &[bool]) -> Vec<Part> {
+    fn check(cols: usize, inside: &[u32]) -> Vec<Part> {
         let parts = outlines(cols, inside);
         for part in &parts {
             assert_eq!(doubled_area(part), 2 * part.cells as i64);
@@ -190,7 +228,10 @@ mod tests {
                 }
             }
         }
-        assert_eq!(parts.iter().map(|part| part.cells).sum::<usize>(), inside.iter().filter(|b| **b).count());
+        assert_eq!(
+            parts.iter().map(|part| part.cells).sum::<usize>(),
+            inside.iter().filter(|set| **set != OUTSIDE).count()
+        );
         parts
     }
 
@@ -216,6 +257,14 @@ mod tests {
     }
 
     #[test]
+    fn sets_side_by_side_have_outlines_of_their_own() {
+        let (cols, sets) = set(&["aab", "cab", "caa"]);
+        let parts = check(cols, &sets);
+        assert_eq!(parts.iter().map(|part| part.cells).collect::<Vec<_>>(), [5, 2, 2]);
+        assert_eq!(parts[1].rings, [vec![(2, 0), (2, 2), (3, 2), (3, 0), (2, 0)]]);
+    }
+
+    #[test]
     fn neighbours_at_corners_are_one_piece_if_asked() {
         let (cols, inside) = set(&["#.#", ".#.", "#.."]);
         assert_eq!(pieces(cols, &inside, Joined::AtCorners).1, 1);
@@ -228,10 +277,13 @@ mod tests {
         for share in [2, 3, 5, 7, 8] {
             let mut next = || {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) % 10 < share
+                let number = (state >> 33) % 10;
+                if number < share { (number % 3) as u32 } else { OUTSIDE }
             };
-            let inside: Vec<bool> = (0..40 * 30).map(|_| next()).collect();
-            check(40, &inside);
+            let sets: Vec<u32> = (0..40 * 30).map(|_| next()).collect();
+            check(40, &sets);
+            // One set instead of three.
+            check(40, &sets.iter().map(|set| if *set == OUTSIDE { OUTSIDE } else { 0 }).collect::<Vec<_>>());
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use super::outline::{Joined, outlines, pieces};
+use super::outline::{Joined, OUTSIDE, area, on_map, outlines, pieces};
 use super::slope::slope;
 use crate::base::error::{Error, Result};
 use crate::dem::{Dem, GroundScale};
@@ -71,8 +71,9 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
     }
     let grid = dem.grid;
     let slopes = slope(dem, scale).values;
-    let mut inside: Vec<bool> = slopes.iter().map(|&slope| f64::from(slope) >= params.angle).collect();
-    let (labels, count) = pieces(grid.cols, &inside, Joined::AtCorners);
+    let is_steep = |&slope: &f32| f64::from(slope) >= params.angle;
+    let mut sets: Vec<u32> = slopes.iter().map(|slope| if is_steep(slope) { 0 } else { OUTSIDE }).collect();
+    let (labels, count) = pieces(grid.cols, &sets, Joined::AtCorners);
     let mut measures = vec![Measure::default(); count];
     for (cell, label) in labels.iter().enumerate() {
         let Some(measure) = measures.get_mut(*label as usize) else { continue };
@@ -91,8 +92,10 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         }
     }
     let is_high = |measure: &Measure| measure.height() >= params.height;
-    for (cell, is_inside) in inside.iter_mut().enumerate() {
-        *is_inside &= measures.get(labels[cell] as usize).is_some_and(is_high);
+    for (set, label) in sets.iter_mut().zip(&labels) {
+        if !measures.get(*label as usize).is_some_and(is_high) {
+            *set = OUTSIDE;
+        }
     }
     // Areas that are high enough are numbered in order.
     let mut number = 0;
@@ -104,14 +107,13 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         })
         .collect();
 
-    let corner = |(col, row): (u32, u32)| grid.corner + DVec2::new(f64::from(col), -f64::from(row)) * grid.cell;
-    let parts = outlines(grid.cols, &inside).into_iter().map(|part| {
+    let parts = outlines(grid.cols, &sets).into_iter().map(|part| {
         let label = labels[part.cell] as usize;
         let measure = &measures[label];
         SteepArea {
             area_id: numbers[label],
-            area: part_area(&part.rings, dem, scale),
-            rings: part.rings.into_iter().map(|ring| ring.into_iter().map(corner).collect()).collect(),
+            area: area(&part.rings, &grid, scale),
+            rings: on_map(&part.rings, &grid),
             height: measure.height(),
             slope_mean: measure.slope_sum / measure.cells,
             slope_max: measure.slope_max,
@@ -120,26 +122,6 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
     let parts: Vec<SteepArea> = parts.collect();
     let areas = number as usize;
     Ok(Steeps { parts, areas, too_low: count - areas })
-}
-
-/// Area within the rings, square metres. The scale of each row gives the size of its cells.
-fn part_area(rings: &[Vec<(u32, u32)>], dem: &Dem, scale: &GroundScale) -> f64 {
-    let cell = dem.grid.cell;
-    if let GroundScale::Uniform(scale) = scale {
-        let cross = |w: &[(u32, u32)]| {
-            let [a, b] = [w[0], w[1]].map(|p| (f64::from(p.0), f64::from(p.1)));
-            b.0 * a.1 - a.0 * b.1
-        };
-        let cells: f64 = rings.iter().flat_map(|ring| ring.windows(2).map(cross)).sum::<f64>() / 2.0;
-        return cells * (cell * *scale).element_product();
-    }
-    // An edge that runs south has the area on its east side, one that runs north on its west side.
-    let column_to = |w: &[(u32, u32)]| {
-        let (top, bottom, sign) = if w[0].1 < w[1].1 { (w[0].1, w[1].1, -1.0) } else { (w[1].1, w[0].1, 1.0) };
-        let height = |row: u32| (cell * scale.row(row as usize)).element_product();
-        sign * f64::from(w[0].0) * (top..bottom).map(height).sum::<f64>()
-    };
-    rings.iter().flat_map(|ring| ring.windows(2).filter(|w| w[0].0 == w[1].0).map(column_to)).sum()
 }
 
 /// Measurements of an area.

@@ -16,6 +16,7 @@ use rstar::primitives::{GeomWithData, Line, Rectangle};
 use super::table::{NO_GEOMETRY, Table};
 use crate::base::error::{Error, Result};
 use crate::clean::is_place;
+use crate::contour::Excluded;
 use crate::geometry::{Meeting, Segment, meeting, place};
 
 const REMEDY: &str = "repair the polygon first, for instance in QGIS with Fix Geometries";
@@ -33,6 +34,13 @@ pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
     let pairs = common_pairs(path, &members)?;
     check_all(path, &members)?;
     Ok(MultiPolygon::new(united(members, &pairs).into_iter().map(|member| member.polygon).collect()))
+}
+
+/// The polygons of a table whose insides are left out.
+pub(super) fn excluded(path: &Path, table: Table) -> Result<Vec<Excluded>> {
+    check_polygons(path, &table, "a part to leave out")?;
+    let members = united_polygons(path, table, |_, _| true)?;
+    Ok(members.into_iter().map(|m| Excluded { polygon: m.polygon, feature: m.feature.into() }).collect())
 }
 
 /// Checks that a table has polygons and no other kind of surface. Such a surface would be missing from the result.

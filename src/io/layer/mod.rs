@@ -3,6 +3,7 @@
 //! Every stage passes its output to the writers in this form. A new kind of layer needs no new writer, and a new format
 //! needs nothing from the stages. Each stage that writes features has a file here that defines its columns.
 
+mod catchments;
 mod contours;
 mod features;
 mod findings;
@@ -14,6 +15,7 @@ mod skeleton;
 mod steep;
 mod streams;
 
+pub use catchments::{CATCHMENTS_LAYER, of_catchments};
 pub use contours::of_contours;
 pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_name, joined};
 pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};

@@ -2,6 +2,8 @@
 //!
 //! A cell of an overview is the mean of the cells with data among the two by two below it. It has data if one of them
 //! has. The mean of directions is the direction of the sum of their unit vectors: the mean of 350 and 10 degrees is 0.
+//! Codes and numbers of catchments have no mean: one of them is taken. Of flow accumulations, the largest is taken, so that
+//! streams stay visible.
 
 use std::borrow::Cow;
 
@@ -36,14 +38,19 @@ pub(super) fn overviews(map: &Image<'_>, side: usize, quantity: Quantity) -> Vec
 /// The values for cells of twice the side. Where the number of columns or rows is odd, the last cells have no partners.
 fn halved(values: &[f32], cols: usize, rows: usize, quantity: Quantity) -> Vec<f32> {
     let across = cols.div_ceil(2);
-    let mean = if quantity == Quantity::Aspect { mean_direction } else { mean };
+    let summary = match quantity {
+        Quantity::Aspect => mean_direction,
+        Quantity::FlowDirection | Quantity::Catchment => first,
+        Quantity::FlowAccumulation => largest,
+        _ => mean,
+    };
     let mut coarse = vec![f32::NAN; across * rows.div_ceil(2)];
     coarse.par_chunks_mut(across).enumerate().for_each(|(row, line)| {
         let of = |row: usize| if row < rows { &values[row * cols..(row + 1) * cols] } else { &[] };
         let pair = [of(row * 2), of(row * 2 + 1)];
         for (col, out) in line.iter_mut().enumerate() {
             let [[a, b], [c, d]] = pair.map(|line| [line.get(col * 2).copied(), line.get(col * 2 + 1).copied()]);
-            *out = mean([a, b, c, d].map(|value| value.filter(|value| !value.is_nan())));
+            *out = summary([a, b, c, d].map(|value| value.filter(|value| !value.is_nan())));
         }
     });
     coarse
@@ -66,6 +73,16 @@ fn mean_direction(values: [Option<f32>; 4]) -> f32 {
     // Rounding makes the largest angles below a full turn a full turn.
     let angle = sin.atan2(cos).to_degrees().rem_euclid(360.0) as f32;
     if angle < 360.0 { angle } else { 0.0 }
+}
+
+/// The first of those that are there; NaN if none is.
+fn first(values: [Option<f32>; 4]) -> f32 {
+    values.into_iter().flatten().next().unwrap_or(f32::NAN)
+}
+
+/// The largest of those that are there; NaN if none is.
+fn largest(values: [Option<f32>; 4]) -> f32 {
+    values.into_iter().flatten().fold(f32::NAN, f32::max)
 }
 
 #[cfg(test)]
@@ -98,5 +115,19 @@ mod tests {
             assert!(off.abs() < 1e-4 && mean(values) < 360.0, "{values:?}: {}", mean(values));
         }
         assert!(mean([0.0, 180.0, n, n]).is_nan() && mean([n; 4]).is_nan());
+    }
+
+    #[test]
+    fn codes_are_chosen_and_not_averaged() {
+        let n = f32::NAN;
+        let map = Image { bands: vec![Cow::Owned(vec![n, 4.0, n, 64.0, 1.0, n])], cols: 3, rows: 2 };
+        for (quantity, expected) in [
+            (Quantity::FlowDirection, [4.0, n]),
+            (Quantity::Catchment, [4.0, n]),
+            (Quantity::FlowAccumulation, [64.0, n]),
+            (Quantity::Height, [23.0, n]),
+        ] {
+            assert_eq!(bits(&overviews(&map, 2, quantity)[0].bands[0]), bits(&expected), "{quantity:?}");
+        }
     }
 }

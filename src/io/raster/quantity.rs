@@ -16,6 +16,12 @@ pub enum Quantity {
     Aspect,
     /// Brightness from 1 to 255.
     Shade,
+    /// The neighbour that a cell drains to, as a code.
+    FlowDirection,
+    /// The number of cells that drain through a cell.
+    FlowAccumulation,
+    /// The number of a catchment.
+    Catchment,
 }
 
 impl Quantity {
@@ -27,6 +33,9 @@ impl Quantity {
             Self::Slope => "slope",
             Self::Aspect => "aspect",
             Self::Shade => "brightness",
+            Self::FlowDirection => "flow direction",
+            Self::FlowAccumulation => "flow accumulation",
+            Self::Catchment => "catchment",
         }
     }
 
@@ -62,6 +71,7 @@ impl Values {
         match self.quantity {
             quantity if quantity.is_vertical() => Some((programs_name(self.heights), self.heights.name())),
             Quantity::Slope | Quantity::Aspect => Some(("degree", "degrees")),
+            Quantity::FlowAccumulation => Some(("cells", "cells")),
             _ => None,
         }
     }
