@@ -13,6 +13,7 @@ const KNOWN: [(&str, &[&str]); 13] = [
     ("--cell", &["res", "tr", "cell-size", "cellsize", "pixel-size", "pixel", "spacing", "gsd"]),
     ("--elevation-field", &["field", "attribute", "attr", "zfield", "z-field", "height-field", "elev", "elev-field"]),
     ("--water", &["lakes", "lake", "waterbodies", "hydro"]),
+    ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),
     ("--overwrite", &["force", "yes", "y"]),
     ("--interval", &["step", "contour-interval", "equidistance", "intervals"]),

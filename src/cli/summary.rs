@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
 use tokosen::skeleton::BreakKind;
 use tokosen::spline::HyperParameters;
+use tokosen::streams::Stream;
 use tokosen::surface::Surface;
 use tokosen::validate::{Chosen, Provenance, Reason};
 
@@ -111,6 +112,7 @@ pub fn surface(surface: &Surface, console: &Console) {
         };
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
+    streams(surface, console);
     if let Some(chosen) = &surface.chosen {
         accuracy(chosen, console);
     }
@@ -124,6 +126,25 @@ pub fn surface(surface: &Surface, console: &Console) {
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
         console.say(&format!("errors     standard error {} (root mean square), {provenance}", metres(mean)));
     }
+}
+
+/// Prints how much of the streams is used, and how much of it was changed.
+fn streams(surface: &Surface, console: &Console) {
+    let streams = &surface.streams;
+    if streams.is_empty() {
+        return;
+    }
+    let length = |which: &dyn Fn(&Stream) -> bool| {
+        let lengths = streams.iter().filter(|stream| which(stream)).map(Stream::length);
+        lengths.fold(0.0, |sum, length| sum + length)
+    };
+    let all = length(&|_| true);
+    let share = |which: &dyn Fn(&Stream) -> bool| 100.0 * length(which) / all;
+    let (turned, moved) = (share(&|stream| stream.turned), share(&|stream| stream.shift > 0.0));
+    console.say(&format!(
+        "streams    {} pieces, length {all:.0}; {turned:.0} % of it turned, {moved:.0} % moved",
+        streams.len()
+    ));
 }
 
 /// The kind of a surface in words.

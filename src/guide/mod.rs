@@ -28,6 +28,7 @@ pages! {
     models = "models.md",
     subdomains = "subdomains.md",
     water = "water.md",
+    streams = "streams.md",
     pictures = "pictures.md",
     formats = "formats.md",
     options = "options.md",

@@ -121,11 +121,7 @@ fn stems(
         found.push(stem);
     }
     // Edges in a circle.
-    for e in 0..edges.len() {
-        if !taken[e] {
-            found.push(vec![e]);
-        }
-    }
+    found.extend(taken.iter().enumerate().filter(|(_, taken)| !**taken).map(|(e, _)| vec![e]));
     found
 }
 

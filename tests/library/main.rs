@@ -22,6 +22,7 @@ mod raster_files;
 mod sample;
 mod simplified;
 mod skeleton;
+mod streams;
 mod support;
 mod surface;
 mod uncertainty;

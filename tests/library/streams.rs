@@ -1,0 +1,228 @@
+//! Streams: they agree with the contours, and the ground falls along them.
+
+use std::cell::Cell;
+
+use crate::common;
+use crate::guarantees::{Refusal, Tally, check, check_dem, clean_map, map_of};
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+use tokosen::base::Grid;
+use tokosen::base::error::{Finding, FindingKind};
+use tokosen::contour::{Contour, ContourMap};
+use tokosen::slice::{LayerParams, Target, contour_layers};
+use tokosen::streams::{StreamLine, Streams};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
+
+/// A valley that falls to the south, `z = (y + 0.75 |x|) / 10`, by its contours every 10 m. Their tips are at x = 0.
+fn valley() -> ContourMap {
+    let contour = |k: i32| {
+        let point = |i: i32| DVec2::new(20.0 * f64::from(i), 100.0 * f64::from(k) - 15.0 * f64::from(i.abs()));
+        Contour { elevation: 10.0 * f64::from(k), points: (-10..=10).map(point).collect(), feature: 0.into() }
+    };
+    ContourMap { contours: (0..=6).map(contour).collect(), ..ContourMap::default() }
+}
+
+fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (Surface, Vec<Finding>) {
+    let line = |(k, points): (usize, &&[(f64, f64)])| StreamLine {
+        points: points.iter().map(|&p| p.into()).collect(),
+        feature: (k as u64).into(),
+    };
+    let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), tolerance };
+    let report = build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).unwrap();
+    (report.value, report.findings)
+}
+
+fn count(findings: &[Finding], kind: FindingKind) -> usize {
+    findings.iter().filter(|finding| finding.kind == kind).count()
+}
+
+/// Every used piece falls, and stays level only where it must.
+fn assert_falls(surface: &Surface, what: &str) {
+    for stream in &surface.streams {
+        assert!(stream.points.len() > 1, "{what}");
+        assert!(stream.points.windows(2).all(|w| w[1].z <= w[0].z), "{what}: {:?}", stream.points);
+    }
+}
+
+/// The largest rise from cell to cell along a line, read at the nearest cell.
+fn rise(surface: &Surface, points: &[DVec3], cell: f64) -> f32 {
+    let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), cell);
+    let dem = heights(surface, &grid, &());
+    let read = |p: DVec2| {
+        let place = grid.place(p).round();
+        dem.values[place.y as usize * grid.cols + place.x as usize]
+    };
+    let along = points.windows(2).flat_map(|w| (0..8).map(|k| w[0].lerp(w[1], f64::from(k) / 8.0).truncate()));
+    let values: Vec<f32> = along.map(read).filter(|z| !z.is_nan()).collect();
+    assert!(values.len() > 50);
+    values.windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_stream_drawn_upstream_beside_the_tips_is_turned_and_moved_into_them() {
+    let drawn: Vec<(f64, f64)> = (0..=29).map(|k| (6.0, 20.0 * f64::from(k) + 3.0)).collect();
+    let (surface, findings) = built(valley(), &[&drawn], Some(25.0));
+    assert_eq!([FindingKind::StreamTurned, FindingKind::StreamMoved].map(|kind| count(&findings, kind)), [1, 1]);
+    assert_eq!(count(&findings, FindingKind::StreamCut), 0);
+    assert_falls(&surface, "moved");
+    assert_eq!(surface.streams.len(), 1);
+    let stream = &surface.streams[0];
+    assert!(stream.turned && (5.0..8.0).contains(&stream.shift), "{stream:?}");
+    for k in 1..=5 {
+        let tip = DVec3::new(0.0, 100.0 * f64::from(k), 10.0 * f64::from(k));
+        assert!(stream.points.contains(&tip), "{k}: {:?}", stream.points);
+    }
+    // Between the tips it lies in the valley.
+    for p in &stream.points {
+        assert!((p.z - p.y / 10.0).abs() < 1.0, "{p}");
+    }
+    assert_eq!(rise(&surface, &stream.points, 10.0), 0.0);
+    assert_eq!(rise(&surface, &stream.points, 7.0), 0.0);
+}
+
+#[test]
+fn beyond_the_tolerance_a_stream_stays_where_it_is() {
+    let drawn: Vec<(f64, f64)> = (0..=29).map(|k| (6.0, 20.0 * f64::from(29 - k) + 3.0)).collect();
+    let (surface, findings) = built(valley(), &[&drawn], Some(1.0));
+    assert_eq!(count(&findings, FindingKind::StreamMoved) + count(&findings, FindingKind::StreamTurned), 0);
+    assert!(surface.streams[0].points.iter().all(|p| (p.x - 6.0).abs() < 1e-9));
+    assert_falls(&surface, "not moved");
+}
+
+#[test]
+fn a_stream_that_crosses_a_contour_three_times_is_moved_along_it_or_cut() {
+    // Down across the contour of 30 m, up again, and down.
+    let drawn = [(0.0, 570.0), (0.0, 310.0), (-60.0, 230.0), (-60.0, 270.0), (-40.0, 230.0), (0.0, 60.0)];
+    let (surface, findings) = built(valley(), &[&drawn], Some(40.0));
+    assert_eq!(count(&findings, FindingKind::StreamCut), 0, "{findings:?}");
+    assert_falls(&surface, "moved along");
+    let (surface, findings) = built(valley(), &[&drawn], Some(0.5));
+    let cut: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamCut).collect();
+    assert_eq!(cut.len(), 1, "{findings:?}");
+    assert_eq!(cut[0].elevations, [30.0]);
+    assert!(surface.streams.len() == 2, "{:?}", surface.streams.len());
+    assert_falls(&surface, "cut");
+}
+
+#[test]
+fn tributaries_meet_the_main_stream_at_its_height_and_orders_grow() {
+    let main: Vec<(f64, f64)> = (0..=29).map(|k| (0.0, 580.0 - 20.0 * f64::from(k))).collect();
+    let side = [(0.0, 240.0), (60.0, 300.0), (120.0, 380.0)];
+    let (surface, findings) = built(valley(), &[&main, &side], None);
+    assert_eq!(count(&findings, FindingKind::StreamTurned), 1, "{findings:?}");
+    assert_falls(&surface, "tributary");
+    let mut orders: Vec<u32> = surface.streams.iter().map(|s| s.order).collect();
+    orders.sort_unstable();
+    assert_eq!(orders, [1, 1, 2]);
+    let ends: Vec<DVec3> = surface.streams.iter().filter(|s| s.order == 1).map(|s| *s.points.last().unwrap()).collect();
+    assert_eq!(ends[0], ends[1]);
+    let below = surface.streams.iter().find(|s| s.order == 2).unwrap();
+    assert_eq!(below.points[0], ends[0]);
+}
+
+#[test]
+fn new_contours_cross_a_stream_once() {
+    let main: Vec<(f64, f64)> =
+        (0..=58).map(|k| (8.0 * (f64::from(k) * 0.4).sin(), 580.0 - 10.0 * f64::from(k))).collect();
+    let (surface, _) = built(valley(), &[&main], None);
+    assert_falls(&surface, "winding");
+    let targets = vec![Target::Interval { step: 1.0, base: 0.0 }];
+    let layers = contour_layers(&surface, &LayerParams { targets, ..LayerParams::default() }, &()).unwrap();
+    let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a) > 0.0;
+    let mut crossed = 0;
+    for line in &layers[0].lines {
+        let segments = || line.points.windows(2);
+        let crosses = |w: &[DVec3]| {
+            let (a, b) = (w[0].truncate(), w[1].truncate());
+            segments()
+                .filter(|s| side(a, b, s[0]) != side(a, b, s[1]) && side(s[0], s[1], a) != side(s[0], s[1], b))
+                .count()
+        };
+        let times: usize = surface.streams.iter().flat_map(|s| s.points.windows(2)).map(crosses).sum();
+        assert!(times <= 1, "{} m: {times}", line.elevation);
+        crossed += times;
+    }
+    assert!(crossed > 40, "{crossed}");
+}
+
+/// Random terrain may have one contour or one level only; then there is no surface. Nothing else may go wrong.
+const ALLOWED: [Refusal; 3] = [Refusal::NoContour, Refusal::OneContour, Refusal::OneLevel];
+
+/// Lines anywhere on a map, some of them through vertices of contours.
+fn random_streams(map: &ContourMap, seed: u64) -> Vec<StreamLine> {
+    let vertices: Vec<DVec2> = map.contours.iter().flat_map(|c| c.points.iter().copied()).collect();
+    let mut state = seed;
+    let mut draw = move |most: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % most
+    };
+    let mut line = |k: u64| {
+        let mut place = || {
+            let (p, q) = (vertices[draw(vertices.len())], vertices[draw(vertices.len())]);
+            if draw(4) == 0 { p } else { p.lerp(q, 0.1 * draw(11) as f64) }
+        };
+        let (a, b, c) = (place(), place(), place());
+        let points = (0..=12).map(|k| {
+            let t = f64::from(k) / 12.0;
+            a.lerp(b, t).lerp(b.lerp(c, t), t)
+        });
+        StreamLine { points: points.collect(), feature: k.into() }
+    };
+    (0..8).map(&mut line).collect()
+}
+
+#[test]
+fn the_guarantees_hold_with_any_streams() {
+    let tally = Tally::default();
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() {
+        common::draws()
+    } else {
+        ProptestConfig { cases: 4, ..common::draws() }
+    };
+    let used = Cell::new(0);
+    proptest!(cases, |(seed in any::<u64>())| {
+        for terrain in common::all_kinds(seed) {
+            let map = clean_map(map_of(&terrain.contours()));
+            if map.contours.is_empty() {
+                continue;
+            }
+            for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
+                let what = format!("{} {kind:?} {seed}", terrain.kind);
+                let streams = Streams { lines: random_streams(&map, seed), tolerance: None };
+                let params = SurfaceParams { kind, streams, ..SurfaceParams::default() };
+                let Some(report) = tally.take(build(map.clone(), &params, &()), &ALLOWED, &what) else { continue };
+                let surface = report.value;
+                tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
+                check_dem(&surface, terrain.cell, &what);
+                assert_falls(&surface, &what);
+                used.set(used.get() + surface.streams.len());
+                // No input line is lost without a word.
+                let mut told: Vec<u64> = surface.streams.iter().map(|s| s.feature.number()).collect();
+                told.extend(report.findings.iter().flat_map(|f| &f.features).map(|f| f.number()));
+                assert!((0..8).all(|k| told.contains(&k)), "{what}: {told:?}");
+            }
+        }
+    });
+    tally.assert_share(0.95, 50.0);
+    assert!(used.get() > 100, "{} pieces of streams", used.get());
+}
+
+#[test]
+fn threads_do_not_change_streams() {
+    let terrain = common::hills(5, 60, 50);
+    let map = clean_map(map_of(&terrain.contours()));
+    let streams = Streams { lines: random_streams(&map, 5), tolerance: None };
+    let params = SurfaceParams { streams, ..SurfaceParams::default() };
+    let in_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| build(map.clone(), &params, &()).unwrap().value)
+    };
+    let (one, two) = (in_threads(1), in_threads(2));
+    assert!(!one.streams.is_empty());
+    assert_eq!(one.streams, two.streams);
+    let bits = |surface: &Surface| {
+        let values = surface.working.as_ref().unwrap().heights.iter().map(|z| z.to_bits());
+        values.collect::<Vec<u32>>()
+    };
+    assert_eq!(bits(&one), bits(&two));
+}
