@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
 
 /// Flags of other programs, and the flag here.
-const KNOWN: [(&str, &[&str]); 13] = [
+const KNOWN: [(&str, &[&str]); 14] = [
     ("--extent", &["bbox", "te", "spat", "projwin", "bounds", "box", "region", "aoi", "projwin_srs", "window"]),
     ("--clip", &["cutline", "mask", "clipsrc", "clip-to", "polygon"]),
     ("--frame", &["boundary", "border", "hull"]),
