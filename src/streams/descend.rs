@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::course::{Course, Stretch, is_above};
+use super::course::{Course, Crossing, Stretch, is_above};
 use crate::contour::ContourMap;
 use crate::geometry::{Segment, point_distance};
 use crate::subdomains::{Band, Regions, line_at};
@@ -66,6 +66,16 @@ pub(super) fn descending(
         let crossing = course.crossings[k];
         Vertex { place: crossing.place, height: crossing.level, region: course.stretches[k].region }
     };
+    // A piece that was cut begins or ends on a contour. It has the level of the contour only if water comes from above it,
+    // or goes on below it.
+    let open = |k: usize, region: u32, fits: fn(f64, Band) -> bool| {
+        let Crossing { place, level, .. } = course.crossings[k];
+        let band = ground.regions.regions.get(region as usize).map(|r| r.band);
+        let height = level.filter(|level| band.is_some_and(|band| fits(*level, band)));
+        Vertex { place, height, region }
+    };
+    let start = |k: usize| open(k, course.stretches[k + 1].region, |level, band| level >= band.hi);
+    let end = |k: usize| open(k, course.stretches[k].region, |level, band| level <= band.lo);
     for k in kept(&course.stretches, ground.regions) {
         let stretch = course.stretches[k];
         let arc = last.filter(|last| last + 1 < k).map(|last| detour(ground, course, &along, (last, k), tolerance));
@@ -74,10 +84,10 @@ pub(super) fn descending(
             (Some(last), None) => piece.vertices.push(crossing(last)),
             (Some(_), Some((Some(arc), _))) => piece.vertices.extend(arc),
             (last, _) => {
-                piece.vertices.extend(last.map(crossing));
-                let start = Piece { regions: [stretch.region; 2], at_nodes: [k == 0, false], ..Piece::default() };
-                pieces.push(std::mem::replace(&mut piece, start));
-                piece.vertices.extend(k.checked_sub(1).map(crossing));
+                piece.vertices.extend(last.map(end));
+                let next = Piece { regions: [stretch.region; 2], at_nodes: [k == 0, false], ..Piece::default() };
+                pieces.push(std::mem::replace(&mut piece, next));
+                piece.vertices.extend(k.checked_sub(1).map(start));
             }
         }
         let height = ground.regions.regions[stretch.region as usize].water;
@@ -88,7 +98,7 @@ pub(super) fn descending(
     if let Some(last) = last {
         piece.at_nodes[1] = last + 1 == course.stretches.len();
         if !piece.at_nodes[1] {
-            piece.vertices.push(crossing(last));
+            piece.vertices.push(end(last));
             note_end(course, last + 1..course.stretches.len(), last, &mut detours);
         }
     }
@@ -117,12 +127,15 @@ fn detour(
     let level = out.level.or(back.level).unwrap_or(f64::NAN);
     let arc = Some(()).filter(|()| out.level == back.level);
     let arc = arc.and_then(|()| contour_between(ground, out.edge, back.edge, 4.0 * (tolerance + length)));
-    let by = arc.as_ref().map(|arc| farthest(arc, &along.between(out.at, back.at)));
-    match (arc, by) {
-        (Some(arc), Some(by)) if by <= tolerance => {
-            let places = [out.place].into_iter().chain(arc).chain([back.place]);
+    let way = arc.map(|arc| [out.place].into_iter().chain(arc).chain([back.place]).collect::<Vec<DVec2>>());
+    let run = along.between(out.at, back.at);
+    let by = way.as_ref().map(|way| farthest(way, &run).max(farthest(&run, way)));
+    match (way, by) {
+        (Some(way), Some(by)) if by <= tolerance => {
+            let places = way.into_iter();
             let region = course.stretches[last].region;
-            let vertices = places.map(|place| Vertex { place, height: out.level, region });
+            // Beside the contour, not on it: the stream stays in the sub-domain, and its heights between the levels.
+            let vertices = places.map(|place| Vertex { place, height: None, region });
             (Some(vertices.collect()), Some(Detour::Moved { place: out.place, level, by }))
         }
         _ => (None, Some(Detour::Cut { place: out.place, level, length })),

@@ -60,8 +60,20 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
             most = most.max(p.z);
             p.z = most.midpoint(*least);
         }
+        stay_inside(stream);
         let at = starts.entry(first(stream)).or_insert(f64::NEG_INFINITY);
         *at = at.max(most);
+    }
+}
+
+/// Keeps all heights that no contour gives strictly inside their bands. Along a stream bands never rise, so heights still
+/// fall.
+fn stay_inside(stream: &mut Stream) {
+    let Stream { points, sure, bands, .. } = stream;
+    for ((p, sure), band) in points.iter_mut().zip(sure).zip(bands) {
+        if *sure < Sure::Exact && band.lo < band.hi {
+            p.z = band.strictly_inside(p.z);
+        }
     }
 }
 

@@ -194,7 +194,9 @@ fn solve(
             highest = *z;
         }
         let vertices = edges[e].piece.vertices.iter().zip(at);
-        sure[e] = vertices.map(|(v, &s)| if v.height.is_some() { Sure::Exact } else { sure_at(s) }).collect();
+        let sure_of =
+            |((v, &s), &z): ((&Vertex, &f64), &f64)| if v.height == Some(z) { Sure::Exact } else { sure_at(s) };
+        sure[e] = vertices.zip(&heights[e]).map(sure_of).collect();
         let ends = [(heights[e].first(), sure[e].first()), (heights[e].last(), sure[e].last())];
         for (node, end) in edges[e].nodes.into_iter().zip(ends) {
             if let (Some(node), (Some(&z), Some(&sure))) = (node, end) {
