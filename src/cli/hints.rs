@@ -107,6 +107,7 @@ fn flag_of(parameter: &str) -> Option<&'static str> {
     Some(match parameter {
         "snap distance" => "--snap",
         "fitting tolerance" => "--fit",
+        "tolerance of streams" => "--stream-tolerance",
         "cell size" => "--cell",
         "cell size in degrees" => "--cell-degrees",
         _ => return None,

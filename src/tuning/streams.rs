@@ -8,7 +8,7 @@ tuned! {
         /// How far a stream is moved at most, in spacings, if the caller does not say.
         ///
         /// Refit: RMSE near streams that were shifted.
-        tolerance: f64 = 0.5,
+        tolerance: f64 = 0.25,
         /// Ends of streams nearer to each other than this meet, in spacings.
         snap: f64 = 1e-3,
         /// Vertices of streams per spacing.

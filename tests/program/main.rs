@@ -19,6 +19,7 @@ mod out_of_proportion;
 mod parts;
 mod running;
 mod several_files;
+mod streams;
 mod units;
 mod verbs;
 mod words;

@@ -1,0 +1,99 @@
+//! `--streams` and `--diagnostics`.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests are tests too")]
+
+use std::fs;
+use std::path::Path;
+
+use rusqlite::Connection;
+use tokosen::io::raster::read_dem;
+use tokosen::io::{ReadOptions, read_streams};
+
+use crate::common::Folder;
+use crate::running::{Running, folder_with};
+
+/// A folder with the sample's contours as `c.gpkg`, and its canyon lines as `streams.gpkg`, in their layer `skeleton`.
+fn folder() -> Folder {
+    let folder = folder_with("caryville_20m.gpkg", "c.gpkg");
+    folder.succeeds("skeleton c.gpkg -o all.gpkg");
+    fs::copy(folder.path("all.gpkg"), folder.path("streams.gpkg")).unwrap();
+    let db = Connection::open(folder.path("streams.gpkg")).unwrap();
+    // The triggers of the spatial index call functions that only its makers have.
+    let triggers: Vec<String> = db
+        .prepare("select name from sqlite_master where type = 'trigger' and tbl_name = 'skeleton'")
+        .unwrap()
+        .query_map([], |row| row.get(0))
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    for trigger in triggers {
+        db.execute_batch(&format!("drop trigger \"{trigger}\"")).unwrap();
+    }
+    db.execute("delete from skeleton where kind <> 'canyon'", []).unwrap();
+    folder
+}
+
+/// The streams of a file of diagnostics: their heights, and the column `turned`.
+fn used(path: &Path) -> usize {
+    let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
+    read_streams(path, &options).unwrap().value.0.len()
+}
+
+#[test]
+fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
+    let folder = folder();
+    let text = folder.succeeds("dem c.gpkg --cell 10 --streams streams.gpkg -o d.tif --diagnostics used.gpkg");
+    assert!(text.contains("streams  ") && text.contains("used.gpkg"), "{text}");
+    assert!(used(&folder.path("used.gpkg")) > 20, "{text}");
+    folder.succeeds("dem c.gpkg --cell 10 -o plain.tif");
+    let [with, without] = ["d.tif", "plain.tif"].map(|name| read_dem(&folder.path(name)).unwrap().value.dem);
+    assert_eq!(with.grid, without.grid);
+    let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
+    let streams = read_streams(&folder.path("used.gpkg"), &options).unwrap().value.0;
+    let rises = |dem: &tokosen::dem::Dem| {
+        let mut sum = 0.0;
+        for stream in &streams {
+            let along = stream.points.windows(2).flat_map(|w| (0..4).map(|k| w[0].lerp(w[1], f64::from(k) / 4.0)));
+            let read = |p: glam::DVec2| {
+                let place = dem.grid.place(p).round();
+                let inside =
+                    place.min_element() >= 0.0 && place.x < dem.grid.cols as f64 && place.y < dem.grid.rows as f64;
+                if inside { dem.values[place.y as usize * dem.grid.cols + place.x as usize] } else { f32::NAN }
+            };
+            let values: Vec<f32> = along.map(read).filter(|z| !z.is_nan()).collect();
+            sum += values.windows(2).map(|w| (w[1] - w[0]).max(0.0)).sum::<f32>();
+        }
+        sum
+    };
+    let (with, without) = (rises(&with), rises(&without));
+    assert!(without > 10.0 && with < 0.1 * without, "{with} of {without}");
+}
+
+#[test]
+fn streams_may_be_several_files_and_are_drawn_in_any_direction() {
+    let folder = folder();
+    let text = folder.succeeds(
+        "densify c.gpkg -i 10 --streams streams.gpkg --streams all.gpkg|layername=skeleton -o l.gpkg --diagnostics u.gpkg",
+    );
+    // Ridge lines are no streams: they run upwards somewhere or fall beside each other, and nothing breaks.
+    assert!(text.contains("streams  "), "{text}");
+}
+
+#[test]
+fn what_is_wrong_with_streams_is_said_before_the_work() {
+    let folder = folder();
+    let wrong = folder.ends("dem c.gpkg --cell 10 --surface linear --streams streams.gpkg -o d.tif", 2);
+    assert!(wrong.contains("--streams has no meaning for --surface linear"), "{wrong}");
+    let wrong = folder.ends("dem c.gpkg --cell 10 --streams streams.gpkg --stream-tolerance -1 -o d.tif", 1);
+    assert!(wrong.contains("--stream-tolerance is -1"), "{wrong}");
+    let wrong = folder.ends("dem c.gpkg --cell 10 --streams streams.gpkg -o d.tif --diagnostics u.shp", 2);
+    assert!(wrong.contains("diagnostics"), "{wrong}");
+    fs::write(
+        folder.path("point.geojson"),
+        r#"{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[1,2]}}"#,
+    )
+    .unwrap();
+    let wrong = folder.ends("dem c.gpkg --cell 10 --streams point.geojson -o d.tif", 1);
+    assert!(wrong.contains("no line") && wrong.contains("point.geojson"), "{wrong}");
+    assert!(!folder.path("d.tif").exists());
+}
