@@ -28,7 +28,8 @@ fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (S
         feature: (k as u64).into(),
     };
     let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), tolerance };
-    let report = build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).unwrap();
+    let report =
+        build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
     (report.value, report.findings)
 }
 

@@ -84,7 +84,7 @@ fn what_is_wrong_with_streams_is_said_before_the_work() {
     let folder = folder();
     let wrong = folder.ends("dem c.gpkg --cell 10 --surface linear --streams streams.gpkg -o d.tif", 2);
     assert!(wrong.contains("--streams has no meaning for --surface linear"), "{wrong}");
-    let wrong = folder.ends("dem c.gpkg --cell 10 --streams streams.gpkg --stream-tolerance -1 -o d.tif", 1);
+    let wrong = folder.ends("dem c.gpkg --cell 10 --streams streams.gpkg --stream-tolerance -1 -o d.tif", 2);
     assert!(wrong.contains("--stream-tolerance is -1"), "{wrong}");
     let wrong = folder.ends("dem c.gpkg --cell 10 --streams streams.gpkg -o d.tif --diagnostics u.shp", 2);
     assert!(wrong.contains("diagnostics"), "{wrong}");
