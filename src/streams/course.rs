@@ -130,6 +130,12 @@ fn follow(tin: &Tin, mut t: u32, a: DVec2, b: DVec2, visit: &mut impl FnMut(Cros
     NONE
 }
 
+/// The band of a sub-domain; without limits outside the frame.
+pub(super) fn band_of(regions: &Regions, region: u32) -> Band {
+    let everything = Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    regions.regions.get(region as usize).map_or(everything, |r| r.band)
+}
+
 /// Whether the first of two bands lies above the second.
 pub(super) fn is_above(a: Band, b: Band) -> bool {
     a.lo >= b.hi && (a.lo, a.hi) != (b.lo, b.hi)

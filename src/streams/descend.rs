@@ -6,7 +6,7 @@
 
 use glam::DVec2;
 
-use super::course::{Course, Crossing, Stretch, is_above};
+use super::course::{Course, Crossing, Stretch, band_of, is_above};
 use crate::contour::ContourMap;
 use crate::geometry::{Segment, point_distance};
 use crate::subdomains::{Band, Regions, line_at};
@@ -62,20 +62,24 @@ pub(super) fn descending(
     let mut detours = Vec::new();
     let mut piece = Piece::default();
     let mut last: Option<usize> = None;
-    let crossing = |k: usize| {
-        let crossing = course.crossings[k];
-        Vertex { place: crossing.place, height: crossing.level, region: course.stretches[k].region }
-    };
-    // A piece that was cut begins or ends on a contour. It has the level of the contour only if water comes from above it,
-    // or goes on below it.
-    let open = |k: usize, region: u32, fits: fn(f64, Band) -> bool| {
+    // A crossing has the level of its contour where `fits` says so, from the bands before and after it.
+    let vertex = |k: usize, stretch: usize, fits: fn(f64, Band, Band) -> bool| {
         let Crossing { place, level, .. } = course.crossings[k];
-        let band = ground.regions.regions.get(region as usize).map(|r| r.band);
-        let height = level.filter(|level| band.is_some_and(|band| fits(*level, band)));
-        Vertex { place, height, region }
+        let band = |k: usize| band_of(ground.regions, course.stretches[k].region);
+        let height = level.filter(|level| fits(*level, band(k), band(k + 1)));
+        Vertex { place, height, region: course.stretches[stretch].region }
     };
-    let start = |k: usize| open(k, course.stretches[k + 1].region, |level, band| level >= band.hi);
-    let end = |k: usize| open(k, course.stretches[k].region, |level, band| level <= band.lo);
+    // A contour that ends in the open may be crossed inside one sub-domain, at the edge of its band. Heights beside it are
+    // inside the band, so that level would be a step.
+    let crossing = |k: usize| {
+        vertex(k, k, |level, before, after| {
+            (level < before.hi || level <= before.lo) && (level > after.lo || level >= after.hi)
+        })
+    };
+    // A piece that was cut begins or ends on a contour, with its level only if water comes from above it, or goes on below
+    // it.
+    let start = |k: usize| vertex(k, k + 1, |level, _, after| level >= after.hi);
+    let end = |k: usize| vertex(k, k, |level, before, _| level <= before.lo);
     for k in kept(&course.stretches, ground.regions) {
         let stretch = course.stretches[k];
         let arc = last.filter(|last| last + 1 < k).map(|last| detour(ground, course, &along, (last, k), tolerance));
@@ -135,7 +139,8 @@ fn detour(
             let places = way.into_iter();
             let region = course.stretches[last].region;
             // Beside the contour, not on it: the stream stays in the sub-domain, and its heights between the levels.
-            let vertices = places.map(|place| Vertex { place, height: None, region });
+            let height = out.level.map(|level| band_of(ground.regions, region).strictly_inside(level));
+            let vertices = places.map(|place| Vertex { place, height, region });
             (Some(vertices.collect()), Some(Detour::Moved { place: out.place, level, by }))
         }
         _ => (None, Some(Detour::Cut { place: out.place, level, length })),

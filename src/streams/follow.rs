@@ -67,13 +67,24 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
 }
 
 /// Keeps all heights that no contour gives strictly inside their bands. Along a stream bands never rise, so heights still
-/// fall.
+/// fall. Water may lie nearer to the edge of a band than other heights; its neighbours then may too.
 fn stay_inside(stream: &mut Stream) {
     let Stream { points, sure, bands, .. } = stream;
-    for ((p, sure), band) in points.iter_mut().zip(sure).zip(bands) {
-        if *sure < Sure::Exact && band.lo < band.hi {
-            p.z = band.strictly_inside(p.z);
+    let is_free = |k: usize| sure[k] < Sure::Exact && bands[k].lo < bands[k].hi;
+    let mut before = f64::INFINITY;
+    for k in 0..points.len() {
+        if is_free(k) {
+            let inside = bands[k].strictly_inside(points[k].z);
+            points[k].z = if inside > before && before > bands[k].lo { before } else { inside };
         }
+        before = points[k].z;
+    }
+    let mut after = f64::NEG_INFINITY;
+    for k in (0..points.len()).rev() {
+        if is_free(k) && points[k].z < after && after < bands[k].hi {
+            points[k].z = after;
+        }
+        after = points[k].z;
     }
 }
 

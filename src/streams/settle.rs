@@ -3,7 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::course::Course;
+use super::course::{Course, band_of};
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
 use super::follow::follow;
@@ -14,7 +14,7 @@ use super::shift::{moved, shifts};
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::ContourMap;
 use crate::skeleton::{AxisPoint, axis_heights};
-use crate::subdomains::{Band, Regions, line_starts};
+use crate::subdomains::{Regions, line_starts};
 use crate::tin::{NONE, Tin};
 use crate::tuning::{SkeletonTuning, StreamTuning};
 
@@ -78,7 +78,7 @@ pub(crate) fn settle(
         for mut piece in pieces {
             densify(&mut piece.vertices, spacing / tuning.vertices_per_spacing);
             let nodes = [0, 1].map(|k| piece.at_nodes[k].then_some(reaches[r].nodes[k]));
-            let bands = piece.regions.map(|region| band(regions, region));
+            let bands = piece.regions.map(|region| band_of(regions, region));
             edges.push(Edge { piece, nodes, guesses: [f64::NAN; 2], bands });
             reach_of.push(r);
         }
@@ -92,7 +92,7 @@ pub(crate) fn settle(
         Stream {
             points: vertices.iter().zip(heights).map(|(v, z)| (v.place + tin.origin).extend(z)).collect(),
             sure: std::mem::take(&mut sure[e]),
-            bands: vertices.iter().map(|v| band(regions, v.region)).collect(),
+            bands: vertices.iter().map(|v| band_of(regions, v.region)).collect(),
             feature: lines[reaches[r].line].feature,
             order: orders[e],
             shift: shift_of[r],
@@ -102,11 +102,6 @@ pub(crate) fn settle(
     let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
     guess_between(&ground, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
     Settled { streams: used, findings }
-}
-
-fn band(regions: &Regions, region: u32) -> Band {
-    let nothing = Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-    regions.regions.get(region as usize).map_or(nothing, |r| r.band)
 }
 
 /// The courses of reaches, in their order.
@@ -160,7 +155,7 @@ fn heights_at(ground: &Ground<'_>, places: &[Option<(DVec2, u32)>]) -> Vec<f64> 
     let mut heights = vec![f64::NAN; places.len()];
     let found = axis_heights(tin, regions, &points, &SkeletonTuning::default());
     for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
-        let band = band(regions, point.region);
+        let band = band_of(regions, point.region);
         heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
     }
     heights
