@@ -11,6 +11,8 @@
 //! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
+//! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
+//!    stream are made to fall (`fall`).
 //!
 //! What was changed, cut or left out is a finding.
 
