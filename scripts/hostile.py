@@ -312,8 +312,27 @@ OPTIONS = [
     "densify hill.geojson -i 5 --crs EPSG:2193 --to-crs EPSG:27700 -o out.gpkg", "densify hill.geojson -i 5 --crs (((( -o out.gpkg",
     "densify hill.geojson -i 5 --threads 1024 -o out.gpkg", "densify hill.geojson -i 5 --points hill.geojson -o out.gpkg",
     "densify hill.geojson -i 5 --water hill.geojson -o out.gpkg", "densify hill.geojson -i 5 --frame hill.geojson -o out.gpkg",
+    "densify hill.geojson -i 5 --streams hill.geojson --stream-tolerance 1e300 -o out.gpkg",
+    "densify hill.geojson -i 5 --streams hill.geojson --stream-tolerance 0 -o out.gpkg",
     "skeleton hill.geojson --resolution 1e300 -o out.gpkg", "mesh hill.geojson --base 1e300 -o out.glb",
 ]  # fmt: skip
+
+
+STREAMS = {
+    "none": [],
+    "a point": [line([[1, 1]])],
+    "the same point": [line([[1, 1]] * 50)],
+    "not numbers": [line([[1, 1], [None, 3], ["x", "y"]])],
+    "far away": [line([[-1e300, 0], [1e300, 1]])],
+    "across everything and back": [line([[-300 + 600 * (k % 2), -60 + 0.01 * k] for k in range(10_000)])],
+    "up and down across one contour": [line([[-99 + 0.01 * k, 0.1 * k % 2 + 40 * (k % 2)] for k in range(10_000)])],
+    "a spiral": [line([[0.01 * k * math.cos(0.1 * k), 0.01 * k * math.sin(0.1 * k)] for k in range(10_000)])],
+    "ten thousand at one place": [line([[0, 0], ring(90, 10_000)[k]]) for k in range(10_000)],
+    "the same line a thousand times": [line([[0, 0], [50, 50], [90, 0]])] * 1000,
+    "loops": [line(ring(10 + k)) for k in range(100)],
+    "along contours": [line(ring(100 - 20 * k)[:30]) for k in range(4)],
+    "points and polygons": [{"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 2]}}],
+}
 
 
 def cases():
@@ -335,6 +354,13 @@ def cases():
     for name, (file, data) in RASTERS.items():
         write = lambda folder, file=file, data=data: (folder / file).write_bytes(data)  # noqa: E731
         yield f"raster: {name}", write, f"derive {file} --slope out.tif"
+    for name, lines in STREAMS.items():
+
+        def write(folder, lines=lines):
+            (folder / "hill.geojson").write_text(collection(hill()))
+            (folder / "streams.geojson").write_text(collection(lines))
+
+        yield f"streams: {name}", write, densify.format("hill.geojson --streams streams.geojson")
     for command in OPTIONS:
         yield f"options: {command}", (lambda folder: (folder / "hill.geojson").write_text(collection(hill()))), command
 

@@ -6,11 +6,15 @@
 
 use glam::DVec2;
 
+use super::along::Along;
 use super::course::{Course, Crossing, Stretch, band_of, is_above};
 use crate::contour::ContourMap;
 use crate::geometry::{Segment, point_distance};
 use crate::subdomains::{Band, Regions, line_at};
 use crate::tin::{NONE, Tin};
+
+/// A way along a contour that replaces a detour is at most this many times as long as the detour and the tolerance.
+const LONGEST: f64 = 4.0;
 
 /// The map as streams see it.
 pub(super) struct Ground<'a> {
@@ -41,13 +45,13 @@ pub(super) struct Piece {
     pub at_nodes: [bool; 2],
 }
 
-/// What was done about a detour, with the level of the contour that was crossed.
+/// What was done about a detour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Detour {
     /// The stream was moved along the contour by this distance at most, map units.
-    Moved { place: DVec2, level: f64, by: f64 },
-    /// The stream was cut. `length` is what was cut out, map units.
-    Cut { place: DVec2, level: f64, length: f64 },
+    Moved(f64),
+    /// The stream was cut at a place on the contour of this level, if it is one. `length` is what was cut out, map units.
+    Cut { place: DVec2, level: Option<f64>, length: f64 },
 }
 
 /// Divides a reach into pieces that never rise. `points` and the course run downstream.
@@ -128,23 +132,23 @@ fn detour(
     }
     let (out, back) = (course.crossings[last], course.crossings[next - 1]);
     let length: f64 = skipped.iter().map(|s| s.to - s.from).sum();
-    let level = out.level.or(back.level).unwrap_or(f64::NAN);
-    let arc = Some(()).filter(|()| out.level == back.level);
-    let arc = arc.and_then(|()| contour_between(ground, out.edge, back.edge, 4.0 * (tolerance + length)));
-    let way = arc.map(|arc| [out.place].into_iter().chain(arc).chain([back.place]).collect::<Vec<DVec2>>());
-    let run = along.between(out.at, back.at);
-    let by = way.as_ref().map(|way| farthest(way, &run).max(farthest(&run, way)));
-    match (way, by) {
-        (Some(way), Some(by)) if by <= tolerance => {
-            let places = way.into_iter();
-            let region = course.stretches[last].region;
-            // Beside the contour, not on it: the stream stays in the sub-domain, and its heights between the levels.
-            let height = out.level.map(|level| band_of(ground.regions, region).strictly_inside(level));
-            let vertices = places.map(|place| Vertex { place, height, region });
-            (Some(vertices.collect()), Some(Detour::Moved { place: out.place, level, by }))
-        }
-        _ => (None, Some(Detour::Cut { place: out.place, level, length })),
+    let cut = Detour::Cut { place: out.place, level: out.level.or(back.level), length };
+    if out.level != back.level {
+        return (None, Some(cut));
     }
+    let Some(between) = contour_between(ground, out.edge, back.edge, LONGEST * (tolerance + length)) else {
+        return (None, Some(cut));
+    };
+    let way: Vec<DVec2> = [out.place].into_iter().chain(between).chain([back.place]).collect();
+    let run = along.between(out.at, back.at);
+    let by = farthest(&way, &run).max(farthest(&run, &way));
+    if by > tolerance {
+        return (None, Some(cut));
+    }
+    // Beside the contour, not on it: the stream stays in the sub-domain, and its heights between the levels.
+    let region = course.stretches[last].region;
+    let height = out.level.map(|level| band_of(ground.regions, region).strictly_inside(level));
+    (Some(way.into_iter().map(|place| Vertex { place, height, region }).collect()), Some(Detour::Moved(by)))
 }
 
 /// Reports the end of a reach that was left out.
@@ -152,9 +156,8 @@ fn note_end(course: &Course, left_out: std::ops::Range<usize>, last: usize, deto
     let inside: Vec<Stretch> = course.stretches[left_out].iter().copied().filter(|s| s.region != NONE).collect();
     let length: f64 = inside.iter().map(|s| s.to - s.from).sum();
     if !inside.is_empty() {
-        let crossing = course.crossings[last];
-        let level = crossing.level.unwrap_or(f64::NAN);
-        detours.push(Detour::Cut { place: crossing.place, level, length });
+        let Crossing { place, level, .. } = course.crossings[last];
+        detours.push(Detour::Cut { place, level, length });
     }
 }
 
@@ -257,51 +260,4 @@ fn farthest(points: &[DVec2], line: &[DVec2]) -> f64 {
         pairs.fold(f64::INFINITY, f64::min)
     };
     points.iter().map(distance).fold(0.0, f64::max)
-}
-
-/// Distances along a line.
-struct Along<'a> {
-    points: &'a [DVec2],
-    at: Vec<f64>,
-}
-
-impl<'a> Along<'a> {
-    fn new(points: &'a [DVec2]) -> Self {
-        let mut at = vec![0.0];
-        let mut sum = 0.0;
-        for w in points.windows(2) {
-            sum += w[0].distance(w[1]);
-            at.push(sum);
-        }
-        Self { points, at }
-    }
-
-    /// The vertices strictly inside a stretch, and the ends of the line at its ends.
-    fn inside(&self, stretch: Stretch) -> impl Iterator<Item = DVec2> + '_ {
-        let last = self.points.len() - 1;
-        let is_in = move |k: usize| {
-            let at = self.at[k];
-            (stretch.from < at && at < stretch.to)
-                || (k == 0 && stretch.from == 0.0)
-                || (k == last && stretch.to >= self.at[last])
-        };
-        let from = self.at.partition_point(|at| *at < stretch.from);
-        let to = self.at.partition_point(|at| *at <= stretch.to);
-        (from..to).filter(move |&k| is_in(k)).map(|k| self.points[k])
-    }
-
-    /// The piece between two distances.
-    fn between(&self, from: f64, to: f64) -> Vec<DVec2> {
-        let first = self.at.partition_point(|at| *at <= from);
-        let end = self.at.partition_point(|at| *at < to).max(first);
-        let inner = self.points[first..end].iter().copied();
-        [self.place(from)].into_iter().chain(inner).chain([self.place(to)]).collect()
-    }
-
-    fn place(&self, at: f64) -> DVec2 {
-        let k = self.at.partition_point(|a| *a <= at).clamp(1, self.points.len() - 1);
-        let (a, b) = (self.at[k - 1], self.at[k]);
-        let share = if b > a { ((at - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
-        self.points[k - 1].lerp(self.points[k], share)
-    }
 }

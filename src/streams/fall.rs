@@ -10,6 +10,7 @@ use glam::{DVec2, DVec3};
 
 use super::line::Stream;
 use crate::base::Grid;
+use crate::base::bits::bits;
 
 /// Readings per cell along a stream.
 const READINGS: f64 = 4.0;
@@ -24,13 +25,12 @@ pub(crate) fn raise_to(streams: &[Stream], grid: &Grid, heights: &mut [f32], bou
 /// Lowers heights along streams until they never rise downstream. All stay between `bounds`. Heights that are NaN stay.
 /// `streams` come in an order in which each one follows those that flow into it.
 pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
-    let key = |p: DVec2| p.to_array().map(f64::to_bits);
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
         let mut changed = false;
         for stream in streams {
             let (Some(first), Some(last)) = (stream.points.first(), stream.points.last()) else { continue };
-            let mut most = ends.get(&key(first.truncate())).copied().unwrap_or([f32::INFINITY; 2]);
+            let mut most = ends.get(&bits(first.truncate())).copied().unwrap_or([f32::INFINITY; 2]);
             let mut before = usize::MAX;
             for_each_reading(stream, grid, |place, _| {
                 let n = nearest(grid, place);
@@ -51,7 +51,7 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], b
                     most[1] = most[1].min(reading(heights, &corners));
                 }
             });
-            let end = ends.entry(key(last.truncate())).or_insert([f32::INFINITY; 2]);
+            let end = ends.entry(bits(last.truncate())).or_insert([f32::INFINITY; 2]);
             *end = [end[0].min(most[0]), end[1].min(most[1])];
         }
         if !changed {

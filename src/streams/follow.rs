@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use super::line::{Stream, Sure};
+use crate::base::bits::bits;
 
 /// Gives vertices whose height is a guess the height that `guess` has there. Then heights fall along the network again:
 /// the new height is the mean of the lowest one upstream and the highest one downstream, neither of which ever rises.
@@ -18,8 +19,8 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
             p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
     }
-    let first = |stream: &Stream| key(stream.points.first().map_or(DVec2::NAN, |p| p.truncate()));
-    let last = |stream: &Stream| key(stream.points.last().map_or(DVec2::NAN, |p| p.truncate()));
+    let first = |stream: &Stream| bits(stream.points.first().map_or(DVec2::NAN, |p| p.truncate()));
+    let last = |stream: &Stream| bits(stream.points.last().map_or(DVec2::NAN, |p| p.truncate()));
     let is_known = |sure: Sure| sure > Sure::Guessed;
     // What is known limits what is guessed: first from below, then from above.
     let mut below: HashMap<[u64; 2], f64> = HashMap::new();
@@ -86,9 +87,4 @@ fn stay_inside(stream: &mut Stream) {
         }
         after = points[k].z;
     }
-}
-
-/// The bits of a position.
-fn key(p: DVec2) -> [u64; 2] {
-    p.to_array().map(f64::to_bits)
 }

@@ -16,6 +16,7 @@
 //!
 //! What was changed, cut or left out is a finding.
 
+mod along;
 mod course;
 mod descend;
 mod direction;

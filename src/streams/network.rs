@@ -2,13 +2,14 @@
 //!
 //! Lines meet where they share a point, where they cross, and where a line ends at another one.
 
-use std::collections::BTreeSet;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 
 use super::line::StreamLine;
+use crate::base::bits::bits;
 use crate::base::union_find::UnionFind;
 use crate::geometry::{Meeting, Segment, meeting, place};
 
@@ -44,6 +45,8 @@ pub(super) struct Network {
     pub nodes: usize,
     /// The reaches, in the order of the lines.
     pub reaches: Vec<Reach>,
+    /// By line: length of loops and of copies of other reaches, which are no reaches, map units.
+    pub left_out: Vec<f64>,
 }
 
 /// A place that divides a line: number of the segment, share of it, position.
@@ -74,16 +77,20 @@ impl Network {
         reaches.retain(|reach| reach.points.len() > 1);
         let nodes = number_nodes(&mut reaches, snap);
         // A loop has no direction. A reach that is shorter than the snap distance is a point.
-        reaches.retain(|reach| reach.nodes[0] != reach.nodes[1]);
-        let mut seen = BTreeSet::new();
+        let mut seen = HashSet::new();
+        let mut left_out = vec![0.0; lines.len()];
         reaches.retain(|reach| {
-            let mut key: Vec<[u64; 2]> = reach.points.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+            let mut key: Vec<[u64; 2]> = reach.points.iter().map(|p| bits(*p)).collect();
             if key.first() > key.last() {
                 key.reverse();
             }
-            seen.insert(key)
+            let is_used = reach.nodes[0] != reach.nodes[1] && seen.insert(key);
+            if !is_used {
+                left_out[reach.line] += reach.length();
+            }
+            is_used
         });
-        Self { nodes, reaches }
+        Self { nodes, reaches, left_out }
     }
 }
 
@@ -136,11 +143,20 @@ fn breaks(lines: &[StreamLine], snap: f64) -> Vec<Vec<Break>> {
 
 /// Numbers the nodes at the ends of the reaches. Ends at one node get one position.
 fn number_nodes(reaches: &mut [Reach], snap: f64) -> usize {
-    let ends = reaches.iter().flat_map(|reach| [reach.points[0], reach.points[reach.points.len() - 1]]);
-    let ends: Vec<DVec2> = ends.collect();
-    let tree = RTree::bulk_load(ends.iter().enumerate().map(|(k, p)| GeomWithData::new(p.to_array(), k)).collect());
-    let mut groups = UnionFind::new(ends.len());
-    for (k, p) in ends.iter().enumerate() {
+    let mut number: HashMap<[u64; 2], usize> = HashMap::new();
+    let mut places: Vec<DVec2> = Vec::new();
+    for reach in reaches.iter_mut() {
+        for (k, at) in [0, reach.points.len() - 1].into_iter().enumerate() {
+            let place = reach.points[at];
+            reach.nodes[k] = *number.entry(bits(place)).or_insert_with(|| {
+                places.push(place);
+                places.len() - 1
+            });
+        }
+    }
+    let tree = RTree::bulk_load(places.iter().enumerate().map(|(k, p)| GeomWithData::new(p.to_array(), k)).collect());
+    let mut groups = UnionFind::new(places.len());
+    for (k, p) in places.iter().enumerate() {
         let mut near: Vec<usize> = tree.locate_within_distance(p.to_array(), snap * snap).map(|n| n.data).collect();
         near.sort_unstable();
         for other in near {
@@ -150,18 +166,18 @@ fn number_nodes(reaches: &mut [Reach], snap: f64) -> usize {
             }
         }
     }
-    let mut number = vec![usize::MAX; ends.len()];
+    let mut numbered: Vec<Option<usize>> = vec![None; places.len()];
     let mut count = 0;
-    for k in 0..ends.len() {
-        let root = groups.root(k);
-        if number[root] == usize::MAX {
-            number[root] = count;
-            count += 1;
+    for reach in reaches {
+        let last = reach.points.len() - 1;
+        for (k, at) in [0, last].into_iter().enumerate() {
+            let root = groups.root(reach.nodes[k]);
+            reach.points[at] = places[root];
+            reach.nodes[k] = *numbered[root].get_or_insert_with(|| {
+                count += 1;
+                count - 1
+            });
         }
-        let (reach, last) = (&mut reaches[k / 2], k % 2 == 1);
-        reach.nodes[k % 2] = number[root];
-        let at = if last { reach.points.len() - 1 } else { 0 };
-        reach.points[at] = ends[root];
     }
     count
 }
@@ -201,6 +217,9 @@ mod tests {
             line(&[(3.0, 3.0), (4.0, 3.0), (4.0, 4.0), (3.0, 3.0)]),
             line(&[(7.0, 7.0), (7.0, 7.001)]),
         ];
-        assert_eq!(Network::new(&lines, 0.01).reaches.len(), 1);
+        let network = Network::new(&lines, 0.01);
+        assert_eq!(network.reaches.len(), 1);
+        assert_eq!([network.left_out[0], network.left_out[1]], [0.0, 10.0]);
+        assert!((network.left_out[2] - (2.0 + 2f64.sqrt())).abs() < 1e-9 && network.left_out[3] > 0.0);
     }
 }

@@ -21,6 +21,9 @@ use crate::tuning::{SkeletonTuning, StreamTuning};
 /// Reaches per parallel task. The search for the first triangle starts anew with each task.
 const CHUNK: usize = 64;
 
+/// A smaller share of a line is a rounding error.
+const ROUNDING: f64 = 1e-9;
+
 /// Streams that agree with the contours, and what had to be done for it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Settled {
@@ -46,18 +49,19 @@ pub(crate) fn settle(
         feature: line.feature,
     };
     let lines: Vec<StreamLine> = streams.lines.iter().map(local).collect();
-    let Network { nodes, reaches } = Network::new(&lines, tuning.snap * spacing);
+    let Network { nodes, reaches, left_out } = Network::new(&lines, tuning.snap * spacing);
 
-    let courses = courses(&ground, &reaches);
+    let courses = courses(&ground, &reaches, |_| None);
     let heights = node_heights(&ground, &reaches, &courses, nodes);
     let back = flows_back(&reaches, &courses, regions, &heights);
     let turned: Vec<Reach> =
         reaches.into_iter().zip(&back).map(|(r, &back)| if back { r.reversed() } else { r }).collect();
-    let before = self::courses(&ground, &turned);
+    let before = self::courses(&ground, &turned, |r| (!back[r]).then(|| courses[r].clone()));
     let each = turned.par_iter().zip(&before);
     let shifts: Vec<_> = each.map(|(r, course)| shifts(&ground, &r.points, course, tolerance, tuning)).collect();
     let reaches = moved(&turned, nodes, &shifts);
-    let courses = self::courses(&ground, &reaches);
+    let courses =
+        self::courses(&ground, &reaches, |r| (reaches[r].points == turned[r].points).then(|| before[r].clone()));
 
     let found: Vec<(Vec<Piece>, Vec<Detour>)> = reaches
         .par_iter()
@@ -70,10 +74,12 @@ pub(crate) fn settle(
     for (r, (pieces, detours)) in found.into_iter().enumerate() {
         for detour in detours {
             let feature = lines[reaches[r].line].feature;
-            if let Detour::Moved { by, .. } = detour {
-                shift_of[r] = shift_of[r].max(by);
+            match detour {
+                Detour::Moved(by) => shift_of[r] = shift_of[r].max(by),
+                Detour::Cut { place, level, length } => {
+                    findings.push(cut_finding(place + tin.origin, level, length).of_feature(feature));
+                }
             }
-            findings.extend(detour_finding(&detour, tin.origin).map(|f| f.of_feature(feature)));
         }
         for mut piece in pieces {
             densify(&mut piece.vertices, spacing / tuning.vertices_per_spacing);
@@ -85,7 +91,8 @@ pub(crate) fn settle(
     }
     guess_ends(&ground, &mut edges);
     let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
-    findings.extend(line_findings(&lines, &reaches, (&back, &shift_of), &reach_of, tin.origin));
+    let used = UsedLines { lines: &lines, reaches: &reaches, courses: &courses, back: &back, shift_of: &shift_of };
+    findings.extend(used.findings(&reach_of, &left_out, tin.origin));
     let mut stream = |e: usize| {
         let (vertices, r) = (&edges[e].piece.vertices, reach_of[e]);
         let heights = std::mem::take(&mut heights[e]);
@@ -104,13 +111,16 @@ pub(crate) fn settle(
     Settled { streams: used, findings }
 }
 
-/// The courses of reaches, in their order.
-fn courses(ground: &Ground<'_>, reaches: &[Reach]) -> Vec<Course> {
-    let of_chunk = |chunk: &[Reach]| {
+/// The courses of reaches, in their order. `known` gives those that are known, by the number of the reach.
+fn courses(ground: &Ground<'_>, reaches: &[Reach], known: impl Fn(usize) -> Option<Course> + Sync) -> Vec<Course> {
+    let of_chunk = |(chunk, reaches): (usize, &[Reach])| {
         let mut near = 0;
-        chunk.iter().map(|r| Course::new(ground.tin, ground.regions, &r.points, &mut near)).collect::<Vec<_>>()
+        let new = |(k, r): (usize, &Reach)| {
+            known(chunk * CHUNK + k).unwrap_or_else(|| Course::new(ground.tin, ground.regions, &r.points, &mut near))
+        };
+        reaches.iter().enumerate().map(new).collect::<Vec<_>>()
     };
-    reaches.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
+    reaches.par_chunks(CHUNK).enumerate().flat_map_iter(of_chunk).collect()
 }
 
 /// Heights of the nodes by equation (1). A node outside the frame has the height where its reach enters the frame.
@@ -212,68 +222,76 @@ fn densify(vertices: &mut Vec<Vertex>, step: f64) {
     *vertices = out;
 }
 
-fn detour_finding(detour: &Detour, origin: DVec2) -> Option<Finding> {
-    match *detour {
-        Detour::Moved { .. } => None,
-        Detour::Cut { place, level, length } => {
-            let message = match level.is_finite() {
-                true => format!("the stream crosses contour {level} upwards; {length:.0} of its length is left out"),
-                false => format!("the stream runs upwards; {length:.0} of its length is left out"),
-            };
-            Some(Finding::at(FindingKind::StreamCut, place + origin, message).of_elevations([level]))
-        }
-    }
+/// The finding about a piece that was cut out.
+fn cut_finding(place: DVec2, level: Option<f64>, length: f64) -> Finding {
+    let where_to = level.map_or("upwards".into(), |level| format!("up across the contour {level}"));
+    let message = format!("the stream runs {where_to}; this piece, {length:.1} map units long, is left out");
+    Finding::at(FindingKind::StreamCut, place, message).of_elevations(level)
 }
 
-/// What was done to whole lines.
-fn line_findings(
-    lines: &[StreamLine],
-    reaches: &[Reach],
-    (back, shift_of): (&[bool], &[f64]),
-    reach_of: &[usize],
-    origin: DVec2,
-) -> Vec<Finding> {
-    #[derive(Clone, Copy, Default)]
-    struct Line {
-        reaches: usize,
-        used: usize,
-        turned: f64,
-        kept: f64,
-        shift: f64,
-        moved: DVec2,
-    }
-    let mut all = vec![Line::default(); lines.len()];
-    for ((reach, &back), &shift) in reaches.iter().zip(back).zip(shift_of) {
-        let line = &mut all[reach.line];
-        line.reaches += 1;
-        *(if back { &mut line.turned } else { &mut line.kept }) += reach.length();
-        if shift > line.shift {
-            (line.shift, line.moved) = (shift, reach.points[reach.points.len() / 2]);
+/// The lines and what was made of them.
+struct UsedLines<'a> {
+    lines: &'a [StreamLine],
+    reaches: &'a [Reach],
+    courses: &'a [Course],
+    /// By reach: whether it was turned, and how far it was moved.
+    back: &'a [bool],
+    shift_of: &'a [f64],
+}
+
+/// What was made of one line.
+#[derive(Clone, Copy, Default)]
+struct LineState {
+    /// Number of pieces that are used.
+    used: usize,
+    /// Length that was turned and that was not, and length outside the frame, map units.
+    turned: f64,
+    kept: f64,
+    outside: f64,
+    /// The largest shift, and where it is.
+    shift: f64,
+    moved: DVec2,
+}
+
+impl UsedLines<'_> {
+    /// What was done to whole lines. `reach_of` gives the reach of each piece that is used, `left_out` the length of the
+    /// loops and copies of each line.
+    fn findings(&self, reach_of: &[usize], left_out: &[f64], origin: DVec2) -> Vec<Finding> {
+        let mut all = vec![LineState::default(); self.lines.len()];
+        for (r, reach) in self.reaches.iter().enumerate() {
+            let line = &mut all[reach.line];
+            *(if self.back[r] { &mut line.turned } else { &mut line.kept }) += reach.length();
+            let outside = self.courses[r].stretches.iter().filter(|s| s.region == NONE);
+            line.outside += outside.map(|s| s.to - s.from).sum::<f64>();
+            if self.shift_of[r] > line.shift {
+                (line.shift, line.moved) = (self.shift_of[r], reach.points[reach.points.len() / 2]);
+            }
         }
-    }
-    for &r in reach_of {
-        all[reaches[r].line].used += 1;
-    }
-    let mut found = Vec::new();
-    for (line, state) in lines.iter().zip(all) {
-        let start = line.points.first().copied().unwrap_or_default() + origin;
-        let mut note =
-            |kind, place, message: String| found.push(Finding::at(kind, place, message).of_feature(line.feature));
-        if state.used == 0 {
-            let why = match state.reaches {
-                0 => "it is a loop, a point or a copy of another line",
-                _ => "it lies outside the frame",
+        reach_of.iter().for_each(|&r| all[self.reaches[r].line].used += 1);
+        let mut found = Vec::new();
+        for ((line, state), &left_out) in self.lines.iter().zip(all).zip(left_out) {
+            let start = line.points.first().copied().unwrap_or_default();
+            let mut note = |kind, place: DVec2, message: String| {
+                found.push(Finding::at(kind, place + origin, message).of_feature(line.feature));
             };
-            note(FindingKind::StreamLeftOut, start, format!("the stream is left out: {why}"));
-            continue;
+            if left_out > 0.0 || state.turned + state.kept == 0.0 {
+                let message = format!("{left_out:.1} map units of the stream are a loop or a copy of another stream");
+                note(FindingKind::StreamLeftOut, start, message);
+            }
+            // A line that ends on the frame may lie outside by a rounding error.
+            if state.outside > ROUNDING * (state.turned + state.kept) {
+                let message = format!("{:.1} map units of the stream lie outside the frame", state.outside);
+                note(FindingKind::StreamOutside, start, message);
+            }
+            if state.used > 0 && state.turned > state.kept {
+                note(FindingKind::StreamTurned, start, "the stream is drawn upstream; it is turned".into());
+            }
+            if state.used > 0 && state.shift > 0.0 {
+                let message =
+                    format!("the stream is moved by up to {:.1} map units into bends of contours", state.shift);
+                note(FindingKind::StreamMoved, state.moved, message);
+            }
         }
-        if state.turned > state.kept {
-            note(FindingKind::StreamTurned, start, "the stream is drawn upstream; it is turned".into());
-        }
-        if state.shift > 0.0 {
-            let message = format!("the stream is moved by up to {:.1} into the bends of contours", state.shift);
-            note(FindingKind::StreamMoved, state.moved + origin, message);
-        }
+        found
     }
-    found
 }

@@ -7,6 +7,7 @@
 
 use glam::DVec2;
 
+use super::along::Along;
 use super::course::{Course, Crossing};
 use super::descend::Ground;
 use super::network::Reach;
@@ -33,11 +34,16 @@ pub(super) fn shifts(
     tolerance: f64,
     tuning: &StreamTuning,
 ) -> Vec<Shift> {
+    if tolerance <= 0.0 {
+        return Vec::new();
+    }
+    let along = Along::new(points);
     let crossings: Vec<&Crossing> = course.crossings.iter().filter(|c| c.level.is_some()).collect();
     let candidates: Vec<Vec<Candidate>> = crossings
         .iter()
         .map(|crossing| {
-            let down = direction(points, crossing.at, tolerance);
+            let ends = [crossing.at - tolerance, crossing.at + tolerance].map(|at| along.place(at));
+            let down = (ends[1] - ends[0]).normalize_or_zero();
             let mut found = vec![Candidate { by: DVec2::ZERO, place: crossing.place, cost: 0.0 }];
             found.extend(tips(ground, crossing, down, tolerance, tuning).map(|(place, depth)| {
                 let by = place - crossing.place;
@@ -87,24 +93,6 @@ fn cheapest(candidates: &[Vec<Candidate>], change: impl Fn(DVec2, DVec2) -> f64)
     }
     chosen.reverse();
     chosen
-}
-
-/// The direction of a line around a place on it, over a distance of `reach` to both sides.
-fn direction(points: &[DVec2], at: f64, reach: f64) -> DVec2 {
-    let mut walked = 0.0;
-    let (mut a, mut b) = (None, None);
-    for w in points.windows(2) {
-        let length = w[0].distance(w[1]);
-        let on = |at: f64| w[0].lerp(w[1], if length > 0.0 { ((at - walked) / length).clamp(0.0, 1.0) } else { 0.0 });
-        if a.is_none() && walked + length >= at - reach {
-            a = Some(on(at - reach));
-        }
-        if walked <= at + reach {
-            b = Some(on(at + reach));
-        }
-        walked += length;
-    }
-    (b.unwrap_or_default() - a.unwrap_or_default()).normalize_or_zero()
 }
 
 /// The tips of a contour within `reach` of a crossing: vertices from which both arms of the contour run downstream. Each

@@ -16,6 +16,7 @@ mod parted;
 mod sample;
 mod skeleton_lines;
 mod smooth_height;
+mod stream_lines;
 mod trial_builder;
 
 pub use build::build;

@@ -150,9 +150,7 @@ impl Triangulation {
             }
         }
         self.edges = self.input.edges.len();
-        let mut loose = std::mem::take(&mut self.input.loose);
-        loose.sort_by_key(|(rank, _)| *rank);
-        for (_, ends) in loose {
+        for ends in std::mem::take(&mut self.input.loose) {
             let [from, to] = ends.map(|p| FixedVertexHandle::from_index(self.vertex_of[p as usize] as usize));
             if from != to && self.cdt.can_add_constraint(from, to) {
                 self.cdt.add_constraint(from, to);

@@ -14,8 +14,8 @@ pub struct TinInput {
     pub(super) heights: Vec<f64>,
     pub(super) kinds: Vec<VertexKind>,
     pub(super) edges: Vec<[u32; 2]>,
-    /// Edges that are left out where they cross others, with their rank.
-    pub(super) loose: Vec<(u8, [u32; 2])>,
+    /// Edges that are left out where they cross others.
+    pub(super) loose: Vec<[u32; 2]>,
     pub(super) border_tolerance: f64,
 }
 
@@ -78,10 +78,10 @@ impl TinInput {
         self.edges.push([a, b]);
     }
 
-    /// Adds an edge that the triangulation holds if it crosses no other edge that was added. Of loose edges, those of a
-    /// lower `rank` come first.
-    pub fn push_loose_edge(&mut self, a: u32, b: u32, rank: u8) {
-        self.loose.push((rank, [a, b]));
+    /// Adds an edge that the triangulation holds only if it crosses none of the other edges. Of two loose edges that cross,
+    /// the one that was added first is held.
+    pub fn push_loose_edge(&mut self, a: u32, b: u32) {
+        self.loose.push([a, b]);
     }
 
     /// Adds the vertices of a line in map coordinates and the edges between them.

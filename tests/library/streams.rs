@@ -107,6 +107,27 @@ fn a_stream_that_crosses_a_contour_three_times_is_moved_along_it_or_cut() {
 }
 
 #[test]
+fn what_lies_outside_or_is_no_stream_is_told_with_its_length() {
+    let down: Vec<(f64, f64)> = (0..=40).map(|k| (0.0, 700.0 - 20.0 * f64::from(k))).collect();
+    let ring = [(30.0, 300.0), (50.0, 300.0), (50.0, 320.0), (30.0, 320.0), (30.0, 300.0)];
+    let far = [(900.0, 0.0), (900.0, 50.0)];
+    let copy: Vec<(f64, f64)> = down.iter().rev().copied().collect();
+    let (surface, findings) = built(valley(), &[&down, &ring, &far, &copy], None);
+    let told = |kind: FindingKind, feature: u64| {
+        let found: Vec<&Finding> = findings.iter().filter(|f| f.kind == kind && f.features[0] == feature).collect();
+        assert!(found.len() <= 1, "{found:?}");
+        found.first().map(|f| f.message.clone())
+    };
+    assert_eq!(surface.streams.len(), 1);
+    // The hull of the valley ends at 600 m in the north.
+    let outside = told(FindingKind::StreamOutside, 0).unwrap();
+    assert!(outside.contains("100.0 map units"), "{outside}");
+    assert!(told(FindingKind::StreamLeftOut, 1).unwrap().contains("80.0 map units"));
+    assert!(told(FindingKind::StreamOutside, 2).unwrap().contains("50.0 map units"));
+    assert!(told(FindingKind::StreamLeftOut, 3).unwrap().contains("800.0 map units"));
+}
+
+#[test]
 fn tributaries_meet_the_main_stream_at_its_height_and_orders_grow() {
     let main: Vec<(f64, f64)> = (0..=29).map(|k| (0.0, 580.0 - 20.0 * f64::from(k))).collect();
     let side = [(0.0, 240.0), (60.0, 300.0), (120.0, 380.0)];

@@ -163,8 +163,10 @@ kinds! {
     StreamMoved = "stream-moved", Note, "streams moved into the bends of contours";
     /// A stream runs upwards across a contour. The part that does was left out.
     StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
-    /// A stream was left out as a whole.
+    /// A stream, or a piece of it, is no line along which water runs: a point, a loop, a copy. It was left out.
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
+    /// A stream, or a piece of it, lies outside the frame. It was left out there.
+    StreamOutside = "stream-outside", Note, "streams outside the frame";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
