@@ -149,8 +149,7 @@ fn solve(
         }
         at.push(own);
     }
-    // What is lower downstream counts less than what is certain upstream: contours cannot contradict each other here, but
-    // the water of two lakes can.
+    // Known heights must not rise. Those of contours never do here. Those of two lakes may: then the upper lake counts.
     let mut least = f64::INFINITY;
     knots.retain(|&(_, z)| {
         let falls = z <= least;

@@ -15,7 +15,7 @@ use super::part::Part;
 use super::plane::{named, on_plane};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
-use crate::base::error::{Finding, Report, Result};
+use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::contour::{ContourMap, Lake, UnitHint};
 use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
@@ -196,13 +196,22 @@ impl Input {
     /// Adds lines of rivers and streams, in any direction. They are in the contours' coordinate reference system if `crs`
     /// is `None`.
     ///
+    /// A line with a vertex that has no place on the working plane is left out, with a finding.
+    ///
     /// # Errors
-    /// As [`Input::add_spots`].
+    /// If their system cannot be converted to the working one.
     pub fn add_streams(&mut self, lines: impl IntoIterator<Item = StreamLine>, crs: Option<&Crs>) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         for line in lines {
             let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
-            self.streams.push(StreamLine { points: points.collect::<Result<_>>()?, ..line });
+            match points.collect::<Result<_>>() {
+                Ok(points) => self.streams.push(StreamLine { points, ..line }),
+                Err(error) => {
+                    let message = format!("stream {} is left out: {error}", line.feature);
+                    let finding = Finding::general(FindingKind::StreamOutside, message);
+                    self.findings.push(finding.of_feature(line.feature));
+                }
+            }
         }
         Ok(())
     }

@@ -80,6 +80,22 @@ fn streams_may_be_several_files_and_are_drawn_in_any_direction() {
 }
 
 #[test]
+fn a_stream_without_a_place_in_the_system_of_the_contours_is_left_out_with_a_finding() {
+    let folder = folder();
+    // Degrees at the other side of the Earth, in a file that names no system: WGS 84.
+    fs::write(
+        folder.path("far.geojson"),
+        r#"{"type":"Feature","properties":{},"geometry":{"type":"LineString","coordinates":[[5,5],[6,6]]}}"#,
+    )
+    .unwrap();
+    let text = folder.succeeds("dem c.gpkg --cell 20 --streams far.geojson -o d.tif");
+    assert!(text.contains("streams outside the frame: 1") && text.contains("is left out"), "{text}");
+    folder.succeeds("dem c.gpkg --cell 20 -o plain.tif");
+    let [with, without] = ["d.tif", "plain.tif"].map(|name| fs::read(folder.path(name)).unwrap());
+    assert!(with == without, "nothing else changes");
+}
+
+#[test]
 fn what_is_wrong_with_streams_is_said_before_the_work() {
     let folder = folder();
     let wrong = folder.ends("dem c.gpkg --cell 10 --surface linear --streams streams.gpkg -o d.tif", 2);
