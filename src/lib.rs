@@ -29,6 +29,7 @@
 //! | [`subdivision::subdivide`](fn@subdivision::subdivide) | a clean map | a [`Subdivision`](subdivision::Subdivision): the triangulation with its sub-domains |
 //! | [`subdomains::landforms`] | a triangulation, its sub-domains | a [`Landform`](subdomains::Landform) per sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
+//! | [`creases::CreaseLine`] | break lines, in [`surface::SurfaceParams`] | [`creases::Crease`]s in the surface: with heights |
 //! | [`streams::Streams`] | lines of rivers, in [`surface::SurfaceParams`] | [`streams::Stream`]s in the surface: with direction and heights |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
@@ -137,6 +138,7 @@ pub mod base;
 pub mod check;
 pub mod clean;
 pub mod contour;
+pub mod creases;
 pub mod crs;
 pub mod dem;
 #[cfg(feature = "draw")]

@@ -5,6 +5,7 @@ pub(crate) mod bits;
 pub mod error;
 mod feature;
 mod grid;
+mod known_line;
 pub(crate) mod memory;
 pub mod progress;
 pub(crate) mod rows;
@@ -13,4 +14,5 @@ mod unit;
 
 pub use feature::FeatureId;
 pub use grid::Grid;
+pub(crate) use known_line::{KnownLine, Sure};
 pub use unit::ElevationUnit;

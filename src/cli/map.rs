@@ -34,6 +34,10 @@ pub struct MapArgs {
     /// such as x,y,z or lon,lat,elev (.csv, .txt, .xyz)
     #[arg(long, value_name = "FILE", value_parser = source())]
     pub points: Option<VectorSource>,
+    /// Standard error of the spot heights of --points: the surface comes near them instead of passing through. An attribute
+    /// sigma gives each point its own [unit of the spot heights]
+    #[arg(long, value_name = "SIGMA", requires = "points", allow_negative_numbers = true)]
+    pub points_sigma: Option<f64>,
     /// Leave out the contours and spot heights inside the polygons of this file, for instance of a quarry or of wrong
     /// lines; the surface bridges them. Can be given several times
     #[arg(long, value_name = "FILE", value_parser = source())]
@@ -169,8 +173,11 @@ impl MapArgs {
             memory: memory::available(),
         };
         let mut input = Input::read_all(&sources, &options, console)?;
+        if let Some(sigma) = self.points_sigma.filter(|sigma| !(sigma.is_finite() && *sigma >= 0.0)) {
+            return Err(Failure::Usage(format!("--points-sigma is {sigma}: it must be 0 or more")));
+        }
         if let Some(source) = &self.points {
-            input.read_spots(source, console)?;
+            input.read_spots(source, self.points_sigma, console)?;
         }
         for source in &self.exclude {
             input.read_excluded(source)?;
@@ -196,8 +203,10 @@ impl MapArgs {
             n => format!("{size}, {n} levels from {low} to {high} m, vertical interval {interval}"),
         };
         console.say(&format!("contours   {what}"));
-        if !map.spots.is_empty() {
-            console.say(&format!("spots      {}", map.spots.len()));
+        let soft = map.soft_spots.len();
+        if map.spots.len() + soft > 0 {
+            let of_them = if soft > 0 { format!(", {soft} of them with a standard error") } else { String::new() };
+            console.say(&format!("spots      {}{of_them}", map.spots.len() + soft));
         }
         if console.unit().is_foot() {
             let unit = console.unit().name();

@@ -11,6 +11,7 @@ use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::tuning::Tuning;
 use tokosen::{GridSpec, Input, Options};
 
+use super::break_lines::BreakLineArgs;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::memory;
@@ -29,6 +30,8 @@ pub struct SurfaceArgs {
     pub water: WaterArgs,
     #[command(flatten)]
     pub streams: StreamArgs,
+    #[command(flatten)]
+    pub break_lines: BreakLineArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true, hide_short_help = true)]
     pub resolution: f64,
@@ -98,7 +101,8 @@ impl KindArg {
 impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.frame.file().into_iter().chain(self.water.file()).chain(self.streams.files())
+        let lines = self.streams.files().chain(self.break_lines.files());
+        self.frame.file().into_iter().chain(self.water.file()).chain(lines)
     }
 
     /// The steps of building the surface, for the progress.
@@ -122,6 +126,7 @@ impl SurfaceArgs {
             (self.water.water.is_some(), "--water"),
             (self.water.sea.is_some(), "--sea"),
             (!self.streams.streams.is_empty(), "--streams"),
+            (!self.break_lines.breaklines.is_empty(), "--breaklines"),
             (self.resolution != RESOLUTION, "--resolution"),
             (self.tension.is_some(), "--tension"),
             (self.noise.is_some(), "--noise"),
@@ -135,6 +140,7 @@ impl SurfaceArgs {
         first_given([
             (self.resolution != RESOLUTION && self.surface == KindArg::Linear, "--resolution"),
             (!self.streams.streams.is_empty() && self.surface == KindArg::Linear, "--streams"),
+            (!self.break_lines.breaklines.is_empty() && self.surface == KindArg::Linear, "--breaklines"),
             (self.tension.is_some() && !is_smooth, "--tension"),
             (self.noise.is_some() && !is_smooth, "--noise"),
         ])
@@ -151,11 +157,12 @@ impl SurfaceArgs {
         }
     }
 
-    /// Adds the frame, the lakes and the streams to an input; reads their files if there are any.
+    /// Adds the frame, the lakes, the streams and the break lines to an input; reads their files if there are any.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         self.frame.add_to(input)?;
         self.water.add_to(input)?;
-        self.streams.add_to(input)
+        self.streams.add_to(input)?;
+        self.break_lines.add_to(input)
     }
 
     /// The library's options, for a height map on a grid if there is one.

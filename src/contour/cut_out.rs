@@ -49,9 +49,11 @@ pub fn cut_out(map: &mut ContourMap, areas: &[MultiPolygon<f64>]) -> Vec<CutOut>
         let near: Vec<usize> = (0..lines.len()).filter(|&k| lines[k].0.meets(&rect)).collect();
         let mut taken = cut_lines(&mut lines, &near, area, &rect, &mut map.cut_ends);
         let border = Border::new(area);
-        let before = map.spots.len();
-        map.spots.retain(|spot| !(holds(&rect, spot.truncate()) && border.contains(spot.truncate())));
-        taken.spots = before - map.spots.len();
+        let before = map.spots.len() + map.soft_spots.len();
+        let is_in = |p: DVec2| holds(&rect, p) && border.contains(p);
+        map.spots.retain(|spot| !is_in(spot.truncate()));
+        map.soft_spots.retain(|spot| !is_in(spot.place.truncate()));
+        taken.spots = before - map.spots.len() - map.soft_spots.len();
         found.push(taken);
     }
     map.contours = lines.into_iter().map(|(_, line)| line).filter(|line| !line.points.is_empty()).collect();

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 
+use super::spots::SoftSpot;
 use super::unit_hint::UnitHint;
 use crate::base::{ElevationUnit, FeatureId};
 use crate::crs::Crs;
@@ -40,6 +41,8 @@ pub struct ContourMap {
     pub contours: Vec<Contour>,
     /// Single points of known height (x, y, elevation).
     pub spots: Vec<DVec3>,
+    /// Spot heights with a standard error.
+    pub soft_spots: Vec<SoftSpot>,
     /// Features, by number, that the input marks as depression contours (true) or as ordinary contours (false). The
     /// marks are only compared with the contours.
     pub depressions: BTreeMap<FeatureId, bool>,
@@ -65,6 +68,9 @@ impl ContourMap {
     pub fn in_metres(mut self, unit: ElevationUnit) -> Self {
         self.contours.iter_mut().for_each(|line| line.elevation = unit.metres(line.elevation));
         self.spots.iter_mut().for_each(|spot| spot.z = unit.metres(spot.z));
+        for spot in &mut self.soft_spots {
+            (spot.place.z, spot.sigma) = (unit.metres(spot.place.z), unit.metres(spot.sigma));
+        }
         self
     }
 

@@ -26,5 +26,5 @@ pub use map::{Contour, ContourMap};
 pub(crate) use outlying::{outlying_vertices, without_outlying};
 pub use reproject::reproject;
 pub use source_raster::{SourceRaster, source_raster};
-pub use spots::SpotHeights;
+pub use spots::{SoftSpot, SpotHeights};
 pub use unit_hint::UnitHint;

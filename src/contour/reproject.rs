@@ -22,9 +22,14 @@ pub fn reproject(mut map: ContourMap, working: &Crs) -> Result<Report<(ContourMa
     let mut lines: Vec<&mut [DVec2]> = map.contours.iter_mut().map(|line| line.points.as_mut_slice()).collect();
     let mut others: Vec<DVec2> = map.spots.iter().map(|s| s.truncate()).collect();
     others.extend(map.mended.iter().chain(&map.cut_ends));
+    others.extend(map.soft_spots.iter().map(|s| s.place.truncate()));
     let Report { value: places, findings } = Reprojection::project(&mut lines, &mut others, &input, working)?;
     let (spots, others) = others.split_at(map.spots.len());
-    let (mended, cut_ends) = others.split_at(map.mended.len());
+    let (mended, others) = others.split_at(map.mended.len());
+    let (cut_ends, soft_spots) = others.split_at(map.cut_ends.len());
+    for (spot, place) in map.soft_spots.iter_mut().zip(soft_spots) {
+        spot.place = place.extend(spot.place.z);
+    }
     for (spot, place) in map.spots.iter_mut().zip(spots) {
         *spot = place.extend(spot.z);
     }

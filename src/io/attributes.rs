@@ -144,6 +144,16 @@ pub(super) fn may_mark(name: &str) -> bool {
     FLAGS.contains(&name.as_str()) || KINDS.contains(&name.as_str())
 }
 
+/// Whether an attribute of this name tells the kind of a break line.
+pub(super) fn is_kind_name(name: &str) -> bool {
+    name.trim().eq_ignore_ascii_case("kind")
+}
+
+/// Whether an attribute of this name holds the standard error of a spot height.
+pub(super) fn is_sigma_name(name: &str) -> bool {
+    name.trim().eq_ignore_ascii_case("sigma")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,13 +22,13 @@ mod geojson;
 mod gpkg;
 pub mod gsi;
 pub mod layer;
+mod lines;
 mod maker;
 pub mod mesh;
 mod paths;
 pub mod raster;
 mod shapefile;
 mod staged;
-mod streams;
 mod table;
 mod text;
 mod text_points;
@@ -41,6 +41,7 @@ use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
+use crate::creases::CreaseLine;
 use crate::crs::{Crs, FromWorking};
 use crate::streams::StreamLine;
 use crate::subdomains::{Landform, Regions};
@@ -147,7 +148,22 @@ pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake
 pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<StreamLine>, Option<Crs>)>> {
     let mut table = read_table(path, options, Purpose::Streams)?;
     let crs = table.crs.take();
-    let Report { value, findings } = streams::streams(path, table)?;
+    let Report { value, findings } = lines::streams(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads break lines. Also gives the coordinate reference system if the file names one.
+///
+/// The heights of a line are its z coordinates. If z is 0 everywhere in the file, the lines have none. An attribute `kind`
+/// says how the ground bends: `ridge`, `valley`, or `edge` for either way. A line of several parts becomes one break line
+/// per part. What cannot be a break line is a finding.
+///
+/// # Errors
+/// The file cannot be read or has no lines.
+pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CreaseLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::BreakLines)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = lines::break_lines(path, table)?;
     Ok(Report { value: (value, crs), findings })
 }
 

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
-use super::attributes::{is_elevation_name, may_mark, unit_in_name};
+use super::attributes::{is_elevation_name, is_kind_name, is_sigma_name, may_mark, unit_in_name};
 use crate::base::error::Finding;
 use crate::contour::UnitHint;
 use crate::crs::Crs;
@@ -37,6 +37,8 @@ pub(super) enum Purpose {
     Water,
     /// Lines of rivers and streams.
     Streams,
+    /// Break lines, with their heights and their kind.
+    BreakLines,
 }
 
 /// An attribute of the features.
@@ -71,6 +73,8 @@ pub(super) struct Line {
     pub points: Vec<DVec2>,
     /// Least and greatest z of its vertices; both NaN if one vertex has none.
     pub z: Option<[f64; 2]>,
+    /// z of each vertex if they differ; otherwise empty.
+    pub heights: Vec<f64>,
 }
 
 /// A point of the file.
@@ -103,12 +107,16 @@ impl Feature {
             return;
         }
         points.shrink_to_fit();
-        self.lines.push(Line { points, z: widened(None, z) });
+        let range = widened(None, z);
+        let heights = if range.is_some_and(|[lo, hi]| lo != hi) { z.to_vec() } else { Vec::new() };
+        self.lines.push(Line { points, z: range, heights });
     }
 
     /// Bytes of memory in a table, without those of texts. A feature without geometry is not kept.
     pub fn bytes(&self) -> usize {
-        let lines = self.lines.iter().map(|line| size_of::<Line>() + size_of::<DVec2>() * line.points.len());
+        let lines = self.lines.iter().map(|line| {
+            size_of::<Line>() + size_of::<DVec2>() * line.points.len() + size_of::<f64>() * line.heights.len()
+        });
         let rings = self.polygons.iter().flatten().map(|ring| size_of_val(ring) + size_of::<DVec2>() * ring.len());
         let spots = size_of::<Spot>() * self.spots.len() + size_of::<(usize, Value)>() * self.values.len();
         let geometry = lines.chain(rings).sum::<usize>();
@@ -138,6 +146,10 @@ pub(super) struct Table {
     named: Option<String>,
     /// Whether attributes that may mark depressions are kept.
     wants_marks: bool,
+    /// Whether attributes that may tell the kind of a break line are kept.
+    wants_kinds: bool,
+    /// Whether attributes that may hold a standard error are kept.
+    wants_sigmas: bool,
     /// Whether polygons are kept.
     pub wants_polygons: bool,
     /// Whether areas are cut at the edges of grid squares. Then areas that share an edge are one.
@@ -162,6 +174,8 @@ impl Table {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
             wants_marks: request.purpose == Purpose::Contours,
+            wants_kinds: request.purpose == Purpose::BreakLines,
+            wants_sigmas: request.purpose == Purpose::Spots,
             wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water),
             ..Self::default()
         }
@@ -174,6 +188,8 @@ impl Table {
         }
         let marks = self.wants_marks && may_mark(name);
         let kept = marks
+            || (self.wants_kinds && is_kind_name(name))
+            || (self.wants_sigmas && is_sigma_name(name))
             || is_elevation_name(name)
             || unit_in_name(name).is_some()
             || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());

@@ -11,7 +11,7 @@ use super::caps::Cap;
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
 use crate::base::rows::Rows;
-use crate::subdomains::{Region, Regions, Side};
+use crate::subdomains::{Region, Regions, Side, band_of};
 use crate::tin::{Tin, VertexKind};
 use crate::tuning::SkeletonTuning;
 
@@ -37,6 +37,28 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
         .collect();
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
+    }
+    heights
+}
+
+/// Heights by equation (1) at places in sub-domains, as [`axis_heights`]; NaN without a place. Where no contour gives a
+/// height, it is the middle of the band.
+pub(crate) fn heights_at((tin, regions): (&Tin, &Regions), places: &[Option<(DVec2, u32)>]) -> Vec<f64> {
+    let mut near = 0;
+    let mut points = Vec::new();
+    let mut number = Vec::new();
+    for (k, (position, region)) in places.iter().enumerate().filter_map(|(k, place)| place.map(|p| (k, p))) {
+        if let Ok(triangle) = tin.walk(near, position) {
+            near = triangle;
+            points.push(AxisPoint { position, level: None, triangle, region });
+            number.push(k);
+        }
+    }
+    let mut heights = vec![f64::NAN; places.len()];
+    let found = axis_heights(tin, regions, &points, &SkeletonTuning::default());
+    for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
+        let band = band_of(regions, point.region);
+        heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
     }
     heights
 }

@@ -31,5 +31,6 @@ pub use edges::{JunctionEdge, junction_edges};
 pub use eliminate::{Elimination, eliminate, is_chord};
 pub use flow::{Flow, flow};
 pub use heights::axis_heights;
+pub(crate) use heights::heights_at;
 pub use lines::break_lines;
 pub use pieces::{Axis, AxisPoint, End};

@@ -3,11 +3,13 @@
 use glam::{DVec2, DVec3};
 
 use super::density::contour_density;
+use super::fold::Fold;
 use super::lattice::{Crossing, Lattice};
 use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
-use crate::base::Grid;
-use crate::streams::{Stream, Sure};
+use crate::base::{Grid, KnownLine, Sure};
+use crate::contour::SoftSpot;
+use crate::streams::Stream;
 use crate::tuning::SplineTuning;
 
 /// What the smooth surface on a grid has to meet. Arrays have one value per node, row by row from the north-west. NaN
@@ -19,8 +21,10 @@ pub struct Conditions<'a> {
     pub contours: Vec<(f64, &'a [DVec2])>,
     /// Spot heights: map position and height, metres.
     pub spots: Vec<DVec3>,
-    /// Ridge and canyon lines, map coordinates.
-    pub creases: Vec<Vec<DVec2>>,
+    /// Spot heights with a standard error. The surface comes near them.
+    pub soft_spots: &'a [SoftSpot],
+    /// Lines across which the surface may bend sharply, map coordinates.
+    pub creases: Vec<(Fold, Vec<DVec2>)>,
     /// Contour interval, metres.
     pub interval: f64,
     /// Mean spacing of neighbouring contours, map units.
@@ -31,7 +35,9 @@ pub struct Conditions<'a> {
     pub reference: Vec<f32>,
     /// Whether water may stay at a node.
     pub hollows: Vec<bool>,
-    /// Streams with their heights.
+    /// Lines with heights, such as streams and break lines.
+    pub known: Vec<KnownLine<'a>>,
+    /// Streams: the surface falls along them.
     pub streams: &'a [Stream],
 }
 
@@ -42,7 +48,7 @@ impl Conditions<'_> {
         let Conditions { grid, spacing, interval, bounds: [lo, hi], reference, .. } = self;
         let lattice = Lattice::of_grid(grid);
         let contour_density = contour_density(reference, grid, *spacing, *interval, tuning.density_rounds);
-        let spots = self.spot_crossings();
+        let spots = self.surveyed();
         let variances =
             shrinkage::variances(1.0, heights, &contour_density, *spacing, &lattice, &spots, &tuning.shrinkage);
         let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide).share;
@@ -53,14 +59,23 @@ impl Conditions<'_> {
     pub(super) fn spot_crossings(&self) -> Vec<(Crossing, f64)> {
         spot_crossings(&self.spots, &Lattice::of_grid(&self.grid), &self.reference)
     }
+
+    /// Spot heights and surveyed lines, as crossings of the edges between nodes.
+    pub(super) fn surveyed(&self) -> Vec<(Crossing, f64)> {
+        let lattice = Lattice::of_grid(&self.grid);
+        let mut found = self.spot_crossings();
+        let lines = self.known.iter().flat_map(|line| line_crossings(*line, Sure::Surveyed, &lattice));
+        found.extend(lines.flatten());
+        found
+    }
 }
 
-/// The crossings of a stream with eastward and with southward edges of a lattice, with the heights of the stream there.
-/// Only where they are more than a guess.
-pub(super) fn stream_crossings(stream: &Stream, lattice: &Lattice) -> [Vec<(Crossing, f64)>; 2] {
+/// The crossings of a line with eastward and with southward edges of a lattice, with the heights of the line there.
+/// Only where they are at least as sure as `least`.
+pub(super) fn line_crossings(line: KnownLine<'_>, least: Sure, lattice: &Lattice) -> [Vec<(Crossing, f64)>; 2] {
     let (mut east, mut south) = (Vec::new(), Vec::new());
-    let is_known = stream.sure.windows(2).map(|w| w[0].min(w[1]) > Sure::Guessed);
-    for (w, _) in stream.points.windows(2).zip(is_known).filter(|(_, known)| *known) {
+    let is_known = line.sure.windows(2).map(|w| w[0].min(w[1]) >= least);
+    for (w, _) in line.points.windows(2).zip(is_known).filter(|(_, known)| *known) {
         let (a, b) = (w[0].truncate(), w[1].truncate());
         let height = |crossing: Crossing, step: DVec2| {
             let node = crossing.node as usize;
@@ -76,7 +91,7 @@ pub(super) fn stream_crossings(stream: &Stream, lattice: &Lattice) -> [Vec<(Cros
 
 /// Spot heights as crossings. The slope of the reference surface carries each height to the edges north and south of
 /// it.
-fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f32]) -> Vec<(Crossing, f64)> {
+pub(super) fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f32]) -> Vec<(Crossing, f64)> {
     let mut found = Vec::new();
     for spot in spots {
         let place = lattice.place(spot.truncate());

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::energy::Energy;
+use super::fold::{Fold, Folds};
 use crate::tuning::SplineTuning;
 
 /// Nodes per task. Each task begins its sums anew. So the sums do not depend on the number of threads.
@@ -14,10 +15,11 @@ const AT_BOUND: f64 = 1e-3;
 ///
 /// Curvature of the ground has a heavy tail: edges and creases are few and sharp. Least squares would spread each over
 /// its surroundings. A difference δ gets the weight `1 / sqrt(1 + (δ / limit)²)`. So its part of the energy grows like
-/// |δ| where δ is large. The limit is `threshold` times the mean of |δ|. `creases` marks differences across ridge and
-/// canyon lines. Their limit is `share` times as large.
-pub fn reweight_bending(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], threshold: f64, share: f64, z: &[f64]) {
-    for (kind, creases) in creases.iter().enumerate() {
+/// |δ| where δ is large. The limit is `irls_threshold` times the mean of |δ|. `folds` marks differences across lines where
+/// the surface may bend sharply. Their limit is `share` times as large.
+pub fn reweight_bending(energy: &mut Energy<'_>, folds: &Folds, tuning: &SplineTuning, share: f64, z: &[f64]) {
+    let SplineTuning { irls_threshold: threshold, crease_weight, .. } = *tuning;
+    for (kind, folds) in folds.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Sums are added up in a fixed order, whatever the number of threads.
         let sums = energy.bending[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
@@ -31,10 +33,13 @@ pub fn reweight_bending(energy: &mut Energy<'_>, creases: &[Vec<bool>; 3], thres
         }
         let mean: f64 = sum / count;
         let mut bending = std::mem::take(&mut energy.bending[kind]);
-        let bent = bending.par_iter_mut().zip(creases).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
-        bent.for_each(|(n, (weight, &crease))| {
-            let limit = mean * if crease { threshold * share } else { threshold };
-            let difference = energy.second_difference(kind, n, z).abs();
+        let bent = bending.par_iter_mut().zip(folds).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
+        bent.for_each(|(n, (weight, &fold))| {
+            let difference = energy.second_difference(kind, n, z);
+            let limit = mean * if fold.may_bend(difference) { threshold * share } else { threshold };
+            if fold != Fold::None && !fold.may_bend(difference) {
+                *weight /= crease_weight;
+            }
             *weight /= (1.0 + (difference / limit).powi(2)).sqrt() as f32;
         });
         energy.bending[kind] = bending;

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::conditions::Conditions;
+use super::conditions::{Conditions, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
-use super::lattice::Lattice;
+use super::lattice::{Crossing, Lattice};
 use super::params::HyperParameters;
 use super::pits::{Limits, breach};
 use super::shelves::shelves;
@@ -13,7 +13,7 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, residual, shrinkage};
+use super::{curvature_gain, residual, shrinkage, soft_spots};
 use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::streams::{Stream, fall_along, follow, raise_to};
@@ -37,12 +37,12 @@ pub fn spline(
     let contour_density = contour_density(reference, grid, *spacing, interval, tuning.density_rounds);
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
     let tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
-    let problem = Problem {
+    let mut problem = Problem {
         lattice,
         contours: &conditions.contours,
         spots: conditions.spot_crossings(),
         creases: &conditions.creases,
-        streams: conditions.streams,
+        known: &conditions.known,
         crease_threshold: hyper_parameters.crease_threshold,
         bounds: with_slack([lo, hi], slack, slack_reach, grid.cols),
         reference,
@@ -54,25 +54,29 @@ pub fn spline(
         hollows,
         tuning,
     };
-    let z = solve(&problem, progress);
-    progress.start(STEP, 0);
-    let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
-    let share = shelves(&heights, reference, grid, tuning);
-    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
-        if !reference[n].is_nan() {
-            *z += share[n] * (1.0 - problem.wide[n]) * (reference[n] - *z);
-        }
-    });
-    if hyper_parameters.noise > 0.0 {
-        residual::add_residuals(&problem, &mut heights);
+    let mut surveyed = conditions.surveyed();
+    let variances = |half_way: f64, heights: &[f32], surveyed: &[(Crossing, f64)]| {
+        let shrinkage = &tuning.shrinkage;
+        shrinkage::variances(half_way, heights, &contour_density, *spacing, &lattice, surveyed, shrinkage)
+    };
+    let mut heights = bounded(&problem, conditions, hyper_parameters, tuning, progress);
+    if !conditions.soft_spots.is_empty() {
+        let half_way = match hyper_parameters.half_way_error {
+            0.0 => tuning.usual_half_way_error * interval,
+            known => known,
+        };
+        let variances = variances(half_way, &heights, &surveyed);
+        let first = WorkingGrid { grid: *grid, heights };
+        let estimates = soft_spots::estimates(conditions, &first, &variances, &problem.wide);
+        let crossings = spot_crossings(&estimates, &lattice, reference);
+        surveyed.extend_from_slice(&crossings);
+        problem.spots.extend(crossings);
+        heights = bounded(&problem, conditions, hyper_parameters, tuning, progress);
     }
-    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
-        *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
-    });
+    progress.start(STEP, 0);
     if hyper_parameters.half_way_error > 0.0 {
-        let (half_way, spots, shrinkage) = (hyper_parameters.half_way_error, &problem.spots, &tuning.shrinkage);
-        let variances =
-            shrinkage::variances(half_way, &heights, &contour_density, *spacing, &lattice, spots, shrinkage);
+        let (half_way, shrinkage) = (hyper_parameters.half_way_error, &tuning.shrinkage);
+        let variances = variances(half_way, &heights, &surveyed);
         shrinkage::shrink(&mut heights, [lo, hi], &variances, shrinkage.max_share);
         if hyper_parameters.curvature_gain > 0.0 {
             let unit_gain = curvature_gain::unit_gain(
@@ -107,6 +111,34 @@ pub fn spline(
     }
     progress.finish();
     (working, streams)
+}
+
+/// The surface of a problem: solved, freed of shelves, and kept inside the bands.
+fn bounded(
+    problem: &Problem<'_>,
+    conditions: &Conditions<'_>,
+    hyper_parameters: &HyperParameters,
+    tuning: &SplineTuning,
+    progress: &dyn Progress,
+) -> Vec<f32> {
+    let Conditions { grid, bounds: [lo, hi], reference, .. } = conditions;
+    let z = solve(problem, progress);
+    progress.start(STEP, 0);
+    let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
+    let share = shelves(&heights, reference, grid, tuning);
+    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+        if !reference[n].is_nan() {
+            *z += share[n] * (1.0 - problem.wide[n]) * (reference[n] - *z);
+        }
+    });
+    if hyper_parameters.noise > 0.0 {
+        residual::add_residuals(problem, &mut heights);
+    }
+    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+        *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
+    });
+    progress.finish();
+    heights
 }
 
 /// Weight of the square at a crossing, against that of a second difference. The surface meets the contours within a

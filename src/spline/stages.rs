@@ -5,14 +5,15 @@ use std::borrow::Cow;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::conditions::stream_crossings;
+use super::conditions::line_crossings;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
+use super::fold::{Fold, Folds};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
 use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::progress::Progress;
-use crate::streams::Stream;
+use crate::base::{KnownLine, Sure};
 use crate::tuning::SplineTuning;
 
 /// Name of this step in reports of progress.
@@ -31,11 +32,11 @@ pub struct Problem<'a> {
     pub contours: &'a [(f64, &'a [DVec2])],
     /// Spot heights as crossings with heights.
     pub spots: Vec<(Crossing, f64)>,
-    /// Ridge and canyon lines.
-    pub creases: &'a [Vec<DVec2>],
-    /// Streams with their heights.
-    pub streams: &'a [Stream],
-    /// IRLS threshold across those lines, as a share of the threshold elsewhere.
+    /// Lines across which the surface may bend sharply.
+    pub creases: &'a [(Fold, Vec<DVec2>)],
+    /// Lines with heights.
+    pub known: &'a [KnownLine<'a>],
+    /// IRLS threshold across the lines where it may bend, as a share of the threshold elsewhere.
     pub crease_threshold: f64,
     /// Lowest and highest height that each node may have, metres.
     pub bounds: [Cow<'a, [f32]>; 2],
@@ -84,8 +85,8 @@ struct Solved {
     factors: Vec<f32>,
 }
 
-/// An energy with its first weights. The arrays mark the second differences across ridge and canyon lines.
-type Weighed<'a> = (Energy<'a>, [Vec<bool>; 3]);
+/// An energy with its first weights. The arrays mark the second differences across lines where the surface may bend.
+type Weighed<'a> = (Energy<'a>, Folds);
 
 /// The heights at the nodes of the finest lattice. Those outside the frame are meaningless.
 pub fn solve(problem: &Problem<'_>, progress: &dyn Progress) -> Vec<f64> {
@@ -164,7 +165,7 @@ impl Stage<'_> {
     fn solve(&self, problem: &Problem<'_>, energy: Weighed<'_>, before: Option<Solved>) -> Solved {
         let tuning = problem.tuning;
         let [lo, hi] = self.bounds.each_ref().map(|bound| &**bound);
-        let (mut energy, creases) = energy;
+        let (mut energy, folds) = energy;
         let steps = self.steps(problem, before.is_some());
         // A lattice without a coarser one has nothing to start from. It takes the rounds of the second lattice.
         let rounds = tuning.reweighting_rounds[if before.is_none() { 1 } else { self.kind() }];
@@ -181,13 +182,13 @@ impl Stage<'_> {
         let first = (rounds > 0).then(|| (energy.bending.clone(), energy.tension.clone(), near_contours(&energy)));
         scale(&mut energy, &factors);
         if first.is_none() {
-            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            reweight_bending(&mut energy, &folds, tuning, problem.crease_threshold, &z);
         }
         let mut minimiser = Minimiser::default();
         minimiser.minimise(&energy, lo, hi, &mut z, effort);
         for (bending, tension, near_contours) in first.iter().cycle().take(rounds) {
             energy.bending.clone_from(bending);
-            reweight_bending(&mut energy, &creases, tuning.irls_threshold, problem.crease_threshold, &z);
+            reweight_bending(&mut energy, &folds, tuning, problem.crease_threshold, &z);
             raise_tension_at_bounds(
                 &mut factors,
                 near_contours,
@@ -218,7 +219,7 @@ impl Stage<'_> {
         cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
     }
 
-    /// The energy with its first weights, and the second differences across ridge and canyon lines.
+    /// The energy with its first weights, and the second differences across lines where the surface may bend.
     ///
     /// Long because the weights of bending and tension share what is inside, on a crease, and the step ratio.
     fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
@@ -230,7 +231,7 @@ impl Stage<'_> {
             (east, south)
         };
         let (mut east, mut south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
-        for [of_east, of_south] in problem.streams.iter().map(|stream| stream_crossings(stream, lattice)) {
+        for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, lattice)) {
             east.push(of_east);
             south.push(of_south);
         }
@@ -248,10 +249,14 @@ impl Stage<'_> {
         let (east, south) = rayon::join(|| terms(east, spots), || terms(south, &[]));
         let contours = [east, south];
 
-        let mut cut = [vec![false; count], vec![false; count]];
-        for line in problem.creases {
+        let mut cut = [vec![Fold::None; count], vec![Fold::None; count]];
+        for (fold, line) in problem.creases {
             let [east, south] = &mut cut;
-            lattice.cross(line, |c| east[c.node as usize] = true, |c| south[c.node as usize] = true);
+            let mark = |edges: &mut [Fold], c: Crossing| {
+                let edge = &mut edges[c.node as usize];
+                *edge = (*edge).max(*fold);
+            };
+            lattice.cross(line, |c| mark(east, c), |c| mark(south, c));
         }
         let inside = with_margin(&self.bounds[0], cols, rows);
         let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
@@ -266,23 +271,23 @@ impl Stage<'_> {
                 _ => i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]),
             }
         };
-        let is_crease = |kind: usize, n: usize| {
+        let fold = |kind: usize, n: usize| {
             let [east, south] = &cut;
-            is_bent(kind, n)
-                && self.wide[n] <= wide.crease_limit
-                && match kind {
-                    0 => east[n - 1] || east[n],
-                    1 => south[n - cols] || south[n],
-                    _ => east[n] || south[n] || south[n + 1] || east[n + cols],
-                }
+            let fold = match kind {
+                _ if !is_bent(kind, n) => Fold::None,
+                0 => east[n - 1].max(east[n]),
+                1 => south[n - cols].max(south[n]),
+                // A mixed difference does not tell a ridge from a valley.
+                _ => east[n].max(south[n]).max(south[n + 1]).max(east[n + cols]).min(Fold::Given),
+            };
+            if fold == Fold::Found && self.wide[n] > wide.crease_limit { Fold::None } else { fold }
         };
         let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
-        let creases: [Vec<bool>; 3] =
-            std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| is_crease(kind, n)).collect());
-        let bending = |kind: usize, n: usize| match (creases[kind][n], is_bent(kind, n)) {
-            (true, _) => crease_weight * weights[kind],
-            (false, true) => weights[kind],
-            (false, false) => 0.0,
+        let folds: Folds = std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| fold(kind, n)).collect());
+        let bending = |kind: usize, n: usize| match (folds[kind][n], is_bent(kind, n)) {
+            (_, false) => 0.0,
+            (Fold::None, true) => weights[kind],
+            (_, true) => crease_weight * weights[kind],
         };
         let tension = |side: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
@@ -303,7 +308,7 @@ impl Stage<'_> {
             contours,
             pull: 0.0,
         };
-        (energy, creases)
+        (energy, folds)
     }
 }
 
@@ -398,7 +403,7 @@ mod tests {
                 contours: &[(10.0, &lines[0]), (20.0, &lines[1])],
                 spots: Vec::new(),
                 creases: &[],
-                streams: &[],
+                known: &[],
                 crease_threshold: 0.1,
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),
                 reference: &reference,

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::lattice::Lattice;
 use crate::base::Grid;
 
 /// A place nearer to a node than this is at the node, in steps between nodes: a tolerance of rounding.
@@ -35,6 +36,14 @@ impl WorkingGrid {
             node.and_then(|node| self.heights.get(node)).copied().unwrap_or(f32::NAN)
         };
         Some((0..grid.len()).into_par_iter().map(value).collect())
+    }
+
+    /// The node nearest to a position; `None` off the grid.
+    pub(crate) fn nearest(&self, p: DVec2) -> Option<usize> {
+        let place = Lattice::of_grid(&self.grid).place(p).round();
+        let is_on = place.cmpge(DVec2::ZERO).all()
+            && place.cmplt(DVec2::new(self.grid.cols as f64, self.grid.rows as f64)).all();
+        is_on.then(|| place.y as usize * self.grid.cols + place.x as usize)
     }
 
     /// The height at a position. A node's own height within a millionth of a cell, otherwise interpolated; NaN off the

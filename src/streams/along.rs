@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::course::Stretch;
+use crate::subdomains::Stretch;
 
 /// A line with the distance of each vertex from its start.
 pub(super) struct Along<'a> {

@@ -7,10 +7,10 @@
 use glam::DVec2;
 
 use super::along::Along;
-use super::course::{Course, Crossing, Stretch, band_of, is_above};
 use crate::contour::ContourMap;
 use crate::geometry::{Segment, point_distance};
 use crate::subdomains::{Band, Regions, line_at};
+use crate::subdomains::{Course, Crossing, Stretch, band_of, is_above};
 use crate::tin::{NONE, Tin};
 
 /// A way along a contour that replaces a detour is at most this many times as long as the detour and the tolerance.

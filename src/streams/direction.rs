@@ -2,10 +2,10 @@
 
 use std::collections::BinaryHeap;
 
-use super::course::{Course, is_above};
 use super::network::Reach;
 use crate::base::rows::Rows;
 use crate::subdomains::Regions;
+use crate::subdomains::{Course, is_above};
 use crate::tin::NONE;
 
 /// Whether each reach flows from its second node to its first.

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 
-use super::line::{Stream, Sure};
+use super::line::Stream;
+use crate::base::Sure;
 use crate::base::bits::bits;
 
 /// Gives vertices whose height is a guess the height that `guess` has there. Then heights fall along the network again:

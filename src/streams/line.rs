@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::base::FeatureId;
+use crate::base::{FeatureId, KnownLine, Sure};
 use crate::subdomains::Band;
 
 /// A stream as a map draws it.
@@ -43,18 +43,12 @@ pub struct Stream {
     pub turned: bool,
 }
 
-/// How sure a height of a stream is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Sure {
-    /// The contours around are far: the smooth surface knows better.
-    Guessed,
-    /// From the contours that the stream crosses above and below.
-    Between,
-    /// A contour or water has this height.
-    Exact,
-}
-
 impl Stream {
+    /// Its course with heights.
+    pub(crate) fn known(&self) -> KnownLine<'_> {
+        KnownLine { points: &self.points, sure: &self.sure }
+    }
+
     /// Length on the map, map units.
     pub fn length(&self) -> f64 {
         self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()

@@ -3,7 +3,8 @@
 //! A map draws streams and contours separately, and the two never fit exactly. The contours have priority. The steps:
 //!
 //! 1. The lines become a network of reaches between sources, confluences and outlets (`network`).
-//! 2. A walk through the triangulation gives the contours that each reach crosses and the sub-domains between (`course`).
+//! 2. A walk through the triangulation gives the contours that each reach crosses and the sub-domains between
+//!    ([`Course`](crate::subdomains)).
 //! 3. The contours, and the network where they are silent, give the direction of flow (`direction`). The direction in
 //!    which a line was drawn does not count.
 //! 4. A reach that crosses a contour beside the tip of its bend is moved into the tip (`shift`). Tip and crossing are
@@ -17,7 +18,6 @@
 //! What was changed, cut or left out is a finding.
 
 mod along;
-mod course;
 mod descend;
 mod direction;
 mod fall;
@@ -30,6 +30,5 @@ mod shift;
 
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
-pub(crate) use line::Sure;
 pub use line::{Stream, StreamLine, Streams};
 pub(crate) use settle::settle;

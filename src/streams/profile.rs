@@ -8,7 +8,7 @@
 use glam::DVec2;
 
 use super::descend::{Piece, Vertex};
-use super::line::Sure;
+use crate::base::Sure;
 use crate::subdomains::Band;
 
 /// A piece of the network with its nodes, if it begins and ends there.

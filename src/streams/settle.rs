@@ -3,20 +3,21 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::course::{Course, band_of};
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
 use super::follow::follow;
-use super::line::{Stream, StreamLine, Streams, Sure};
+use super::line::{Stream, StreamLine, Streams};
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
 use super::shift::{moved, shifts};
+use crate::base::Sure;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::ContourMap;
-use crate::skeleton::{AxisPoint, axis_heights};
+use crate::skeleton::heights_at;
+use crate::subdomains::{Course, band_of};
 use crate::subdomains::{Regions, line_starts};
 use crate::tin::{NONE, Tin};
-use crate::tuning::{SkeletonTuning, StreamTuning};
+use crate::tuning::StreamTuning;
 
 /// Reaches per parallel task. The search for the first triangle starts anew with each task.
 const CHUNK: usize = 64;
@@ -145,30 +146,8 @@ fn node_heights(ground: &Ground<'_>, reaches: &[Reach], courses: &[Course], node
             }
         }
     }
-    let heights = heights_at(ground, &places);
+    let heights = heights_at((ground.tin, ground.regions), &places);
     heights.into_iter().map(|z| if z.is_nan() { f64::INFINITY } else { z }).collect()
-}
-
-/// Heights by equation (1) at places in sub-domains; NaN without a place.
-fn heights_at(ground: &Ground<'_>, places: &[Option<(DVec2, u32)>]) -> Vec<f64> {
-    let Ground { tin, regions, .. } = ground;
-    let mut near = 0;
-    let mut points = Vec::new();
-    let mut number = Vec::new();
-    for (k, (position, region)) in places.iter().enumerate().filter_map(|(k, place)| place.map(|p| (k, p))) {
-        if let Ok(triangle) = tin.walk(near, position) {
-            near = triangle;
-            points.push(AxisPoint { position, level: None, triangle, region });
-            number.push(k);
-        }
-    }
-    let mut heights = vec![f64::NAN; places.len()];
-    let found = axis_heights(tin, regions, &points, &SkeletonTuning::default());
-    for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
-        let band = band_of(regions, point.region);
-        heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
-    }
-    heights
 }
 
 /// Heights of the ends of pieces that have none.
@@ -179,7 +158,7 @@ fn guess_ends(ground: &Ground<'_>, edges: &mut [Edge]) {
         vertex.filter(|v| v.height.is_none() && region != NONE).map(|v| (v.place, region))
     };
     let places: Vec<_> = edges.iter().flat_map(|edge| [end(edge, 0), end(edge, 1)]).collect();
-    let heights = heights_at(ground, &places);
+    let heights = heights_at((ground.tin, ground.regions), &places);
     for (edge, heights) in edges.iter_mut().zip(heights.as_chunks::<2>().0) {
         edge.guesses = *heights;
     }
@@ -195,7 +174,7 @@ fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
             edge.piece.vertices.iter().enumerate().filter(|(k, v)| is_guessed(stream, *k) && v.region != NONE);
         places.extend(vertices.map(|(_, v)| Some((v.place, v.region))));
     }
-    let mut heights = heights_at(ground, &places).into_iter();
+    let mut heights = heights_at((ground.tin, ground.regions), &places).into_iter();
     for (edge, stream) in edges.iter().zip(&mut *streams) {
         for (k, v) in edge.piece.vertices.iter().enumerate() {
             if is_guessed(stream, k) && v.region != NONE {

@@ -8,10 +8,10 @@
 use glam::DVec2;
 
 use super::along::Along;
-use super::course::{Course, Crossing};
 use super::descend::Ground;
 use super::network::Reach;
 use crate::subdomains::line_at;
+use crate::subdomains::{Course, Crossing};
 use crate::tin::NONE;
 use crate::tuning::StreamTuning;
 

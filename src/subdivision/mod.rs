@@ -5,6 +5,7 @@ mod constraints;
 mod frame_heights;
 mod known;
 mod prepare;
+mod soft_spots;
 mod spots;
 mod subdivide;
 mod trusted;

@@ -6,19 +6,20 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::conditions;
+use super::known_lines::give_heights;
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use super::skeleton_lines::{finer, with_skeleton};
-use super::stream_lines::give_heights;
 use super::trial_builder::TrialBuilder;
-use crate::base::error::{Finding, Report, Result};
-use crate::base::memory;
+use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
-use crate::contour::ContourMap;
+use crate::base::{KnownLine, memory};
+use crate::contour::{ContourMap, SoftSpot};
+use crate::creases::{self, Bend, Crease};
 use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
-use crate::spline::{self, Conditions, bytes_on, spline, working_grid};
-use crate::streams::{Stream, settle};
+use crate::spline::{self, Conditions, Fold, bytes_on, spline, working_grid};
+use crate::streams::{self, Stream};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
@@ -45,7 +46,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut subdivision, closures, mut streams, finer, findings } = found?;
+    let Triangulated { mut subdivision, closures, mut streams, mut creases, finer, mut findings } = found?;
     // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
@@ -58,18 +59,24 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         (subdivision, break_lines, axis) = with_skeleton(subdivision, finer);
         progress.finish();
     }
+    let soft_spots = soft_spots(&subdivision, params.kind, &mut findings);
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
-        let mut conditions =
-            Conditions { streams: &streams, ..conditions(&subdivision, &break_lines, &grid, &triangles) };
-        let course = |stream: &Stream| stream.points.iter().map(|p| p.truncate()).collect();
-        conditions.creases.extend(streams.iter().map(course));
+        let mut conditions = Conditions {
+            soft_spots: &soft_spots,
+            streams: &streams,
+            known: known(&streams, &creases).collect(),
+            ..conditions(&subdivision, &break_lines, &grid, &triangles)
+        };
+        conditions.creases.extend(streams.iter().map(|stream| (Fold::Found, stream.known().course())));
+        conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
         progress.finish();
         let (working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
         drop(conditions);
         streams = followed;
+        creases.iter_mut().for_each(|crease| crease.follow(|p| f64::from(working.at(p))));
         (Some(working), triangles)
     });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
@@ -83,13 +90,25 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         && let Some(working) = &working
     {
         progress.start("triangulating the smooth surface", 0);
-        give_heights(&mut subdivision.tin, &streams);
+        give_heights(&mut subdivision.tin, known(&streams, &creases));
         (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles, tuning)?;
         progress.finish();
     }
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
-    let surface =
-        Surface { map, tin, regions, closures, break_lines, streams, frame, interval, working, chosen, errors };
+    let surface = Surface {
+        map,
+        tin,
+        regions,
+        closures,
+        break_lines,
+        streams,
+        creases,
+        frame,
+        interval,
+        working,
+        chosen,
+        errors,
+    };
     Ok(Report { value: surface, findings })
 }
 
@@ -98,6 +117,7 @@ struct Triangulated {
     subdivision: Subdivision,
     closures: Vec<(f64, [DVec2; 2])>,
     streams: Vec<Stream>,
+    creases: Vec<Crease>,
     /// Ridge and canyon lines, and the triangulation with them; `None` for the linear surface. Their progress step is
     /// not finished yet.
     finer: Option<(Skeleton, Tin)>,
@@ -122,18 +142,57 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     } else {
         progress.start("streams", 0);
         let ground = (&subdivision.map, &subdivision.tin, &subdivision.regions);
-        let settled = settle(&params.streams, ground, subdivision.extent().spacing, &params.tuning.streams);
+        let settled = streams::settle(&params.streams, ground, subdivision.extent().spacing, &params.tuning.streams);
         progress.finish();
         findings.extend(settled.findings);
         settled.streams
+    };
+    let creases = if params.kind == SurfaceKind::Linear || params.creases.is_empty() {
+        Vec::new()
+    } else {
+        progress.start("break lines", 0);
+        let (ground, spacing) = ((&subdivision.tin, &subdivision.regions), subdivision.extent().spacing);
+        let interval = subdivision.interval.step;
+        let settled = creases::settle(&params.creases, ground, interval, spacing, &params.tuning.creases);
+        progress.finish();
+        findings.extend(settled.findings);
+        settled.creases
     };
     let finer = if params.kind == SurfaceKind::Linear {
         None
     } else {
         progress.start("ridge and canyon lines", 0);
-        Some(finer(&subdivision, triangulation, &streams, params.resolution, &params.tuning.skeleton)?)
+        let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
+        Some(finer(&subdivision, triangulation, &known, params.resolution, &params.tuning.skeleton)?)
     };
-    Ok(Triangulated { subdivision, closures, streams, finer, findings })
+    Ok(Triangulated { subdivision, closures, streams, creases, finer, findings })
+}
+
+/// The spot heights with a standard error that the surface uses.
+fn soft_spots(subdivision: &Subdivision, kind: SurfaceKind, findings: &mut Vec<Finding>) -> Vec<SoftSpot> {
+    let count = subdivision.map.soft_spots.len();
+    if kind != SurfaceKind::Spline && count > 0 {
+        let message = format!("{count} spot heights with a standard error: only the smooth surface uses them");
+        findings.push(Finding::general(FindingKind::SkippedFeature, message));
+        return Vec::new();
+    }
+    let (used, about) = subdivision.agreeing_soft_spots();
+    findings.extend(about);
+    used
+}
+
+/// Streams and break lines with their heights.
+fn known<'a>(streams: &'a [Stream], creases: &'a [Crease]) -> impl Iterator<Item = KnownLine<'a>> {
+    streams.iter().map(Stream::known).chain(creases.iter().map(Crease::known))
+}
+
+/// How the surface may bend across a break line.
+fn fold(bend: Bend) -> Fold {
+    match bend {
+        Bend::Either => Fold::Given,
+        Bend::Ridge => Fold::Ridge,
+        Bend::Valley => Fold::Valley,
+    }
 }
 
 /// The gap closures as lines, with higher ground on their right.

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::contour::{ContourMap, Interval};
+use crate::creases::Crease;
 use crate::skeleton::BreakLine;
 use crate::spline::WorkingGrid;
 use crate::streams::Stream;
@@ -26,6 +27,8 @@ pub struct Surface {
     pub break_lines: Vec<BreakLine>,
     /// The streams as they are used.
     pub streams: Vec<Stream>,
+    /// The given break lines as they are used.
+    pub creases: Vec<Crease>,
     /// The outline of the frame.
     pub frame: FrameRing,
     /// The contour interval of the input.

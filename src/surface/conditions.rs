@@ -7,7 +7,7 @@ use crate::base::Grid;
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
-use crate::spline::{Conditions, Lattice};
+use crate::spline::{Conditions, Fold, Lattice};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Side, line_at, line_starts, local_bands};
 use crate::tin::NONE;
@@ -41,7 +41,7 @@ pub(crate) fn conditions<'a>(
         .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
         .collect();
     let reference = heights_at(&subdivision.tin, grid, triangles);
-    let flat = |line: &BreakLine| line.points.iter().map(|p| p.truncate()).collect();
+    let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
     Conditions {
         grid: *grid,
         contours: subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect(),
@@ -52,6 +52,8 @@ pub(crate) fn conditions<'a>(
         bounds: [lo, hi],
         reference,
         hollows,
+        soft_spots: &[],
+        known: Vec::new(),
         streams: &[],
     }
 }

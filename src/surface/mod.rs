@@ -10,13 +10,13 @@ mod build;
 mod built;
 mod conditions;
 mod errors;
+mod known_lines;
 mod nodes;
 mod params;
 mod parted;
 mod sample;
 mod skeleton_lines;
 mod smooth_height;
-mod stream_lines;
 mod trial_builder;
 
 pub use build::build;

@@ -1,6 +1,7 @@
 //! Parameters of a surface.
 
 use crate::base::error::{Error, Result};
+use crate::creases::CreaseLine;
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -65,6 +66,8 @@ pub struct SurfaceParams {
     pub water: Water,
     /// Rivers and streams. Not for [`SurfaceKind::Linear`].
     pub streams: Streams,
+    /// Break lines. Not for [`SurfaceKind::Linear`].
+    pub creases: Vec<CreaseLine>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
     /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
@@ -85,6 +88,7 @@ impl Default for SurfaceParams {
             resolution: 1.0,
             water: Water::default(),
             streams: Streams::default(),
+            creases: Vec::new(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),

@@ -1,9 +1,9 @@
 //! Ridge and canyon lines in the triangulation (paper, section 4: the curve mesh).
 
-use super::stream_lines::push_streams;
+use super::known_lines::push_lines;
+use crate::base::KnownLine;
 use crate::base::error::Result;
 use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
-use crate::streams::Stream;
 use crate::subdivision::Subdivision;
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 use crate::tuning::SkeletonTuning;
@@ -12,7 +12,7 @@ use crate::tuning::SkeletonTuning;
 pub fn finer(
     subdivision: &Subdivision,
     mut triangulation: Triangulation,
-    streams: &[Stream],
+    known: &[KnownLine<'_>],
     resolution: f64,
     tuning: &SkeletonTuning,
 ) -> Result<(Skeleton, Tin)> {
@@ -20,9 +20,9 @@ pub fn finer(
     let input = triangulation.input();
     subdivision.push_borders(input);
     let points = push_points(input, &skeleton.axis, &skeleton.flow.heights);
-    // Streams come first; ridge and canyon lines give way to them.
-    push_streams(input, &subdivision.tin, streams);
-    push_pieces(input, &subdivision.tin.source, (&skeleton.axis, &points), streams.is_empty());
+    // Streams and break lines come first; ridge and canyon lines give way to them.
+    push_lines(input, &subdivision.tin, known);
+    push_pieces(input, &subdivision.tin.source, (&skeleton.axis, &points), known.is_empty());
     Ok((skeleton, triangulation.into_tin()?))
 }
 
@@ -41,7 +41,7 @@ fn push_points(input: &mut TinInput, axis: &Axis, heights: &[f64]) -> Vec<u32> {
 }
 
 /// Adds the pieces between axis points, which have these numbers. `source` gives the input point of each vertex that a
-/// piece leads to. If the pieces are not `firm`, those that cross a stream are left out.
+/// piece leads to. If the pieces are not `firm`, those that cross a stream or a break line are left out.
 fn push_pieces(input: &mut TinInput, source: &[u32], (axis, points): (&Axis, &[u32]), firm: bool) {
     for piece in &axis.pieces {
         let [a, b] = piece.map(|end| match end {

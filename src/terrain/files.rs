@@ -13,10 +13,12 @@ use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, Report, Result};
 use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
+use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{
-    ReadOptions, VectorSource, read_area, read_contours, read_excluded, read_spot_heights, read_streams, read_water,
+    ReadOptions, VectorSource, read_area, read_break_lines, read_contours, read_excluded, read_spot_heights,
+    read_streams, read_water,
 };
 
 impl Input {
@@ -70,23 +72,21 @@ impl Input {
         })
     }
 
-    /// Reads spot heights from a file and adds them.
+    /// Reads spot heights from a file and adds them. An attribute `sigma` holds their standard errors; those without one
+    /// have the standard error `sigma`, if there is one, in the unit of the heights. Without any, the surface passes
+    /// through them.
     ///
     /// # Errors
     /// As [`read_spot_heights`] and [`Input::add_spots`]; the error names the file.
-    pub fn read_spots(&mut self, source: &VectorSource, progress: &dyn Progress) -> Result<()> {
+    pub fn read_spots(&mut self, source: &VectorSource, sigma: Option<f64>, progress: &dyn Progress) -> Result<()> {
         let path = &source.path;
         step(progress, "reading", || {
             let mut about = Vec::new();
-            let SpotHeights { points, crs, unit_hint } =
+            let SpotHeights { points, sigmas, crs, unit_hint } =
                 read_spot_heights(path, &self.reading(source))?.collect(&mut about);
-            let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
-            for finding in &mut about {
-                let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
-                finding.place = place.map(|p| p.truncate());
-            }
-            self.findings.append(&mut about);
-            let added = self.add_spots_with(points, crs.as_ref(), unit_hint.as_ref());
+            self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
+            let spots = points.into_iter().zip(sigmas.into_iter().map(|own| own.or(sigma)));
+            let added = self.add_spots_with(spots, crs.as_ref(), unit_hint.as_ref());
             added.map_err(|error| error.in_file(path))
         })
     }
@@ -107,14 +107,31 @@ impl Input {
     /// As [`read_streams`] and [`Input::add_streams`]; the error names the file.
     pub fn read_streams(&mut self, source: &VectorSource) -> Result<()> {
         let path = &source.path;
-        let Report { value: (lines, crs), mut findings } = read_streams(path, &self.reading(source))?;
-        let to_working = self.reprojection.bring(crs.as_ref()).map_err(|error| error.in_file(path))?;
+        let Report { value: (lines, crs), findings } = read_streams(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads break lines from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_break_lines`] and [`Input::add_break_lines`]; the error names the file.
+    pub fn read_break_lines(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (lines, crs), findings } = read_break_lines(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_break_lines(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Adds findings about a file in some coordinate reference system.
+    fn take_findings(&mut self, mut findings: Vec<Finding>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
         for finding in &mut findings {
             let place = finding.place.and_then(|p| to_working.point(p.extend(0.0)).ok());
             finding.place = place.map(|p| p.truncate());
         }
         self.findings.append(&mut findings);
-        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+        Ok(())
     }
 
     /// Reads polygons from a file and leaves out the contours and spot heights inside them.

@@ -16,7 +16,8 @@ use super::plane::{named, on_plane};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
 use crate::base::error::{Finding, FindingKind, Report, Result};
-use crate::contour::{ContourMap, Lake, UnitHint};
+use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
+use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
 use crate::streams::StreamLine;
@@ -59,6 +60,8 @@ pub struct Input {
     pub lakes: Vec<Lake>,
     /// Rivers and streams, on the working plane.
     pub streams: Vec<StreamLine>,
+    /// Break lines, on the working plane; heights in metres.
+    pub creases: Vec<CreaseLine>,
     /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
@@ -147,21 +150,33 @@ impl Input {
     /// # Errors
     /// If their system cannot be converted to the working one, or a point has no place on the working plane.
     pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
-        self.add_spots_with(spots, crs, None)
+        self.add_spots_with(spots.into_iter().map(|spot| (spot, None)), crs, None)
+    }
+
+    /// Adds spot heights with standard errors. The surface comes near them. As [`Input::add_spots`]; standard errors are
+    /// in the unit of the heights. A spot height with the standard error 0 is one that the surface passes through.
+    ///
+    /// # Errors
+    /// As [`Input::add_spots`].
+    pub fn add_soft_spots(&mut self, spots: impl IntoIterator<Item = SoftSpot>, crs: Option<&Crs>) -> Result<()> {
+        self.add_spots_with(spots.into_iter().map(|spot| (spot.place, Some(spot.sigma))), crs, None)
     }
 
     /// [`Input::add_spots`] with what their file lets suppose about the unit.
     pub(super) fn add_spots_with(
         &mut self,
-        spots: impl IntoIterator<Item = DVec3>,
+        spots: impl IntoIterator<Item = (DVec3, Option<f64>)>,
         crs: Option<&Crs>,
         hint: Option<&UnitHint>,
     ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         let unit = self.unit_beside("the spot heights", crs, hint);
-        for spot in spots {
-            let spot = spot.truncate().extend(unit.metres(spot.z));
-            self.map.spots.push(to_working.point(spot)?);
+        for (spot, sigma) in spots {
+            let place = to_working.point(spot.truncate().extend(unit.metres(spot.z)))?;
+            match sigma.filter(|sigma| *sigma > 0.0) {
+                Some(sigma) => self.map.soft_spots.push(SoftSpot { place, sigma: unit.metres(sigma) }),
+                None => self.map.spots.push(place),
+            }
         }
         Ok(())
     }
@@ -210,6 +225,40 @@ impl Input {
                     let message = format!("stream {} is left out: {error}", line.feature);
                     let finding = Finding::general(FindingKind::StreamOutside, message);
                     self.findings.push(finding.of_feature(line.feature));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds break lines. They are in the contours' coordinate reference system if `crs` is `None`.
+    /// [`InputOptions::unit`] says in which unit heights are.
+    ///
+    /// A line with a vertex that has no place on the working plane is left out, with a finding.
+    ///
+    /// # Errors
+    /// If their system cannot be converted to the working one.
+    pub fn add_break_lines(&mut self, lines: impl IntoIterator<Item = CreaseLine>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        let mut lines = lines.into_iter().peekable();
+        let unit = match lines.peek() {
+            Some(_) => self.unit_beside("the heights of the break lines", crs, None),
+            None => self.unit,
+        };
+        for line in lines {
+            let CreaseLine { points, heights, feature, .. } = &line;
+            let height = |k: usize| unit.metres(heights.get(k).copied().unwrap_or(0.0));
+            let vertices = points.iter().enumerate().map(|(k, p)| to_working.point(p.extend(height(k))));
+            match vertices.collect::<Result<Vec<DVec3>>>() {
+                Ok(vertices) => self.creases.push(CreaseLine {
+                    points: vertices.iter().map(|p| p.truncate()).collect(),
+                    heights: vertices.iter().take(heights.len()).map(|p| p.z).collect(),
+                    ..line
+                }),
+                Err(error) => {
+                    let message = format!("break line {feature} is left out: {error}");
+                    let finding = Finding::general(FindingKind::BreakLineLeftOut, message);
+                    self.findings.push(finding.of_feature(*feature));
                 }
             }
         }

@@ -75,6 +75,7 @@ impl Options {
             frame: std::mem::take(&mut input.frame),
             resolution: self.resolution,
             water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
+            creases: std::mem::take(&mut input.creases),
             streams: Streams { lines: std::mem::take(&mut input.streams), tolerance: self.stream_tolerance },
             spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
             triangles: self.triangles,

@@ -87,6 +87,7 @@ impl Part {
     fn cut(&self, map: &mut ContourMap) {
         map.contours.retain(|line| meets(line, &self.window));
         map.spots.retain(|spot| holds(&self.window, spot.truncate()));
+        map.soft_spots.retain(|spot| holds(&self.window, spot.place.truncate()));
     }
 
     /// The frame of the surface: what lies inside the window.

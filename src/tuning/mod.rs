@@ -17,6 +17,7 @@
 //! [The guide's page](crate::guide::tuning) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
+mod creases;
 mod errors;
 mod grid;
 mod names;
@@ -29,6 +30,7 @@ mod streams;
 mod trials;
 mod wide;
 
+pub use creases::CreaseTuning;
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
 pub use names::TuneError;
@@ -77,5 +79,7 @@ tuned! {
         nodes: NodeTuning = NodeTuning::default(),
         /// Streams.
         streams: StreamTuning = StreamTuning::default(),
+        /// Break lines.
+        creases: CreaseTuning = CreaseTuning::default(),
     }
 }

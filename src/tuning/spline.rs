@@ -36,6 +36,11 @@ tuned! {
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar.
         noisy_contour_weight: f64 = 0.1,
+        /// Standard error half-way between two contours where hidden levels do not tell it, in intervals. It weighs spot
+        /// heights with a standard error.
+        ///
+        /// Refit: RMSE.
+        usual_half_way_error: f64 = 0.15,
         /// Largest weight of a crossing on coarse lattices, unless it is larger on the finest one. What lies between
         /// their nodes is averaged.
         ///

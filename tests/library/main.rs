@@ -6,6 +6,7 @@ mod common;
 mod guarantees;
 
 mod area_files;
+mod break_lines;
 mod degenerate;
 mod faults;
 mod figures;

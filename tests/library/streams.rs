@@ -8,7 +8,8 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::{Finding, FindingKind};
-use tokosen::contour::{Contour, ContourMap};
+use tokosen::contour::{Contour, ContourMap, SoftSpot};
+use tokosen::creases::{Bend, CreaseLine};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::streams::{StreamLine, Streams};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
@@ -194,15 +195,29 @@ fn random_streams(map: &ContourMap, seed: u64) -> Vec<StreamLine> {
     (0..8).map(&mut line).collect()
 }
 
+/// Break lines anywhere on a map: with heights that fit the ground or do not, and without.
+fn random_break_lines(map: &ContourMap, seed: u64) -> Vec<CreaseLine> {
+    let levels = |k: usize| map.contours[k % map.contours.len()].elevation;
+    let crease = |(k, line): (usize, StreamLine)| {
+        let heights = match k {
+            0 => Vec::new(),
+            _ => (0..line.points.len()).map(|i| levels(k) + (i * k) as f64).collect(),
+        };
+        let bend = [Bend::Either, Bend::Ridge, Bend::Valley][k % 3];
+        CreaseLine { points: line.points, heights, bend, feature: (100 + k as u64).into() }
+    };
+    random_streams(map, seed ^ 0x5eed).into_iter().take(4).enumerate().map(crease).collect()
+}
+
 #[test]
-fn the_guarantees_hold_with_any_streams() {
+fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
     let tally = Tally::default();
     let cases = if std::env::var_os("PROPTEST_CASES").is_some() {
         common::draws()
     } else {
         ProptestConfig { cases: 4, ..common::draws() }
     };
-    let used = Cell::new(0);
+    let (used, creased) = (Cell::new(0), Cell::new(0));
     proptest!(cases, |(seed in any::<u64>())| {
         for terrain in common::all_kinds(seed) {
             let map = clean_map(map_of(&terrain.contours()));
@@ -212,22 +227,29 @@ fn the_guarantees_hold_with_any_streams() {
             for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
                 let streams = Streams { lines: random_streams(&map, seed), tolerance: None };
-                let params = SurfaceParams { kind, streams, ..SurfaceParams::default() };
-                let Some(report) = tally.take(build(map.clone(), &params, &()), &ALLOWED, &what) else { continue };
+                let creases = random_break_lines(&map, seed);
+                let params = SurfaceParams { kind, streams, creases, ..SurfaceParams::default() };
+                let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
+                let soft = |(p, z): (&DVec2, f64)| SoftSpot { place: p.extend(z + 3.0), sigma: 2.0 };
+                let map = ContourMap { soft_spots: spots.map(soft).collect(), ..map.clone() };
+                let Some(report) = tally.take(build(map, &params, &()), &ALLOWED, &what) else { continue };
                 let surface = report.value;
                 tally.add_lines(check(&surface.map, &surface, terrain.interval / 5.0, &what));
                 check_dem(&surface, terrain.cell, &what);
                 assert_falls(&surface, &what);
                 used.set(used.get() + surface.streams.len());
+                creased.set(creased.get() + surface.creases.len());
                 // No input line is lost without a word.
                 let mut told: Vec<u64> = surface.streams.iter().map(|s| s.feature.number()).collect();
+                told.extend(surface.creases.iter().map(|c| c.feature.number()));
                 told.extend(report.findings.iter().flat_map(|f| &f.features).map(|f| f.number()));
-                assert!((0..8).all(|k| told.contains(&k)), "{what}: {told:?}");
+                assert!((0..8).chain(100..104).all(|k| told.contains(&k)), "{what}: {told:?}");
             }
         }
     });
     tally.assert_share(0.95, 50.0);
     assert!(used.get() > 100, "{} pieces of streams", used.get());
+    assert!(creased.get() > 50, "{} pieces of break lines", creased.get());
 }
 
 #[test]
@@ -235,7 +257,8 @@ fn threads_do_not_change_streams() {
     let terrain = common::hills(5, 60, 50);
     let map = clean_map(map_of(&terrain.contours()));
     let streams = Streams { lines: random_streams(&map, 5), tolerance: None };
-    let params = SurfaceParams { streams, ..SurfaceParams::default() };
+    let creases = random_break_lines(&map, 5);
+    let params = SurfaceParams { streams, creases, ..SurfaceParams::default() };
     let in_threads = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| build(map.clone(), &params, &()).unwrap().value)
@@ -243,6 +266,7 @@ fn threads_do_not_change_streams() {
     let (one, two) = (in_threads(1), in_threads(2));
     assert!(!one.streams.is_empty());
     assert_eq!(one.streams, two.streams);
+    assert_eq!(one.creases, two.creases);
     let bits = |surface: &Surface| {
         let values = surface.working.as_ref().unwrap().heights.iter().map(|z| z.to_bits());
         values.collect::<Vec<u32>>()

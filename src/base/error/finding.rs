@@ -167,6 +167,14 @@ kinds! {
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
     StreamOutside = "stream-outside", Note, "streams outside the frame";
+    /// The heights of a break line contradict the contours, which win.
+    BreakLineConflict = "breakline-conflict", Warning, "heights of break lines that contradict the contours";
+    /// A break line, or a piece of it, lies outside the frame or in water. It was left out there.
+    BreakLineOutside = "breakline-outside", Note, "break lines outside the frame or in water";
+    /// A break line is a point, or has no place on the map. It was left out.
+    BreakLineLeftOut = "breakline-left-out", Warning, "break lines left out";
+    /// The attribute `kind` of break lines has a value that is not known.
+    BreakLineKind = "breakline-kind", Note, "break lines of an unknown kind";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.

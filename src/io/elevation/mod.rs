@@ -11,7 +11,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::attributes::is_elevation_name;
+use super::attributes::{is_elevation_name, is_sigma_name};
 use super::crs_finding::crs_finding;
 use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
@@ -67,7 +67,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     let mut first_reason = None;
     let mut invalid = InvalidValues::default();
     for feature in table.features {
-        for Line { points, z } in feature.lines {
+        for Line { points, z, .. } in feature.lines {
             match elevation(source, &table.fields, &item(feature.number, &feature.values, z)) {
                 Outcome::Known(elevation) => {
                     invalid.known += 1;
@@ -115,13 +115,25 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         ));
     }
     let mut points = Vec::new();
+    let mut sigmas = Vec::new();
     let mut invalid = InvalidValues::default();
+    let sigma_field = table.fields.iter().position(|field| is_sigma_name(&field.name));
     for feature in &table.features {
         for spot in &feature.spots {
-            match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
+            let item = spot_item(feature.number, &feature.values, spot);
+            let sigma = match sigma_field.map(|field| sigma(&item, field, &table.fields)) {
+                None => None,
+                Some(Ok(sigma)) => sigma,
+                Some(Err(what)) => {
+                    findings.push(left_out("point", feature.number, Some(&spot.place), &what));
+                    continue;
+                }
+            };
+            match elevation(source, &table.fields, &item) {
                 Outcome::Known(height) => {
                     invalid.known += 1;
                     keep_spot(spot, height, &mut points, &mut findings);
+                    sigmas.resize(points.len(), sigma);
                 }
                 Outcome::Missing(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
@@ -138,7 +150,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
     }
-    Ok(Report { value: SpotHeights { points, crs: table.crs, unit_hint }, findings })
+    Ok(Report { value: SpotHeights { points, sigmas, crs: table.crs, unit_hint }, findings })
 }
 
 /// The height of each feature's polygons, by the feature's number. Features without a height are missing.
@@ -282,6 +294,16 @@ fn elevation(source: ElevationSource, fields: &[Field], item: &Item<'_>) -> Outc
                 },
             }
         }
+    }
+}
+
+/// The standard error of an item; `None` if its field is empty. What is no standard error is an error.
+fn sigma(item: &Item<'_>, field: usize, fields: &[Field]) -> Result<Option<f64>, String> {
+    match (value(item, field), number(item, field)) {
+        (Value::Null, _) => Ok(None),
+        (Value::Text(text), _) if text.trim().is_empty() => Ok(None),
+        (_, Some(sigma)) if sigma >= 0.0 => Ok(Some(sigma)),
+        (value, _) => Err(format!("its field {:?} holds {value}, which is no standard error", fields[field].name)),
     }
 }
 

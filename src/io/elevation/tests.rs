@@ -14,7 +14,7 @@ fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]
             table.note(&mut feature.values, field, value.clone());
         }
         let points = vec![DVec2::new(number as f64, 0.0), DVec2::new(number as f64, 1.0)];
-        feature.lines.push(Line { points, z: *z });
+        feature.lines.push(Line { points, z: *z, heights: Vec::new() });
         table.push(feature);
     }
     table

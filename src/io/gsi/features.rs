@@ -72,6 +72,9 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
                 "files of 基盤地図情報 hold the edges of rivers (WL) and no lines along them; name a file with lines";
             return Err(Error::file(path, message));
         }
+        Purpose::BreakLines => {
+            return Err(Error::file(path, "files of 基盤地図情報 hold no break lines; name a file with lines"));
+        }
     };
     if let Some(layer) = request.layer {
         return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));

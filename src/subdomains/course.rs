@@ -3,7 +3,7 @@
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-use crate::subdomains::{Band, Regions};
+use super::regions::{Band, Regions};
 use crate::tin::{NONE, Tin};
 
 /// A crossing nearer to a vertex of the line than this share of a segment is at the vertex: a tolerance of rounding.
@@ -11,7 +11,7 @@ const AT_VERTEX: f64 = 1e-7;
 
 /// The place where a line crosses the border of a sub-domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Crossing {
+pub(crate) struct Crossing {
     /// Distance along the line, map units.
     pub at: f64,
     /// Position relative to the origin of the triangulation.
@@ -24,7 +24,7 @@ pub(super) struct Crossing {
 
 /// A piece of a line inside one sub-domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stretch {
+pub(crate) struct Stretch {
     /// The sub-domain; [`NONE`] outside the frame.
     pub region: u32,
     /// Where it begins and ends along the line, map units.
@@ -34,7 +34,7 @@ pub(super) struct Stretch {
 
 /// A line through the sub-domains.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Course {
+pub(crate) struct Course {
     /// The pieces, one after the other.
     pub stretches: Vec<Stretch>,
     /// The crossings between them, one fewer. A contour that ends in the open is crossed inside one sub-domain.
@@ -131,13 +131,13 @@ fn follow(tin: &Tin, mut t: u32, a: DVec2, b: DVec2, visit: &mut impl FnMut(Cros
 }
 
 /// The band of a sub-domain; without limits outside the frame.
-pub(super) fn band_of(regions: &Regions, region: u32) -> Band {
+pub(crate) fn band_of(regions: &Regions, region: u32) -> Band {
     let everything = Band { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
     regions.regions.get(region as usize).map_or(everything, |r| r.band)
 }
 
 /// Whether the first of two bands lies above the second.
-pub(super) fn is_above(a: Band, b: Band) -> bool {
+pub(crate) fn is_above(a: Band, b: Band) -> bool {
     a.lo >= b.hi && (a.lo, a.hi) != (b.lo, b.hi)
 }
 

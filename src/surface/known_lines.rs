@@ -1,24 +1,24 @@
-//! Streams in the triangulation: their vertices and the edges between them.
+//! Streams and break lines in the triangulation: their vertices and the edges between them.
 
 use std::collections::HashMap;
 
 use glam::DVec2;
 
 use crate::base::bits::bits;
-use crate::streams::{Stream, Sure};
+use crate::base::{KnownLine, Sure};
 use crate::tin::{NONE, Tin, TinInput, VertexKind};
 
-/// A point nearer to the edge of a sub-domain than this share of the edge's length is no vertex of a stream.
+/// A point nearer to the edge of a sub-domain than this share of the edge's length is no vertex of a line.
 const CLEARANCE: f64 = 1e-6;
 
-/// Adds the vertices of streams with heights, and the edges between them. A vertex on a contour is added only if the
+/// Adds the vertices of lines with heights, and the edges between them. A vertex on a contour is added only if the
 /// contour has a vertex there, because no point may lie on the edge of a contour.
-pub(super) fn push_streams(input: &mut TinInput, tin: &Tin, streams: &[Stream]) {
-    if streams.is_empty() {
+pub(super) fn push_lines(input: &mut TinInput, tin: &Tin, lines: &[KnownLine<'_>]) {
+    if lines.is_empty() {
         return;
     }
     let mut known: HashMap<[u64; 2], u32> = HashMap::new();
-    let exact = streams.iter().flat_map(|s| s.points.iter().zip(&s.sure)).filter(|(_, sure)| **sure == Sure::Exact);
+    let exact = lines.iter().flat_map(|line| line.vertices()).filter(|(_, sure)| *sure == Sure::Exact);
     known.extend(exact.map(|(p, _)| (bits(p.truncate() - tin.origin), NONE)));
     for (v, p) in tin.positions.iter().enumerate().filter(|(v, _)| tin.kinds[*v] == VertexKind::Contour) {
         if let Some(vertex) = known.get_mut(&bits(*p)) {
@@ -26,14 +26,14 @@ pub(super) fn push_streams(input: &mut TinInput, tin: &Tin, streams: &[Stream]) 
         }
     }
     let mut near = 0;
-    for stream in streams {
+    for line in lines {
         let mut before: Option<u32> = None;
-        for (p, sure) in stream.points.iter().zip(&stream.sure) {
+        for (p, sure) in line.vertices() {
             let position = p.truncate() - tin.origin;
             let on_contour = known.get(&bits(position)).copied().filter(|&v| v != NONE);
             let vertex = match on_contour {
                 Some(vertex) => Some(vertex),
-                None if *sure == Sure::Exact => None,
+                None if sure == Sure::Exact => None,
                 None => {
                     clear_triangle(tin, &mut near, position).map(|_| input.push_local(position, p.z, VertexKind::Axis))
                 }
@@ -46,10 +46,9 @@ pub(super) fn push_streams(input: &mut TinInput, tin: &Tin, streams: &[Stream]) 
     }
 }
 
-/// Gives the vertices of streams the heights of the streams.
-pub(super) fn give_heights(tin: &mut Tin, streams: &[Stream]) {
-    let all = streams.iter().flat_map(|stream| stream.points.iter().zip(&stream.sure));
-    let free = all.filter(|(_, sure)| **sure < Sure::Exact);
+/// Gives the vertices of lines the heights of the lines.
+pub(super) fn give_heights<'a>(tin: &mut Tin, lines: impl Iterator<Item = KnownLine<'a>>) {
+    let free = lines.flat_map(KnownLine::vertices).filter(|(_, sure)| *sure < Sure::Exact);
     let height: HashMap<[u64; 2], f64> = free.map(|(p, _)| (bits(p.truncate() - tin.origin), p.z)).collect();
     let Tin { positions, heights, kinds, .. } = tin;
     let vertices = positions.iter().zip(heights).zip(kinds).filter(|(_, kind)| **kind == VertexKind::Axis);

@@ -1,0 +1,64 @@
+//! Break lines as the input gives them, and as they are used.
+
+use glam::{DVec2, DVec3};
+
+use crate::base::{FeatureId, KnownLine, Sure};
+use crate::subdomains::Band;
+
+/// A break line as a survey or a map gives it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CreaseLine {
+    /// Its course, map units.
+    pub points: Vec<DVec2>,
+    /// The height of each point, metres; empty if the line has none.
+    pub heights: Vec<f64>,
+    /// How the ground bends across it.
+    pub bend: Bend,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
+}
+
+/// How the ground bends across a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Bend {
+    /// In either way.
+    #[default]
+    Either,
+    /// The line is higher than a straight line from side to side.
+    Ridge,
+    /// The line is lower than a straight line from side to side.
+    Valley,
+}
+
+/// A piece of a break line as the surface uses it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crease {
+    /// Vertices (x, y in map units, height in metres).
+    pub points: Vec<DVec3>,
+    /// How sure the height of each vertex is.
+    pub(crate) sure: Vec<Sure>,
+    /// The band of the sub-domain around each vertex.
+    pub(crate) bands: Vec<Band>,
+    /// How the ground bends across it.
+    pub bend: Bend,
+    /// The feature that it came from.
+    pub feature: FeatureId,
+}
+
+impl Crease {
+    /// Its course with heights.
+    pub(crate) fn known(&self) -> KnownLine<'_> {
+        KnownLine { points: &self.points, sure: &self.sure }
+    }
+
+    /// Gives the vertices without a height of their own the heights of a surface.
+    pub(crate) fn follow(&mut self, height: impl Fn(DVec2) -> f64) {
+        let vertices = self.points.iter_mut().zip(&self.sure).zip(&self.bands);
+        for ((p, _), band) in vertices.filter(|((_, sure), _)| **sure == Sure::Guessed) {
+            let z = height(p.truncate());
+            if !z.is_nan() {
+                p.z = band.strictly_inside(z);
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Makes streams and break lines from the lines of a file.
+
+use std::path::Path;
+
+use super::attributes::is_kind_name;
+use super::table::{Line, NO_GEOMETRY, Table, Value};
+use crate::base::FeatureId;
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::clean::is_place;
+use crate::creases::{Bend, CreaseLine};
+use crate::streams::StreamLine;
+
+/// The words about a kind of lines.
+struct Words {
+    /// One of them, and several.
+    one: &'static str,
+    many: &'static str,
+    /// The finding about a line that is left out.
+    left_out: FindingKind,
+}
+
+const STREAMS: Words = Words { one: "stream", many: "streams", left_out: FindingKind::StreamLeftOut };
+const BREAK_LINES: Words = Words { one: "break line", many: "break lines", left_out: FindingKind::BreakLineLeftOut };
+
+/// The lines of a table as streams, in the order of the file. What cannot be one is a finding.
+pub(super) fn streams(path: &Path, table: Table) -> Result<Report<Vec<StreamLine>>> {
+    let mut lines = Vec::new();
+    let findings = for_each_line(path, table, &STREAMS, |feature, _, line| {
+        lines.push(StreamLine { points: line.points, feature });
+    })?;
+    Ok(Report { value: lines, findings })
+}
+
+/// The lines of a table as break lines, in the order of the file. What cannot be one is a finding. If z is 0 everywhere in
+/// the file, the lines have no heights.
+pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<CreaseLine>>> {
+    let kind = table.fields.iter().position(|field| is_kind_name(&field.name));
+    let all = table.features.iter().flat_map(|feature| &feature.lines);
+    let has_heights = all.filter_map(|line| line.z).any(|z| z != [0.0; 2]);
+    let mut lines = Vec::new();
+    let mut unknown: Option<(usize, String)> = None;
+    let mut findings = for_each_line(path, table, &BREAK_LINES, |feature, values, line| {
+        let value = values.iter().find(|(field, _)| Some(*field) == kind).map_or(&Value::Null, |(_, value)| value);
+        let bend = bend(value).unwrap_or_else(|| {
+            unknown.get_or_insert((0, value.to_string())).0 += 1;
+            Bend::default()
+        });
+        let heights = if has_heights { line.heights } else { Vec::new() };
+        lines.push(CreaseLine { points: line.points, heights, bend, feature });
+    })?;
+    if let Some((count, example)) = unknown {
+        let message = format!(
+            "{}: the kind of {count} break lines is neither ridge nor valley nor edge, for example {example}; the ground \
+             may bend either way there",
+            path.display()
+        );
+        findings.push(Finding::general(FindingKind::BreakLineKind, message));
+    }
+    Ok(Report { value: lines, findings })
+}
+
+/// How the ground bends across a line of this kind; `None` if the kind is not known.
+fn bend(kind: &Value) -> Option<Bend> {
+    match kind {
+        Value::Null => Some(Bend::Either),
+        Value::Number(_) => None,
+        Value::Text(text) => match text.trim().to_lowercase().as_str() {
+            "" | "edge" => Some(Bend::Either),
+            "ridge" => Some(Bend::Ridge),
+            "valley" => Some(Bend::Valley),
+            _ => None,
+        },
+    }
+}
+
+/// Calls `visit` for each line of two or more different points, with the attributes of its feature. The line has a height
+/// for each point, or none at all. Gives what was left out.
+fn for_each_line(
+    path: &Path,
+    table: Table,
+    words: &Words,
+    mut visit: impl FnMut(FeatureId, &[(usize, Value)], Line),
+) -> Result<Vec<Finding>> {
+    let Words { one, many, left_out } = *words;
+    let mut findings = table.findings.clone();
+    for (kind, count) in &table.left_out {
+        let what = if kind == NO_GEOMETRY { "features without geometry" } else { kind };
+        let message = format!("{}: {count} {what} left out; {many} are lines", path.display());
+        findings.push(Finding::general(FindingKind::SkippedFeature, message));
+    }
+    if table.features.iter().all(|feature| feature.lines.is_empty()) {
+        let found = table.found_words();
+        return Err(Error::file(path, format!("there is no line in it{found}; {many} are lines")));
+    }
+    for feature in table.features {
+        let id = FeatureId::from(feature.number);
+        for Line { points, z, heights } in feature.lines {
+            let count = points.len();
+            let level = z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
+            let height = |k: usize| heights.get(k).copied().or(level);
+            let sound: Vec<_> = points.iter().enumerate().filter(|(_, p)| is_place(**p)).collect();
+            if sound.len() < count {
+                let message =
+                    format!("{} points of a {one} have no valid coordinates; they are left out", count - sound.len());
+                let finding = Finding::new(FindingKind::NonFinitePoint, sound.first().map(|(_, p)| **p), message);
+                findings.push(finding.of_feature(id));
+            }
+            let mut vertices: Vec<_> = sound.into_iter().map(|(k, p)| (*p, height(k))).collect();
+            vertices.dedup_by_key(|(p, _)| *p);
+            if vertices.len() > 1 {
+                let points = vertices.iter().map(|(p, _)| *p).collect();
+                let heights = vertices.iter().filter_map(|(_, z)| *z).collect();
+                visit(id, &feature.values, Line { points, z, heights });
+            } else {
+                let message = format!("the {one} is a point; it is left out");
+                let finding = Finding::new(left_out, vertices.first().map(|(p, _)| *p), message);
+                findings.push(finding.of_feature(id));
+            }
+        }
+    }
+    Ok(findings)
+}

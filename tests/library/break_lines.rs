@@ -1,0 +1,147 @@
+//! Break lines and spot heights with a standard error: the surface follows them as far as the contours allow.
+
+use glam::{DVec2, DVec3};
+use tokosen::base::error::{Finding, FindingKind};
+use tokosen::contour::{Contour, ContourMap, SoftSpot};
+use tokosen::creases::{Bend, CreaseLine};
+use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
+
+/// An even slope, `z = y / 10`, by its contours every 10 m from y = 0 to 600.
+fn slope() -> ContourMap {
+    let contour = |k: i32| {
+        let points = (-10..=10).map(|i| DVec2::new(30.0 * f64::from(i), 100.0 * f64::from(k))).collect();
+        Contour { elevation: 10.0 * f64::from(k), points, feature: 0.into() }
+    };
+    ContourMap { contours: (0..=6).map(contour).collect(), ..ContourMap::default() }
+}
+
+fn line(points: &[(f64, f64)], heights: &[f64], bend: Bend) -> CreaseLine {
+    CreaseLine { points: points.iter().map(|&p| p.into()).collect(), heights: heights.into(), bend, feature: 7.into() }
+}
+
+fn built(map: ContourMap, creases: Vec<CreaseLine>, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
+    let params = SurfaceParams { kind, creases, ..SurfaceParams::default() };
+    let report = build(map, &params, &()).expect("a slope has a surface");
+    (report.value, report.findings)
+}
+
+/// The height of the smooth surface.
+fn at(surface: &Surface, x: f64, y: f64) -> f64 {
+    let working = surface.working.as_ref().expect("it is smooth");
+    let place = working.grid.place(DVec2::new(x, y)).round();
+    f64::from(working.heights[place.y as usize * working.grid.cols + place.x as usize])
+}
+
+#[test]
+fn the_surface_passes_through_the_heights_of_a_break_line_and_bends_there() {
+    // A ditch along the slope: its bottom is 3 m below the ground, its edges are on it.
+    let x = [-150.0, 150.0];
+    let along = |y: f64| x.map(|x| (x, y));
+    let ditch = || {
+        vec![
+            line(&along(240.0), &[24.0; 2], Bend::Either),
+            line(&along(250.0), &[22.0; 2], Bend::Valley),
+            line(&along(260.0), &[26.0; 2], Bend::Either),
+        ]
+    };
+    let (surface, findings) = built(slope(), ditch(), SurfaceKind::Spline);
+    assert_eq!(findings, []);
+    assert_eq!(surface.creases.len(), 3);
+    let (plain, _) = built(slope(), Vec::new(), SurfaceKind::Spline);
+    let grid = surface.working.as_ref().unwrap().grid;
+    assert_eq!(grid, plain.working.as_ref().unwrap().grid);
+    let node = grid.place(DVec2::new(0.0, 250.0)).round();
+    let y = grid.center(0, node.y as usize).y;
+    let truth = if y > 250.0 { 22.0 + 0.4 * (y - 250.0) } else { 22.0 + 0.2 * (250.0 - y) };
+    for x in [-100.0, 0.0, 100.0] {
+        let z = at(&surface, x, y);
+        assert!((z - truth).abs() < 0.5, "{x}: {z}, not {truth}");
+        assert!((at(&plain, x, y) - y / 10.0).abs() < 0.3);
+        // Beside the ditch, the ground is as before.
+        for y in [215.0, 290.0] {
+            assert!((at(&surface, x, y) - at(&plain, x, y)).abs() < 0.6, "{x} {y}: {}", at(&surface, x, y));
+        }
+    }
+    // In the triangulation, the line is exact.
+    let (skeleton, _) = built(slope(), ditch(), SurfaceKind::Skeleton);
+    let on_line: Vec<f64> = (0..skeleton.tin.heights.len() as u32)
+        .map(|v| skeleton.tin.point(v))
+        .filter(|p| p.y == 250.0 && p.x.abs() < 150.0)
+        .map(|p| p.z)
+        .collect();
+    assert!(on_line.len() > 3 && on_line.iter().all(|z| *z == 22.0), "{on_line:?}");
+}
+
+#[test]
+fn contours_win_over_heights_of_break_lines_and_that_is_told() {
+    // Across the contours of 20 and 30 m, 4 m too high between them.
+    let across = line(&[(0.0, 150.0), (0.0, 250.0), (0.0, 350.0)], &[15.0, 34.0, 35.0], Bend::Ridge);
+    let (surface, findings) = built(slope(), vec![across], SurfaceKind::Spline);
+    let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::BreakLineConflict).collect();
+    assert_eq!(told.len(), 1, "{findings:?}");
+    assert!(told[0].message.contains("above") && told[0].features[0] == 7, "{told:?}");
+    let crease = &surface.creases[0];
+    for level in [20.0, 30.0] {
+        assert!(crease.points.contains(&DVec3::new(0.0, 10.0 * level, level)), "{:?}", crease.points);
+    }
+    assert!(crease.points.iter().filter(|p| p.y > 200.0 && p.y < 300.0).all(|p| p.z > 20.0 && p.z < 30.0));
+}
+
+#[test]
+fn what_lies_outside_is_told_with_its_length() {
+    let inside = line(&[(0.0, 550.0), (0.0, 700.0)], &[], Bend::Either);
+    let far = CreaseLine { feature: 8.into(), ..line(&[(900.0, 0.0), (950.0, 0.0)], &[1.0, 2.0], Bend::Either) };
+    let (surface, findings) = built(slope(), vec![inside, far], SurfaceKind::Spline);
+    assert_eq!(surface.creases.len(), 1);
+    let told: Vec<&str> = findings.iter().map(|f| f.message.as_str()).collect();
+    assert!(told.len() == 2 && told[0].starts_with("100.0 map") && told[1].starts_with("50.0 map"), "{told:?}");
+}
+
+#[test]
+fn a_line_without_heights_lets_the_surface_bend_the_way_that_it_says() {
+    // A roof: contours of both sides, the ridge between them at x = 0.
+    let contour = |k: i32| {
+        let x = 20.0 * f64::from(k) - 10.0;
+        let points = |x: f64| (0..=20).map(|i| DVec2::new(x, 20.0 * f64::from(i))).collect();
+        [x, -x].map(|x| Contour { elevation: 200.0 - 10.0 * f64::from(k), points: points(x), feature: 0.into() })
+    };
+    let roof = || ContourMap { contours: (1..=6).flat_map(contour).collect(), ..ContourMap::default() };
+    let along = [(0.0, 20.0), (0.0, 380.0)];
+    let top = |bend: Option<Bend>| {
+        let lines = bend.map(|bend| line(&along, &[], bend)).into_iter().collect();
+        at(&built(roof(), lines, SurfaceKind::Spline).0, 0.0, 200.0)
+    };
+    // Half of the slope of the sides is 195 m at the ridge.
+    let [without, ridge, valley] = [None, Some(Bend::Ridge), Some(Bend::Valley)].map(top);
+    assert!(ridge > 190.0 && ridge >= without - 1e-3, "{ridge} {without}");
+    assert!(valley <= ridge, "{valley} {ridge}");
+}
+
+#[test]
+fn the_surface_comes_near_spot_heights_as_far_as_their_standard_error_says() {
+    let spot = |sigma: f64| SoftSpot { place: DVec3::new(0.0, 250.0, 28.0), sigma };
+    let height = |spots: Vec<SoftSpot>| {
+        let (surface, findings) = built(ContourMap { soft_spots: spots, ..slope() }, Vec::new(), SurfaceKind::Spline);
+        assert_eq!(findings, []);
+        at(&surface, 0.0, 250.0)
+    };
+    let [without, loose, near, exact] =
+        [height(vec![]), height(vec![spot(10.0)]), height(vec![spot(1.0)]), height(vec![spot(0.01)])];
+    assert!(without < 25.6 && loose < without + 0.3, "{without} {loose}");
+    assert!(near > loose + 0.5 && exact > near + 0.3 && exact > 27.0, "{loose} {near} {exact}");
+}
+
+#[test]
+fn a_spot_height_far_outside_its_contours_is_left_out_with_a_finding() {
+    let spots = [(28.0, 1.0), (31.0, 1.0), (40.0, 1.0)]
+        .map(|(z, sigma)| SoftSpot { place: DVec3::new(10.0 * z, 250.0, z), sigma });
+    let map = || ContourMap {
+        soft_spots: spots.map(|s| SoftSpot { place: s.place - DVec3::new(280.0, 0.0, 0.0), ..s }).into(),
+        ..slope()
+    };
+    let (_, findings) = built(map(), Vec::new(), SurfaceKind::Spline);
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert!(findings[0].kind == FindingKind::SpotOutsideBand && findings[0].message.contains("40 ± 1"));
+    let (_, findings) = built(map(), Vec::new(), SurfaceKind::Skeleton);
+    assert!(findings.len() == 1 && findings[0].message.contains("only the smooth surface"), "{findings:?}");
+}
