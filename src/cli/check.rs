@@ -3,25 +3,29 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::Options;
 use tokosen::base::error::Finding;
 use tokosen::contour::ContourMap;
 use tokosen::io::layer::{FINDINGS_LAYER, REPAIRED_LAYERS, holds_spots, of_findings, of_repaired};
 use tokosen::io::{PlannedOutput, StagedOutput, VectorFormat, check_paths, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
+use super::break_lines::BreakLineArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::map::{MapArgs, RepairArg};
 use super::plane::ToCrsArgs;
+use super::streams::StreamArgs;
 use super::summary;
+use super::surface::WaterArgs;
 use super::unit::{ToUnitArgs, in_feet};
 
 /// Faults in contour lines, their places and proposed repairs
 ///
 /// Faults of the lines themselves: repeated points, spikes, duplicates, crossings, gaps, sudden changes of elevation.
 /// Faults between neighbouring lines: contradicting elevations, missing contours, contours that end inside the map,
-/// spot heights outside their band, depression marks. Each finding has a code, a severity, a place, its features and
+/// spot heights outside their band, depression marks. Lakes, streams and break lines that contradict the contours. Each finding has a code, a severity, a place, its features and
 /// elevations, a message and, where possible, a proposal. An error makes the ground near it wrong, a warning may do so,
 /// a note does not.
 ///
@@ -33,6 +37,12 @@ use super::unit::{ToUnitArgs, in_feet};
 pub struct CheckArgs {
     #[command(flatten)]
     map: MapArgs,
+    #[command(flatten, next_help_heading = "Lines and water to compare")]
+    water: WaterArgs,
+    #[command(flatten, next_help_heading = "Lines and water to compare")]
+    streams: StreamArgs,
+    #[command(flatten, next_help_heading = "Lines and water to compare")]
+    break_lines: BreakLineArgs,
     /// Findings to write, as points: .gpkg or .geojson. With --repair: the repaired contours, as .geojson, .gpkg, .fgb,
     /// .dxf or .shp; only a GeoPackage also holds the spot heights
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
@@ -49,6 +59,7 @@ pub struct CheckArgs {
 const EXAMPLES: &str = "\
 Examples:
   tokosen check contours.gpkg
+  tokosen check contours.gpkg --streams rivers.gpkg --water lakes.gpkg
   tokosen check contours.shp -a ELEV -o findings.gpkg
   tokosen check contours.gpkg --json --strict
   tokosen check contours.gpkg --repair safe -o fixed.gpkg
@@ -65,7 +76,15 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
     let fixed = staged.is_some() && args.writes_map();
     let map = if fixed { Some(input.map.clone()) } else { None };
-    let judged = input.judge(console);
+    args.water.add_to(&mut input)?;
+    args.streams.add_to(&mut input)?;
+    args.break_lines.add_to(&mut input)?;
+    let options = Options {
+        sea: args.water.sea_in_metres(args.to_unit.unit()),
+        stream_tolerance: args.streams.stream_tolerance,
+        ..Options::default()
+    };
+    let judged = input.judge(&options, console);
     let judged = judged.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));
     let findings = &input.findings;
@@ -133,7 +152,8 @@ impl CheckArgs {
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
         let files = self.map.files()?;
-        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        let others = self.water.file().into_iter().chain(self.streams.files()).chain(self.break_lines.files());
+        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(others).collect();
         let layers: &[&str] = if self.writes_map() { &REPAIRED_LAYERS } else { &[FINDINGS_LAYER] };
         check_paths(&inputs, &[PlannedOutput { path, layers }], console.overwrite)?;
         Ok(Some(StagedOutput::create(path)?))

@@ -1,11 +1,11 @@
-//! `--diagnostics`: a GeoPackage with what became of streams and other lines.
+//! `--diagnostics`: a GeoPackage with what became of streams and other lines, and where the inputs contradict each other.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::Terrain;
 use tokosen::base::ElevationUnit;
-use tokosen::io::layer::stream_lines;
+use tokosen::io::layer::{break_lines, of_conflicts, stream_lines};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 
 use super::console::Console;
@@ -14,13 +14,14 @@ use super::output::check_extension;
 
 #[derive(Debug, Clone, Args)]
 pub struct DiagnosticsArgs {
-    /// Also write the streams as they are used, with direction, order, heights and shift: .gpkg
-    #[arg(long, value_name = "FILE", requires = "streams", hide_short_help = true)]
+    /// Also write the streams and break lines as they are used, and the places where lines, lakes and spot heights contradict
+    /// the contours: .gpkg
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub diagnostics: Option<PathBuf>,
 }
 
 /// The layers.
-const LAYERS: [&str; 1] = ["streams"];
+const LAYERS: [&str; 3] = ["streams", "breaklines", "conflicts"];
 
 impl DiagnosticsArgs {
     /// The file as an output of the run.
@@ -43,7 +44,12 @@ impl Diagnostics {
     /// Writes the layers, in the coordinates of the contours.
     pub fn write(&self, terrain: &Terrain, unit: ElevationUnit) -> Result<(), Failure> {
         let back = terrain.to_output(None)?.with_heights_in(unit);
-        write_layers_back(&self.0, &[stream_lines(&terrain.surface.streams)], &back)?;
+        let layers = [
+            stream_lines(&terrain.surface.streams),
+            break_lines(&terrain.surface.creases),
+            of_conflicts(&terrain.findings),
+        ];
+        write_layers_back(&self.0, &layers, &back)?;
         Ok(())
     }
 

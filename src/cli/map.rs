@@ -10,6 +10,7 @@ use tokosen::io::{Content, VectorSource, content};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
+use super::cliffs::CliffArgs;
 use super::console::Console;
 use super::failure::Failure;
 use super::source::source;
@@ -42,6 +43,8 @@ pub struct MapArgs {
     /// lines; the surface bridges them. Can be given several times
     #[arg(long, value_name = "FILE", value_parser = source())]
     pub exclude: Vec<VectorSource>,
+    #[command(flatten)]
+    pub cliffs: CliffArgs,
     /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
     /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
     #[arg(long, value_enum, hide_short_help = true)]
@@ -95,7 +98,8 @@ impl MapArgs {
     pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
         let contours = self.sources()?;
         let others = self.points.iter().chain(&self.exclude).cloned();
-        Ok(contours.into_iter().chain(others).map(|source| source.path).collect())
+        let cliffs = self.cliffs.files().map(Path::to_owned);
+        Ok(contours.into_iter().chain(others).map(|source| source.path).chain(cliffs).collect())
     }
 
     /// The sources of the contours: patterns and folders are expanded.
@@ -139,7 +143,9 @@ impl MapArgs {
         [
             (self.elevation_field.is_some(), "--elevation-field"),
             (self.layer.is_some(), "--layer"),
+            (self.points_sigma.is_some(), "--points-sigma"),
             (!self.exclude.is_empty(), "--exclude"),
+            (!self.cliffs.cliffs.is_empty(), "--cliffs"),
             (self.unit.is_some(), "--unit"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
@@ -182,6 +188,7 @@ impl MapArgs {
         for source in &self.exclude {
             input.read_excluded(source)?;
         }
+        self.cliffs.add_to(&mut input)?;
         console.set_input(&input);
         Ok(input)
     }

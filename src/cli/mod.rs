@@ -4,6 +4,7 @@
 
 mod break_lines;
 mod check;
+mod cliffs;
 mod compare;
 mod console;
 mod contour;

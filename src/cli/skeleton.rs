@@ -15,13 +15,16 @@ use super::input::InputArgs;
 use super::job::Job;
 use super::output;
 use super::plane::ToCrsArgs;
+use super::streams::StreamArgs;
+use super::summary;
 use super::surface::{FrameArgs, WaterArgs};
 use super::unit::{ToUnitArgs, in_feet};
 
 /// Ridge and canyon lines with heights
 ///
 /// Lines along spurs, crests, gullies and valley floors, in the layer skeleton. Each runs downhill within one
-/// sub-domain (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), region (its
+/// sub-domain (the ground between neighbouring contours) and has the attributes kind (ridge or canyon), given (whether it
+/// is a stream of --streams; these run through several sub-domains), region (its
 /// sub-domain), network (the same for lines that meet), length (in units of the working CRS), upper_end and lower_end
 /// (contour, junction, peak, bottom, saddle, frame, spot), upper_z and lower_z (heights in metres, or in the unit of
 /// --to-unit, as the z of the vertices). The surface contains these lines.
@@ -51,6 +54,8 @@ pub struct SkeletonArgs {
     frame: FrameArgs,
     #[command(flatten, next_help_heading = "Surface")]
     water: WaterArgs,
+    #[command(flatten, next_help_heading = "Surface")]
+    streams: StreamArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Surface")]
     resolution: f64,
@@ -72,7 +77,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs = args.frame.file().into_iter().chain(args.water.file());
+    let inputs = args.frame.file().into_iter().chain(args.water.file()).chain(args.streams.files());
     let outputs = files.iter().map(|path| PlannedOutput { path, layers: &names });
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
@@ -82,12 +87,14 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.reprojection, unit)?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
+    args.streams.add_to(&mut input)?;
     let subdivision = job.subdivide(&mut input, &args.water, unit)?;
+    let streams = input.settle_streams(&subdivision, args.streams.stream_tolerance, console)?;
     let tuning = SkeletonTuning::default();
     let found = console
         .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
     let written = console.step("writing", || {
-        let mut layers = vec![skeleton_lines(&found)];
+        let mut layers = vec![skeleton_lines(&found, &streams)];
         if args.triangles {
             layers.push(skeleton_triangles(&subdivision, &found));
         }
@@ -105,6 +112,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
 
     job.report(&input.findings, &subdivision.map);
     describe(&found, args.resolution, console);
+    summary::streams(&streams, console);
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();

@@ -112,7 +112,7 @@ pub fn surface(surface: &Surface, console: &Console) {
         };
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
-    streams(surface, console);
+    streams(&surface.streams, console);
     if let Some(chosen) = &surface.chosen {
         accuracy(chosen, console);
     }
@@ -129,8 +129,7 @@ pub fn surface(surface: &Surface, console: &Console) {
 }
 
 /// Prints how much of the streams is used, and how much of it was changed.
-fn streams(surface: &Surface, console: &Console) {
-    let streams = &surface.streams;
+pub fn streams(streams: &[Stream], console: &Console) {
     if streams.is_empty() {
         return;
     }

@@ -1,5 +1,6 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
+mod cliff;
 mod clip;
 mod cut_out;
 mod excluded;
@@ -15,6 +16,7 @@ mod spots;
 mod unit_hint;
 
 pub use crate::base::ElevationUnit;
+pub use cliff::CliffLine;
 pub use clip::{Clipped, clip};
 pub use cut_out::{CutOut, cut_out};
 pub use excluded::Excluded;

@@ -51,6 +51,17 @@ impl Crease {
         KnownLine { points: &self.points, sure: &self.sure }
     }
 
+    /// Length on the map, map units.
+    pub fn length(&self) -> f64 {
+        self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()
+    }
+
+    /// The share of the vertices whose height the line itself gives.
+    pub fn surveyed_share(&self) -> f64 {
+        let surveyed = self.sure.iter().filter(|sure| **sure == Sure::Surveyed).count();
+        surveyed as f64 / self.sure.len().max(1) as f64
+    }
+
     /// Gives the vertices without a height of their own the heights of a surface.
     pub(crate) fn follow(&mut self, height: impl Fn(DVec2) -> f64) {
         let vertices = self.points.iter_mut().zip(&self.sure).zip(&self.bands);

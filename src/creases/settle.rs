@@ -13,8 +13,8 @@ use crate::tuning::CreaseTuning;
 
 /// Lines per parallel task. The search for the first triangle starts anew with each task.
 const CHUNK: usize = 64;
-/// A smaller share of a line is a rounding error.
-const ROUNDING: f64 = 1e-9;
+/// A shorter piece is a rounding error, in spacings: such lines end on the frame.
+const ROUNDING: f64 = 1e-3;
 
 /// Break lines that agree with the contours, and what had to be done for it.
 #[derive(Debug, Clone, Default)]
@@ -77,7 +77,7 @@ pub(crate) fn settle(
             settled.creases.push(crease);
         }
         settled.findings.extend(conflict.finding(line, interval, tin.origin));
-        if cut.outside > ROUNDING * cut.length {
+        if cut.outside > ROUNDING * spacing {
             let message = format!("{:.1} map units of the break line lie outside the frame or in water", cut.outside);
             let place = line.points.first().copied().unwrap_or_default();
             settled.findings.push(Finding::at(FindingKind::BreakLineOutside, place, message).of_feature(line.feature));
@@ -114,8 +114,7 @@ impl Vertex {
 /// A line, cut into pieces on ground.
 struct Cut {
     pieces: Vec<Vec<Vertex>>,
-    /// Length of the line, and of it outside the frame or in water, map units.
-    length: f64,
+    /// Length outside the frame or in water, map units.
     outside: f64,
 }
 
@@ -140,7 +139,7 @@ impl Cut {
             let share = if at[k] > at[k - 1] { ((s - at[k - 1]) / (at[k] - at[k - 1])).clamp(0.0, 1.0) } else { 0.0 };
             Some(own(k - 1)? * (1.0 - share) + own(k)? * share)
         };
-        let mut cut = Self { pieces: Vec::new(), length: at[at.len() - 1], outside: 0.0 };
+        let mut cut = Self { pieces: Vec::new(), outside: 0.0 };
         let mut piece: Vec<Vertex> = Vec::new();
         let mut next = 0;
         for (k, stretch) in course.stretches.iter().enumerate() {

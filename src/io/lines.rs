@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
+use super::area::single_polygons;
 use super::attributes::is_kind_name;
 use super::table::{Line, NO_GEOMETRY, Table, Value};
 use crate::base::FeatureId;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::clean::is_place;
+use crate::contour::CliffLine;
 use crate::creases::{Bend, CreaseLine};
-use crate::streams::StreamLine;
+use crate::streams::{RiverArea, StreamLine};
 
 /// The words about a kind of lines.
 struct Words {
@@ -22,13 +24,49 @@ struct Words {
 const STREAMS: Words = Words { one: "stream", many: "streams", left_out: FindingKind::StreamLeftOut };
 const BREAK_LINES: Words = Words { one: "break line", many: "break lines", left_out: FindingKind::BreakLineLeftOut };
 
-/// The lines of a table as streams, in the order of the file. What cannot be one is a finding.
-pub(super) fn streams(path: &Path, table: Table) -> Result<Report<Vec<StreamLine>>> {
+const CLIFFS: Words = Words { one: "cliff", many: "cliffs", left_out: FindingKind::CliffLeftOut };
+
+/// The lines of a table as cliffs, in the order of the file. What cannot be one is a finding.
+pub(super) fn cliffs(path: &Path, table: Table) -> Result<Report<Vec<CliffLine>>> {
     let mut lines = Vec::new();
-    let findings = for_each_line(path, table, &STREAMS, |feature, _, line| {
-        lines.push(StreamLine { points: line.points, feature });
+    let findings = for_each_line(path, table, &CLIFFS, |feature, _, line| {
+        lines.push(CliffLine { points: line.points, feature });
     })?;
     Ok(Report { value: lines, findings })
+}
+
+/// Rivers and streams of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Waterways {
+    /// Their lines.
+    pub lines: Vec<StreamLine>,
+    /// Their areas.
+    pub areas: Vec<RiverArea>,
+}
+
+/// The lines and polygons of a table as rivers and streams, in the order of the file. What cannot be one is a finding.
+pub(super) fn waterways(path: &Path, mut table: Table) -> Result<Report<Waterways>> {
+    let polygons = table.take_polygons();
+    let mut found = Waterways::default();
+    let mut findings = Vec::new();
+    let has_areas = !polygons.features.is_empty();
+    if has_areas {
+        match single_polygons(path, polygons) {
+            Ok(members) => found
+                .areas
+                .extend(members.into_iter().map(|m| RiverArea { polygon: m.polygon, feature: m.feature.into() })),
+            Err(error) => {
+                let message = format!("the river areas are left out: {error}");
+                findings.push(Finding::general(FindingKind::StreamLeftOut, message));
+            }
+        }
+    }
+    if !has_areas || table.features.iter().any(|feature| !feature.lines.is_empty()) {
+        findings.extend(for_each_line(path, table, &STREAMS, |feature, _, line| {
+            found.lines.push(StreamLine { points: line.points, feature });
+        })?);
+    }
+    Ok(Report { value: found, findings })
 }
 
 /// The lines of a table as break lines, in the order of the file. What cannot be one is a finding. If z is 0 everywhere in

@@ -40,10 +40,9 @@ use std::path::{Path, PathBuf};
 use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
-use crate::contour::{ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
+use crate::contour::{CliffLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, FromWorking};
-use crate::streams::StreamLine;
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
 use layer::{Layer, ReprojectedShapes};
@@ -51,6 +50,7 @@ use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
 pub use format::VectorFormat;
+pub use lines::Waterways;
 pub use paths::{PlannedOutput, check_paths};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
@@ -139,16 +139,30 @@ pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake
     Ok(Report { value: (lakes, crs), findings })
 }
 
-/// Reads lines of rivers and streams. Also gives the coordinate reference system if the file names one.
+/// Reads rivers and streams: lines, and polygons of river areas. Also gives the coordinate reference system if the file
+/// names one. Of a GeoPackage with lines and polygons, the layer of lines is read, if no layer is named.
 ///
 /// Elevations do not count. A line of several parts becomes one stream per part. What cannot be a stream is a finding.
 ///
 /// # Errors
-/// The file cannot be read or has no lines.
-pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<StreamLine>, Option<Crs>)>> {
+/// The file cannot be read, or has neither lines nor polygons.
+pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Waterways, Option<Crs>)>> {
     let mut table = read_table(path, options, Purpose::Streams)?;
     let crs = table.crs.take();
-    let Report { value, findings } = lines::streams(path, table)?;
+    let Report { value, findings } = lines::waterways(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads cliffs. Also gives the coordinate reference system if the file names one.
+///
+/// Elevations do not count. A line of several parts becomes one cliff per part. What cannot be a cliff is a finding.
+///
+/// # Errors
+/// The file cannot be read or has no lines.
+pub fn read_cliffs(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CliffLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Lines)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = lines::cliffs(path, table)?;
     Ok(Report { value: (value, crs), findings })
 }
 

@@ -35,7 +35,9 @@ pub(super) enum Purpose {
     Area,
     /// Polygons of water, with their heights.
     Water,
-    /// Lines of rivers and streams.
+    /// Lines whose attributes do not count, such as cliffs.
+    Lines,
+    /// Lines and areas of rivers and streams.
     Streams,
     /// Break lines, with their heights and their kind.
     BreakLines,
@@ -176,7 +178,7 @@ impl Table {
             wants_marks: request.purpose == Purpose::Contours,
             wants_kinds: request.purpose == Purpose::BreakLines,
             wants_sigmas: request.purpose == Purpose::Spots,
-            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water),
+            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water | Purpose::Streams),
             ..Self::default()
         }
     }
@@ -212,6 +214,17 @@ impl Table {
         if field.kept {
             values.push((index, value));
         }
+    }
+
+    /// Moves the polygons into a table of their own.
+    pub fn take_polygons(&mut self) -> Self {
+        let with_polygons = self.features.iter_mut().filter(|feature| !feature.polygons.is_empty());
+        let of_polygons = |feature: &mut Feature| Feature {
+            number: feature.number,
+            polygons: std::mem::take(&mut feature.polygons),
+            ..Feature::default()
+        };
+        Self { features: with_polygons.map(of_polygons).collect(), ..Self::default() }
     }
 
     /// Adds a feature, or counts it if it has no usable geometry.

@@ -35,6 +35,10 @@ pub struct Conditions<'a> {
     pub reference: Vec<f32>,
     /// Whether water may stay at a node.
     pub hollows: Vec<bool>,
+    /// Cliffs, map coordinates.
+    pub cliffs: &'a [Vec<DVec2>],
+    /// How far cliffs free the surface from the bands' middle and the reference surface, map units.
+    pub cliff_reach: f64,
     /// Lines with heights, such as streams and break lines.
     pub known: Vec<KnownLine<'a>>,
     /// Streams: the surface falls along them.

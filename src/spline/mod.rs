@@ -20,6 +20,7 @@
 //! and valleys get their curvature gain (`curvature_gain`), and pits are breached (`pits`).
 
 mod blur;
+mod cliffs;
 mod conditions;
 mod curvature_gain;
 mod density;

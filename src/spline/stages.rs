@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::cliffs::Walls;
 use super::conditions::line_crossings;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::fold::{Fold, Folds};
@@ -34,6 +35,8 @@ pub struct Problem<'a> {
     pub spots: Vec<(Crossing, f64)>,
     /// Lines across which the surface may bend sharply.
     pub creases: &'a [(Fold, Vec<DVec2>)],
+    /// Cliffs.
+    pub cliffs: &'a [Vec<DVec2>],
     /// Lines with heights.
     pub known: &'a [KnownLine<'a>],
     /// IRLS threshold across the lines where it may bend, as a share of the threshold elsewhere.
@@ -230,6 +233,7 @@ impl Stage<'_> {
             lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
             (east, south)
         };
+        let walls = Walls::new(problem.cliffs, lattice);
         let (mut east, mut south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
         for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, lattice)) {
             east.push(of_east);
@@ -240,13 +244,16 @@ impl Stage<'_> {
             problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));
         let spots: &[(Crossing, f64)] = if self.depth == 0 { &problem.spots } else { &[] };
         // The crossings of a line are freed once they are copied, because all of them together are large.
-        let terms = |found: Vec<Vec<_>>, more: &[_]| {
+        let terms = |side: usize, found: Vec<Vec<_>>, more: &[(Crossing, f64)]| {
             let mut all = Vec::with_capacity(found.iter().map(Vec::len).sum::<usize>() + more.len());
             found.into_iter().for_each(|of_line| all.extend(of_line));
             all.extend_from_slice(more);
+            if let Some(walls) = &walls {
+                all.retain(|(crossing, _)| !walls.is_between(side, crossing.node as usize));
+            }
             EdgeTerms::new(&all, weight, lattice)
         };
-        let (east, south) = rayon::join(|| terms(east, spots), || terms(south, &[]));
+        let (east, south) = rayon::join(|| terms(0, east, spots), || terms(1, south, &[]));
         let contours = [east, south];
 
         let mut cut = [vec![Fold::None; count], vec![Fold::None; count]];
@@ -265,11 +272,12 @@ impl Stage<'_> {
         let ratio = (lattice.step.y / lattice.step.x) as f32;
         let is_bent = |kind: usize, n: usize| {
             let (i, j) = (n % cols, n / cols);
-            match kind {
+            let is_inside = match kind {
                 0 => i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]),
                 1 => j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]),
                 _ => i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]),
-            }
+            };
+            is_inside && walls.as_ref().is_none_or(|walls| !walls.is_among(kind, n))
         };
         let fold = |kind: usize, n: usize| {
             let [east, south] = &cut;
@@ -293,7 +301,8 @@ impl Stage<'_> {
             let (i, j) = (n % cols, n / cols);
             let (has_next, next, per) =
                 if side == 0 { (i + 1 < cols, n + 1, ratio) } else { (j + 1 < rows, n + cols, 1.0 / ratio) };
-            if !has_next || !all_inside(&[n, next]) {
+            let is_cut = || walls.as_ref().is_some_and(|walls| walls.is_between(side, n));
+            if !has_next || !all_inside(&[n, next]) || is_cut() {
                 return 0.0;
             }
             let product = self.tension[n] * self.tension[next];
@@ -403,6 +412,7 @@ mod tests {
                 contours: &[(10.0, &lines[0]), (20.0, &lines[1])],
                 spots: Vec::new(),
                 creases: &[],
+                cliffs: &[],
                 known: &[],
                 crease_threshold: 0.1,
                 bounds: [0.0, 30.0].map(|bound| vec![bound; lattice.len()].into()),

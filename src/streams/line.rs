@@ -1,5 +1,6 @@
 //! Streams as the input gives them, and as they are used.
 
+use geo::Polygon;
 use glam::{DVec2, DVec3};
 
 use crate::base::{FeatureId, KnownLine, Sure};
@@ -14,11 +15,22 @@ pub struct StreamLine {
     pub feature: FeatureId,
 }
 
+/// A river as wide as a map shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RiverArea {
+    /// Its outline, map units; holes are islands.
+    pub polygon: Polygon<f64>,
+    /// The feature that it came from, for messages.
+    pub feature: FeatureId,
+}
+
 /// The streams of a map.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Streams {
     /// The lines.
     pub lines: Vec<StreamLine>,
+    /// River areas. They are level across and fall along, as the streams through them.
+    pub areas: Vec<RiverArea>,
     /// How far a stream is moved to agree with the contours, map units. If `None`: a share of the mean spacing of the
     /// contours ([`StreamTuning::tolerance`](crate::tuning::StreamTuning::tolerance)).
     pub tolerance: Option<f64>,

@@ -15,9 +15,12 @@
 //! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
 //!    stream are made to fall (`fall`).
 //!
+//! 8. The banks of river areas get the heights of the streams between them (`areas`).
+//!
 //! What was changed, cut or left out is a finding.
 
 mod along;
+mod areas;
 mod descend;
 mod direction;
 mod fall;
@@ -28,7 +31,8 @@ mod profile;
 mod settle;
 mod shift;
 
+pub(crate) use areas::banks;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
-pub use line::{Stream, StreamLine, Streams};
+pub use line::{RiverArea, Stream, StreamLine, Streams};
 pub(crate) use settle::settle;

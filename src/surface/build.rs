@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::conditions;
+use super::given_lines::{GivenLines, known, settle_lines};
 use super::known_lines::give_heights;
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
@@ -15,11 +16,11 @@ use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
-use crate::creases::{self, Bend, Crease};
+use crate::creases::{Bend, Crease};
 use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
 use crate::spline::{self, Conditions, Fold, bytes_on, spline, working_grid};
-use crate::streams::{self, Stream};
+use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
 use crate::tin::Tin;
@@ -60,12 +61,18 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let soft_spots = soft_spots(&subdivision, params.kind, &mut findings);
+    if params.kind != SurfaceKind::Spline && !params.cliffs.is_empty() {
+        let message = format!("{} cliffs: only the smooth surface jumps at them", params.cliffs.len());
+        findings.push(Finding::general(FindingKind::SkippedFeature, message));
+    }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
         let mut conditions = Conditions {
             soft_spots: &soft_spots,
+            cliffs: &params.cliffs,
+            cliff_reach: tuning.cliffs.free * subdivision.extent().spacing,
             streams: &streams,
             known: known(&streams, &creases).collect(),
             ..conditions(&subdivision, &break_lines, &grid, &triangles)
@@ -137,27 +144,8 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
-    let streams = if params.kind == SurfaceKind::Linear || params.streams.lines.is_empty() {
-        Vec::new()
-    } else {
-        progress.start("streams", 0);
-        let ground = (&subdivision.map, &subdivision.tin, &subdivision.regions);
-        let settled = streams::settle(&params.streams, ground, subdivision.extent().spacing, &params.tuning.streams);
-        progress.finish();
-        findings.extend(settled.findings);
-        settled.streams
-    };
-    let creases = if params.kind == SurfaceKind::Linear || params.creases.is_empty() {
-        Vec::new()
-    } else {
-        progress.start("break lines", 0);
-        let (ground, spacing) = ((&subdivision.tin, &subdivision.regions), subdivision.extent().spacing);
-        let interval = subdivision.interval.step;
-        let settled = creases::settle(&params.creases, ground, interval, spacing, &params.tuning.creases);
-        progress.finish();
-        findings.extend(settled.findings);
-        settled.creases
-    };
+    let GivenLines { streams, creases, findings: of_lines } = settle_lines(&subdivision, params, progress);
+    findings.extend(of_lines);
     let finer = if params.kind == SurfaceKind::Linear {
         None
     } else {
@@ -179,11 +167,6 @@ fn soft_spots(subdivision: &Subdivision, kind: SurfaceKind, findings: &mut Vec<F
     let (used, about) = subdivision.agreeing_soft_spots();
     findings.extend(about);
     used
-}
-
-/// Streams and break lines with their heights.
-fn known<'a>(streams: &'a [Stream], creases: &'a [Crease]) -> impl Iterator<Item = KnownLine<'a>> {
-    streams.iter().map(Stream::known).chain(creases.iter().map(Crease::known))
 }
 
 /// How the surface may bend across a break line.

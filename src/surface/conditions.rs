@@ -53,6 +53,8 @@ pub(crate) fn conditions<'a>(
         reference,
         hollows,
         soft_spots: &[],
+        cliffs: &[],
+        cliff_reach: 0.0,
         known: Vec::new(),
         streams: &[],
     }

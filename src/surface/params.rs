@@ -1,5 +1,7 @@
 //! Parameters of a surface.
 
+use glam::DVec2;
+
 use crate::base::error::{Error, Result};
 use crate::creases::CreaseLine;
 use crate::spline::SplineParams;
@@ -66,6 +68,8 @@ pub struct SurfaceParams {
     pub water: Water,
     /// Rivers and streams. Not for [`SurfaceKind::Linear`].
     pub streams: Streams,
+    /// Cliffs, map coordinates. Only for [`SurfaceKind::Spline`].
+    pub cliffs: Vec<Vec<DVec2>>,
     /// Break lines. Not for [`SurfaceKind::Linear`].
     pub creases: Vec<CreaseLine>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
@@ -88,6 +92,7 @@ impl Default for SurfaceParams {
             resolution: 1.0,
             water: Water::default(),
             streams: Streams::default(),
+            cliffs: Vec::new(),
             creases: Vec::new(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
@@ -103,7 +108,7 @@ impl SurfaceParams {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for the first number that is out of its range, [`Error::Parameter`] for a tuned number.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         if !self.resolution.is_finite() || self.resolution < 0.0 {
             return Err(Error::out_of_range("resolution parameter w", self.resolution, "0 or more"));
         }

@@ -17,8 +17,8 @@ use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{
-    ReadOptions, VectorSource, read_area, read_break_lines, read_contours, read_excluded, read_spot_heights,
-    read_streams, read_water,
+    ReadOptions, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_contours, read_excluded,
+    read_spot_heights, read_streams, read_water,
 };
 
 impl Input {
@@ -101,15 +101,27 @@ impl Input {
         self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
-    /// Reads lines of rivers and streams from a file and adds them.
+    /// Reads lines of rivers and streams, and river areas, from a file and adds them.
     ///
     /// # Errors
     /// As [`read_streams`] and [`Input::add_streams`]; the error names the file.
     pub fn read_streams(&mut self, source: &VectorSource) -> Result<()> {
         let path = &source.path;
-        let Report { value: (lines, crs), findings } = read_streams(path, &self.reading(source))?;
+        let Report { value: (Waterways { lines, areas }, crs), findings } = read_streams(path, &self.reading(source))?;
         self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
-        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+        self.add_streams(lines, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_river_areas(areas, crs.as_ref()).map_err(|error| error.in_file(path))
+    }
+
+    /// Reads cliffs from a file and adds them.
+    ///
+    /// # Errors
+    /// As [`read_cliffs`] and [`Input::add_cliffs`]; the error names the file.
+    pub fn read_cliffs(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let Report { value: (lines, crs), findings } = read_cliffs(path, &self.reading(source))?;
+        self.take_findings(findings, crs.as_ref()).map_err(|error| error.in_file(path))?;
+        self.add_cliffs(lines, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Reads break lines from a file and adds them.

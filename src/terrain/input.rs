@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use geo::MultiPolygon;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::arrays;
 use super::part::Part;
@@ -20,7 +20,7 @@ use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
 use crate::resample::{Fitted, Sampled};
-use crate::streams::StreamLine;
+use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
 
 /// How contours are read.
@@ -60,8 +60,12 @@ pub struct Input {
     pub lakes: Vec<Lake>,
     /// Rivers and streams, on the working plane.
     pub streams: Vec<StreamLine>,
+    /// River areas, on the working plane.
+    pub river_areas: Vec<RiverArea>,
     /// Break lines, on the working plane; heights in metres.
     pub creases: Vec<CreaseLine>,
+    /// Cliffs, on the working plane.
+    pub cliffs: Vec<Vec<DVec2>>,
     /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
@@ -78,6 +82,8 @@ pub struct Input {
     pub(super) part: Option<Part>,
     /// The parts of the map that were left out, on the working plane. They may overlap.
     pub(super) excluded: Vec<MultiPolygon<f64>>,
+    /// How far contours that end beside a cliff end because of it, map units.
+    pub(super) cliff_reach: f64,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }
@@ -225,6 +231,25 @@ impl Input {
                     let message = format!("stream {} is left out: {error}", line.feature);
                     let finding = Finding::general(FindingKind::StreamOutside, message);
                     self.findings.push(finding.of_feature(line.feature));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds river areas: they are level across and fall along, as the streams through them. As [`Input::add_streams`].
+    ///
+    /// # Errors
+    /// If their system cannot be converted to the working one.
+    pub fn add_river_areas(&mut self, areas: impl IntoIterator<Item = RiverArea>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        for area in areas {
+            match to_working.polygon(&area.polygon) {
+                Ok(polygon) => self.river_areas.push(RiverArea { polygon, ..area }),
+                Err(error) => {
+                    let message = format!("river area {} is left out: {error}", area.feature);
+                    let finding = Finding::general(FindingKind::StreamOutside, message);
+                    self.findings.push(finding.of_feature(area.feature));
                 }
             }
         }

@@ -5,6 +5,7 @@
 //! [`Terrain::findings`].
 
 mod arrays;
+mod cliffs;
 mod compare;
 mod exclude;
 mod facade;

@@ -1,6 +1,7 @@
 //! Preparation of the lines: they are examined, repaired, cleaned, fitted and sampled.
 
 use super::input::Input;
+use super::options::Options;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
 use crate::base::memory;
 use crate::base::progress::{Progress, step};
@@ -8,8 +9,10 @@ use crate::check::{LineParams, correct, examine, first_causes, merged};
 use crate::clean::{CleanParams, clean};
 use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
+use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
 use crate::subdomains::Frame;
+use crate::surface::{SurfaceParams, settle_lines};
 
 /// How far a map is repaired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -197,21 +200,29 @@ impl Input {
         Ok(())
     }
 
-    /// Compares neighbouring contours, adds the faults to the findings, each once, and returns the map.
+    /// Compares neighbouring contours, and lakes, streams and break lines with them. Adds the faults to the findings, each
+    /// once, and returns the map. Of the options, the level of the sea and the tolerance of streams count.
     ///
     /// With fewer than two levels nothing can be compared; that is a finding too.
     ///
     /// # Errors
-    /// As [`subdivide`]. The findings stay in the input.
-    pub fn judge(&mut self, progress: &dyn Progress) -> Result<ContourMap> {
+    /// As [`subdivide_with_water`]. The findings stay in the input.
+    pub fn judge(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
-        match (subdivide(map, &Frame::Hull, progress), flat) {
+        let params = options.surface(self, None);
+        params.check()?;
+        match (subdivide_with_water(map, &Frame::Hull, &params.water, progress), flat) {
             (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {
                 self.findings.push(Finding::general(FindingKind::TooFewLevels, error.to_string()));
                 Ok(map)
             }
-            (subdivision, _) => Ok(self.found(subdivision)?.map),
+            (subdivision, _) => {
+                let subdivision = self.found(subdivision)?;
+                let settled = settle_lines(&subdivision, &params, progress);
+                self.findings.extend(settled.findings);
+                Ok(subdivision.map)
+            }
         }
     }
 
@@ -229,6 +240,25 @@ impl Input {
         Ok(subdivision)
     }
 
+    /// Brings the streams of the input into agreement with a subdivision of its map. They are moved out of the input; what
+    /// was done to them is added to the findings. `tolerance` is how far a stream is moved at most, map units.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a tolerance below 0.
+    pub fn settle_streams(
+        &mut self,
+        subdivision: &Subdivision,
+        tolerance: Option<f64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Stream>> {
+        let streams = Streams { lines: std::mem::take(&mut self.streams), areas: Vec::new(), tolerance };
+        let params = SurfaceParams { streams, ..SurfaceParams::default() };
+        params.check()?;
+        let settled = settle_lines(subdivision, &params, progress);
+        self.findings.extend(settled.findings);
+        Ok(settled.streams)
+    }
+
     /// Fails if the preparation was strict and there is an error or a warning about the input.
     pub(super) fn check_strict(&self) -> Result<()> {
         if self.is_strict { all_right(&self.name(), &self.findings) } else { Ok(()) }
@@ -239,6 +269,7 @@ impl Input {
         let value = self.named(result)?.collect(&mut self.findings);
         self.findings = first_causes(std::mem::take(&mut self.findings));
         self.drop_expected();
+        self.explain_by_cliffs();
         Ok(value)
     }
 

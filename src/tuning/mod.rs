@@ -17,6 +17,7 @@
 //! [The guide's page](crate::guide::tuning) has the whole table of values that were tried. A *spacing* is the
 //! mean spacing of neighbouring contours of the map. A *node* is one of the working grid.
 
+mod cliffs;
 mod creases;
 mod errors;
 mod grid;
@@ -30,6 +31,7 @@ mod streams;
 mod trials;
 mod wide;
 
+pub use cliffs::CliffTuning;
 pub use creases::CreaseTuning;
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
@@ -79,6 +81,8 @@ tuned! {
         nodes: NodeTuning = NodeTuning::default(),
         /// Streams.
         streams: StreamTuning = StreamTuning::default(),
+        /// Cliffs.
+        cliffs: CliffTuning = CliffTuning::default(),
         /// Break lines.
         creases: CreaseTuning = CreaseTuning::default(),
     }

@@ -7,6 +7,7 @@ mod guarantees;
 
 mod area_files;
 mod break_lines;
+mod cliffs;
 mod degenerate;
 mod faults;
 mod figures;

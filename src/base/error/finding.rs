@@ -175,6 +175,10 @@ kinds! {
     BreakLineLeftOut = "breakline-left-out", Warning, "break lines left out";
     /// The attribute `kind` of break lines has a value that is not known.
     BreakLineKind = "breakline-kind", Note, "break lines of an unknown kind";
+    /// A contour ends at a cliff, or runs together with others in it.
+    AtCliff = "at-cliff", Note, "contours that meet cliffs";
+    /// A cliff is a point, or has no place on the map. It was left out.
+    CliffLeftOut = "cliff-left-out", Warning, "cliffs left out";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
@@ -183,6 +187,23 @@ kinds! {
     HeightUnit = "height-unit", Note, "heights in another unit than metres";
     /// A picture in colour does not state how its colours become heights. It is read as an elevation tile of GSI.
     ColourEncoding = "colour-encoding", Note, "pictures in colour read as elevation tiles of GSI";
+}
+
+impl FindingKind {
+    /// Whether two inputs contradict each other: contours and a stream, a lake, a break line, a cliff or a spot height.
+    pub fn is_conflict(self) -> bool {
+        matches!(
+            self,
+            Self::StreamCut
+                | Self::StreamMoved
+                | Self::LakeCutBack
+                | Self::LakeLeftOut
+                | Self::SpotOnLine
+                | Self::SpotOutsideBand
+                | Self::BreakLineConflict
+                | Self::AtCliff
+        )
+    }
 }
 
 impl serde::Serialize for FindingKind {

@@ -140,7 +140,8 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     let of = |content: LayerGeometry| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
     let (lines, points, polygons) = (of(LayerGeometry::Lines), of(LayerGeometry::Points), of(LayerGeometry::Polygons));
     let (wanted, what) = match request.purpose {
-        Purpose::Contours | Purpose::Streams | Purpose::BreakLines => (&lines, "lines"),
+        Purpose::Streams if lines.is_empty() => (&polygons, "lines or polygons"),
+        Purpose::Contours | Purpose::Streams | Purpose::Lines | Purpose::BreakLines => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
         Purpose::Area | Purpose::Water => (&polygons, "polygons"),
     };

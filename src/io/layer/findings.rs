@@ -17,6 +17,13 @@ const COLUMNS: &[Column] = &[
     Column { name: "message", kind: Kind::LongText },
 ];
 
+/// The findings about inputs that contradict each other, as the layer `conflicts`. The attributes are those of
+/// [`of_findings`].
+pub fn of_conflicts(findings: &[Finding]) -> Layer<'_> {
+    let conflicts = findings.iter().filter(|finding| finding.kind.is_conflict());
+    Layer { name: "conflicts", ..layer(conflicts) }
+}
+
 /// The findings, as points.
 ///
 /// The attributes are:
@@ -27,7 +34,11 @@ const COLUMNS: &[Column] = &[
 ///
 /// A finding without a place is a feature without geometry.
 pub fn of_findings(findings: &[Finding]) -> Layer<'_> {
-    let rows = findings.iter().map(|finding| {
+    layer(findings.iter())
+}
+
+fn layer<'a>(findings: impl Iterator<Item = &'a Finding>) -> Layer<'a> {
+    let rows = findings.map(|finding| {
         let proposed = match finding.proposal {
             Some(Proposal::Relabel { to, .. }) => Cell::Real(to),
             _ => Cell::Null,

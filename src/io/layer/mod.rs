@@ -3,6 +3,7 @@
 //! Every stage passes its output to the writers in this form. A new kind of layer needs no new writer, and a new format
 //! needs nothing from the stages. Each stage that writes features has a file here that defines its columns.
 
+mod break_lines;
 mod catchments;
 mod contours;
 mod features;
@@ -15,11 +16,12 @@ mod skeleton;
 mod steep;
 mod streams;
 
+pub use break_lines::break_lines;
 pub use catchments::{CATCHMENTS_LAYER, of_catchments};
 pub use contours::of_contours;
 pub(super) use features::{Bounds, NO_BOUNDS, Outer, check, check_names, file_name, joined};
 pub use features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
-pub use findings::{FINDINGS_LAYER, of_findings};
+pub use findings::{FINDINGS_LAYER, of_conflicts, of_findings};
 pub use labels::{LABELS_LAYER, labels_layer, of_labels};
 pub use landforms::{REGIONS_LAYER, of_landforms};
 pub use repaired::{REPAIRED_LAYERS, holds_spots, of_map, of_repaired, of_spots};

@@ -4,11 +4,13 @@ use glam::DVec2;
 
 use super::features::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use crate::skeleton::{BreakKind, JunctionEdge, Skeleton};
+use crate::streams::Stream;
 use crate::subdivision::Subdivision;
 use crate::tin::TriangleKind;
 
 const LINE_COLUMNS: &[Column] = &[
     Column { name: "kind", kind: Kind::Text(8) },
+    Column { name: "given", kind: Kind::Bool },
     Column { name: "region", kind: Kind::Int },
     Column { name: "network", kind: Kind::Int },
     Column { name: "length", kind: Kind::Real },
@@ -35,12 +37,14 @@ fn kind_name(kind: BreakKind) -> &'static str {
     }
 }
 
-/// The ridge and canyon lines, as the layer `skeleton`. They run downhill, with a height at every vertex.
-pub fn skeleton_lines(skeleton: &Skeleton) -> Layer<'_> {
-    let rows = skeleton.lines.iter().map(|line| {
-        let height = |at: Option<&glam::DVec3>| at.map_or(Cell::Null, |p| Cell::Real(p.z));
+/// The ridge and canyon lines, as the layer `skeleton`. They run downhill, with a height at every vertex. Given streams are
+/// canyon lines too, with the attribute `given`; they run through several sub-domains.
+pub fn skeleton_lines<'a>(skeleton: &'a Skeleton, streams: &'a [Stream]) -> Layer<'a> {
+    let height = |at: Option<&glam::DVec3>| at.map_or(Cell::Null, |p| Cell::Real(p.z));
+    let found = skeleton.lines.iter().map(|line| {
         let cells = vec![
             Cell::Text(kind_name(line.kind).into()),
+            Cell::Bool(false),
             Cell::Int(line.region.into()),
             Cell::Int(line.network.into()),
             Cell::Real(line.length()),
@@ -51,6 +55,21 @@ pub fn skeleton_lines(skeleton: &Skeleton) -> Layer<'_> {
         ];
         Row { shape: Shape::Line(&line.points), cells }
     });
+    let given = streams.iter().map(|stream| {
+        let cells = vec![
+            Cell::Text(kind_name(BreakKind::Canyon).into()),
+            Cell::Bool(true),
+            Cell::Null,
+            Cell::Null,
+            Cell::Real(stream.length()),
+            Cell::Null,
+            height(stream.points.first()),
+            Cell::Null,
+            height(stream.points.last()),
+        ];
+        Row { shape: Shape::Line(&stream.points), cells }
+    });
+    let rows = found.chain(given);
     Layer { name: "skeleton", geometry: Geometry::Lines, columns: LINE_COLUMNS, rows: rows.collect() }
 }
 

@@ -1,0 +1,53 @@
+//! The streams and break lines of a map, in agreement with its contours.
+
+use super::params::{SurfaceKind, SurfaceParams};
+use crate::base::KnownLine;
+use crate::base::error::Finding;
+use crate::base::progress::Progress;
+use crate::creases::{self, Crease};
+use crate::streams::{self, Stream};
+use crate::subdivision::Subdivision;
+
+/// Streams and break lines that agree with the contours.
+#[derive(Debug, Default)]
+pub(crate) struct GivenLines {
+    pub streams: Vec<Stream>,
+    pub creases: Vec<Crease>,
+    /// What was turned, moved, cut, left out, or contradicts the contours.
+    pub findings: Vec<Finding>,
+}
+
+/// Brings the streams and break lines of the parameters into agreement with the contours. The linear surface has none.
+pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, progress: &dyn Progress) -> GivenLines {
+    let mut given = GivenLines::default();
+    if params.kind == SurfaceKind::Linear {
+        return given;
+    }
+    let spacing = subdivision.extent().spacing;
+    let Subdivision { map, tin, regions, .. } = subdivision;
+    if !params.streams.lines.is_empty() {
+        progress.start("streams", 0);
+        let settled = streams::settle(&params.streams, (map, tin, regions), spacing, &params.tuning.streams);
+        given.streams = settled.streams;
+        given.findings.extend(settled.findings);
+        progress.finish();
+    }
+    let step = spacing / params.tuning.creases.vertices_per_spacing;
+    let (mut lines, about_areas) = streams::banks(&params.streams.areas, &given.streams, step);
+    given.findings.extend(about_areas);
+    lines.extend_from_slice(&params.creases);
+    if !lines.is_empty() {
+        progress.start("break lines", 0);
+        let interval = subdivision.interval.step;
+        let settled = creases::settle(&lines, (tin, regions), interval, spacing, &params.tuning.creases);
+        given.creases = settled.creases;
+        given.findings.extend(settled.findings);
+        progress.finish();
+    }
+    given
+}
+
+/// Streams and break lines with their heights.
+pub(super) fn known<'a>(streams: &'a [Stream], creases: &'a [Crease]) -> impl Iterator<Item = KnownLine<'a>> {
+    streams.iter().map(Stream::known).chain(creases.iter().map(Crease::known))
+}
