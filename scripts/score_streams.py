@@ -19,6 +19,7 @@ its own, --turn turns every second one. Then `tokosen dem` runs twice, without a
 import argparse
 import json
 import pathlib
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -152,7 +153,9 @@ def main():
     parser.add_argument("--turn", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=pathlib.Path, help="folder for streams and height maps")
-    parser.add_argument("--tune", action="append", default=[])
+    parser.add_argument("--other", action="append", default=[], metavar="NAME=COMMAND",
+                        help="another tool: a command with {contours}, {streams}, {truth} and {out}; scored as a row of its own")
+    parser.add_argument("--tune", action="append", default=[], help="as of tokosen")
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     truth, transform = terrain.read_dem(args.truth)
@@ -186,9 +189,16 @@ def main():
             is_stream[tuple(np.array(line).T)] = True
         distance = distance_transform_edt(~is_stream)
         rows = []
-        for name, more in (("without", []), ("with", ["--streams", folder / "streams.gpkg", *[f"--tune={t}" for t in args.tune]])):
+        streams = folder / "streams.gpkg"
+        ours = [args.program, "dem", args.contours, "--like", args.truth, "-q", "--overwrite", *[f"--tune={t}" for t in args.tune]]
+        runs = [("without", ours), ("with", [*ours, "--streams", streams])]
+        for other in args.other:
+            name, _, command = other.partition("=")
+            runs.append((name, [word.format(contours=args.contours, streams=streams, truth=args.truth, out=folder / f"{name}.tif")
+                                for word in shlex.split(command)]))
+        for name, command in runs:
             out = folder / f"{name}.tif"
-            taken = run(args.program, "dem", args.contours, "--like", args.truth, "-o", out, "-q", "--overwrite", *more)
+            taken = run(*command, *(["-o", out] if command[0] == args.program else []))
             heights = terrain.read_dem(out)[0]
             error = heights - truth
             ok = np.isfinite(error)
@@ -210,7 +220,7 @@ def main():
     for row in rows:
         rise = f"{row['rise_nearest']:.2f} / {row['rise_bilinear']:.2f}"
         print(f"{row['run']:8} {row['rmse']:7.3f} {row['far']:7.3f} {rise:>22} {row['d8']:6.1f} {row['pits']:5} {row['trench']:6} {row['time']:6.1f}")
-    without, with_ = rows
+    without, with_, *_ = rows
     print(f"ratio    {with_['rmse'] / without['rmse']:7.3f} {with_['far'] / without['far']:7.3f} {'':22} {'':6} {'':5} {'':6} {with_['time'] / without['time']:6.2f}")
 
 

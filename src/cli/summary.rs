@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
+use tokosen::creases::Crease;
 use tokosen::skeleton::BreakKind;
 use tokosen::spline::HyperParameters;
 use tokosen::streams::Stream;
@@ -113,6 +114,7 @@ pub fn surface(surface: &Surface, console: &Console) {
         console.say(&format!("water      {} areas, {heights} m", water().count()));
     }
     streams(&surface.streams, console);
+    break_lines(&surface.creases, console);
     if let Some(chosen) = &surface.chosen {
         accuracy(chosen, console);
     }
@@ -143,6 +145,20 @@ pub fn streams(streams: &[Stream], console: &Console) {
     console.say(&format!(
         "streams    {} pieces, length {all:.0}; {turned:.0} % of it turned, {moved:.0} % moved",
         streams.len()
+    ));
+}
+
+/// Prints how much of the break lines is used.
+fn break_lines(creases: &[Crease], console: &Console) {
+    if creases.is_empty() {
+        return;
+    }
+    let length = creases.iter().map(Crease::length).fold(0.0, |sum, length| sum + length);
+    let surveyed: f64 = creases.iter().map(|crease| crease.length() * crease.surveyed_share()).sum();
+    console.say(&format!(
+        "breaklines {} pieces, length {length:.0}; {:.0} % of it with heights of its own",
+        creases.len(),
+        100.0 * surveyed / length.max(f64::MIN_POSITIVE)
     ));
 }
 

@@ -11,7 +11,7 @@ use tokosen::base::error::{Finding, FindingKind};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::streams::{StreamLine, Streams};
+use tokosen::streams::{RiverArea, StreamLine, Streams};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
 
 /// A valley that falls to the south, `z = (y + 0.75 |x|) / 10`, by its contours every 10 m. Their tips are at x = 0.
@@ -28,7 +28,7 @@ fn built(map: ContourMap, lines: &[&[(f64, f64)]], tolerance: Option<f64>) -> (S
         points: points.iter().map(|&p| p.into()).collect(),
         feature: (k as u64).into(),
     };
-    let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), tolerance };
+    let streams = Streams { lines: lines.iter().enumerate().map(line).collect(), tolerance, ..Streams::default() };
     let report =
         build(map, &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
     (report.value, report.findings)
@@ -145,6 +145,36 @@ fn tributaries_meet_the_main_stream_at_its_height_and_orders_grow() {
 }
 
 #[test]
+fn a_river_area_is_level_across_and_falls_along() {
+    let stream = StreamLine { points: vec![DVec2::new(0.0, 580.0), DVec2::new(0.0, 10.0)], feature: 0.into() };
+    let area = |x: f64, feature: u64| RiverArea {
+        polygon: geo::Rect::new((x - 20.0, 130.0), (x + 20.0, 470.0)).to_polygon(),
+        feature: feature.into(),
+    };
+    let built = |areas: Vec<RiverArea>| {
+        let streams = Streams { lines: vec![stream.clone()], areas, tolerance: None };
+        build(valley(), &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface")
+    };
+    // The second area holds no stream.
+    let [without, with] = [built(Vec::new()), built(vec![area(0.0, 1), area(120.0, 2)])];
+    let told: Vec<&Finding> = with.findings.iter().filter(|f| f.kind == FindingKind::StreamLeftOut).collect();
+    assert!(told.len() == 1 && told[0].features[0] == 2, "{:?}", with.findings);
+    // How much the ground at the banks lies above the stream, on the way between contours.
+    let rise = |surface: &Surface| {
+        let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 10.0);
+        let dem = heights(surface, &grid, &());
+        let read = |x: f64, y: f64| {
+            let place = grid.place(DVec2::new(x, y)).round();
+            dem.values[place.y as usize * grid.cols + place.x as usize]
+        };
+        let at = |y: f64| read(-15.0, y).midpoint(read(15.0, y)) - read(5.0, y).midpoint(read(-5.0, y));
+        [165.0, 255.0, 345.0, 455.0].map(at).into_iter().sum::<f32>() / 4.0
+    };
+    let [without, with] = [without, with].map(|report| rise(&report.value));
+    assert!(without > 0.5 && with < 0.3 * without, "{with} {without}");
+}
+
+#[test]
 fn new_contours_cross_a_stream_once() {
     let main: Vec<(f64, f64)> =
         (0..=58).map(|k| (8.0 * (f64::from(k) * 0.4).sin(), 580.0 - 10.0 * f64::from(k))).collect();
@@ -226,7 +256,7 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
             }
             for kind in [SurfaceKind::Skeleton, SurfaceKind::Spline] {
                 let what = format!("{} {kind:?} {seed}", terrain.kind);
-                let streams = Streams { lines: random_streams(&map, seed), tolerance: None };
+                let streams = Streams { lines: random_streams(&map, seed), tolerance: None, ..Streams::default() };
                 let creases = random_break_lines(&map, seed);
                 let params = SurfaceParams { kind, streams, creases, ..SurfaceParams::default() };
                 let spots = map.contours.iter().filter_map(|c| Some((c.points.first()?, c.elevation)));
@@ -256,7 +286,7 @@ fn the_guarantees_hold_with_any_streams_break_lines_and_spot_heights() {
 fn threads_do_not_change_streams() {
     let terrain = common::hills(5, 60, 50);
     let map = clean_map(map_of(&terrain.contours()));
-    let streams = Streams { lines: random_streams(&map, 5), tolerance: None };
+    let streams = Streams { lines: random_streams(&map, 5), tolerance: None, ..Streams::default() };
     let creases = random_break_lines(&map, 5);
     let params = SurfaceParams { streams, creases, ..SurfaceParams::default() };
     let in_threads = |threads: usize| {

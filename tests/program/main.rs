@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod break_lines;
 mod check;
 mod compare;
 mod contour;

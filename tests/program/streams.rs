@@ -36,7 +36,7 @@ fn folder() -> Folder {
 /// The streams of a file of diagnostics: their heights, and the column `turned`.
 fn used(path: &Path) -> usize {
     let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
-    read_streams(path, &options).unwrap().value.0.len()
+    read_streams(path, &options).unwrap().value.0.lines.len()
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
     let [with, without] = ["d.tif", "plain.tif"].map(|name| read_dem(&folder.path(name)).unwrap().value.dem);
     assert_eq!(with.grid, without.grid);
     let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
-    let streams = read_streams(&folder.path("used.gpkg"), &options).unwrap().value.0;
+    let streams = read_streams(&folder.path("used.gpkg"), &options).unwrap().value.0.lines;
     let rises = |dem: &tokosen::dem::Dem| {
         let mut sum = 0.0;
         for stream in &streams {
