@@ -10,6 +10,7 @@ use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
 use tokosen::io::{PlannedOutput, StagedOutput, check_paths};
 use tokosen::subdivision::Subdivision;
+use tokosen::terrain::all_right;
 use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
@@ -62,6 +63,17 @@ impl<'a> Job<'a> {
     /// Builds the surface between them.
     pub fn build(&self, input: &mut Input, surface: &SurfaceArgs, options: Options) -> Result<Terrain, Failure> {
         build(input, surface, &options, self.console)
+    }
+
+    /// Refuses findings that came after the surface, if `--strict` is set.
+    pub fn check_strict(&self, findings: &[Finding]) -> Result<(), Failure> {
+        match self.args.map.strict {
+            true => {
+                let checked = all_right(&self.args.map.name(), findings);
+                Ok(checked.map_err(|error| summary::after_findings(error, findings, self.console))?)
+            }
+            false => Ok(()),
+        }
     }
 
     /// Finds the sub-domains between them.

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod base;
 mod check;
 mod compare;
 mod console;

@@ -19,6 +19,7 @@
 
 mod errors;
 mod grid;
+mod join;
 mod names;
 mod nodes;
 mod roughness;
@@ -31,6 +32,7 @@ mod wide;
 
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
+pub use join::JoinTuning;
 pub use names::TuneError;
 pub use nodes::NodeTuning;
 pub use roughness::RoughnessTuning;
@@ -77,5 +79,7 @@ tuned! {
         nodes: NodeTuning = NodeTuning::default(),
         /// Streams.
         streams: StreamTuning = StreamTuning::default(),
+        /// Joins with a height map outside the frame.
+        join: JoinTuning = JoinTuning::default(),
     }
 }

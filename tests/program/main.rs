@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod base;
 mod check;
 mod compare;
 mod contour;

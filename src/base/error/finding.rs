@@ -167,6 +167,12 @@ kinds! {
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
     StreamOutside = "stream-outside", Note, "streams outside the frame";
+    /// The base has no height at any cell outside the surface.
+    BaseUnused = "base-unused", Warning, "bases that give no height";
+    /// The base has no heights along the border of the surface, so both were not joined.
+    BaseApart = "base-apart", Warning, "bases apart from the surface";
+    /// The base lies above or below the surface by more than the contours allow.
+    BaseDiffers = "base-differs", Warning, "bases that do not fit the surface";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
