@@ -11,7 +11,7 @@ use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shad
 use tokosen::dem::{Dem, GroundScale};
 use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, write_layers};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
@@ -235,7 +235,7 @@ impl DeriveArgs {
         let of_catchments = self.flow.catchments.as_deref();
         let layers = |path| if Some(path) == of_catchments { &[CATCHMENTS_LAYER] } else { &[STEEP_LAYER] };
         let planned = |path| PlannedOutput { path, layers: layers(path) };
-        Ok(check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>(), console.overwrite)?)
+        Ok(console.check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>())?)
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {

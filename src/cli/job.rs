@@ -8,7 +8,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
-use tokosen::io::{PlannedOutput, StagedOutput, check_paths};
+use tokosen::io::{PlannedOutput, StagedOutput};
 use tokosen::subdivision::Subdivision;
 use tokosen::terrain::all_right;
 use tokosen::{Input, Options, Terrain};
@@ -41,7 +41,7 @@ impl<'a> Job<'a> {
         inputs.extend(files.iter().map(PathBuf::as_path));
         let mut outputs: Vec<PlannedOutput<'_>> = outputs.into_iter().map(Into::into).collect();
         outputs.extend(picture.map(PlannedOutput::from));
-        check_paths(&inputs, &outputs, console.overwrite)?;
+        console.check_paths(&inputs, &outputs)?;
         picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         let prepares = [(true, "reading"), (true, "cleaning"), (args.fit.is_some(), "fitting")];
         let steps = prepares.into_iter().chain([(args.sample.is_some(), "sampling"), (true, "triangulating")]);

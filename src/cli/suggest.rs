@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
 
 /// Flags of other programs, and the flag here.
-const KNOWN: [(&str, &[&str]); 15] = [
+const KNOWN: [(&str, &[&str]); 16] = [
     ("--extent", &["bbox", "te", "spat", "projwin", "bounds", "box", "region", "aoi", "projwin_srs", "window"]),
     ("--clip", &["cutline", "mask", "clipsrc", "clip-to", "polygon"]),
     ("--frame", &["boundary", "border", "hull"]),
@@ -16,6 +16,7 @@ const KNOWN: [(&str, &[&str]); 15] = [
     ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
     ("--base", &["background", "fallback", "fill-dem", "fill-from"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),
+    ("--save-run", &["save-config", "record", "dump-config", "save-parameters"]),
     ("--overwrite", &["force", "yes", "y"]),
     ("--interval", &["step", "contour-interval", "equidistance", "intervals"]),
     ("--hillshade", &["shade", "relief"]),

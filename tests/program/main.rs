@@ -19,6 +19,7 @@ mod other_crs;
 mod out_of_proportion;
 mod parts;
 mod running;
+mod saved_runs;
 mod several_files;
 mod streams;
 mod units;
