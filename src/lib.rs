@@ -36,6 +36,7 @@
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
 //! | [`slice::place_labels`] | contours | [`Label`](slice::Label)s: the elevations of contours as texts with position and angle |
 //! | [`dem::rasterise`] | a triangulation, a grid | a [`Dem`](dem::Dem) |
+//! | [`dem::join::join`] | a height map with cells without heights, another one | the first, filled from the second without a step |
 //! | [`io::raster::read_dem`] | a raster file | a [`Dem`](dem::Dem) |
 //! | [`dem::contour::contours`] | a height map, intervals | its contours, smooth and with few vertices |
 //! | [`dem::derive::slope`](fn@dem::derive::slope), [`aspect`](dem::derive::aspect), [`shade`](dem::derive::shade), [`steep`](fn@dem::derive::steep) | a height map | a raster each; [`Steeps`](dem::derive::Steeps): steep places as areas |

@@ -7,7 +7,7 @@ use tokosen::Options;
 use tokosen::base::error::Finding;
 use tokosen::contour::ContourMap;
 use tokosen::io::layer::{FINDINGS_LAYER, REPAIRED_LAYERS, holds_spots, of_findings, of_repaired};
-use tokosen::io::{PlannedOutput, StagedOutput, VectorFormat, check_paths, write_layers_back};
+use tokosen::io::{PlannedOutput, StagedOutput, VectorFormat, write_layers_back};
 use tokosen::terrain::{all_right, check_json, is_repair};
 
 use super::break_lines::BreakLineArgs;
@@ -124,7 +124,11 @@ impl CheckArgs {
 
     /// Opens the output, if there is one.
     fn open(&self, console: &Console) -> Result<Option<StagedOutput>, Failure> {
+        let files = self.map.files()?;
+        let others = self.water.file().into_iter().chain(self.streams.files()).chain(self.break_lines.files());
+        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(others).collect();
         let Some(path) = &self.output else {
+            console.check_paths(&inputs, &[])?;
             let given = [(self.to_crs.to_crs.is_some(), "--to-crs"), (self.to_unit.unit().is_foot(), "--to-unit")];
             return match first_given(given) {
                 Some(flag) => Err(Failure::Usage(format!("{flag} needs a file to write: add -o FILE"))),
@@ -151,11 +155,8 @@ impl CheckArgs {
             };
             return Err(Failure::Usage(format!("{}: {kinds}", path.display())));
         }
-        let files = self.map.files()?;
-        let others = self.water.file().into_iter().chain(self.streams.files()).chain(self.break_lines.files());
-        let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(others).collect();
         let layers: &[&str] = if self.writes_map() { &REPAIRED_LAYERS } else { &[FINDINGS_LAYER] };
-        check_paths(&inputs, &[PlannedOutput { path, layers }], console.overwrite)?;
+        console.check_paths(&inputs, &[PlannedOutput { path, layers }])?;
         Ok(Some(StagedOutput::create(path)?))
     }
 }

@@ -11,9 +11,12 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::base::progress::{Progress, step};
 use tokosen::crs::Reprojection;
+use tokosen::io::{PlannedOutput, check_paths};
+use tokosen::surface::Surface;
 
 use super::Common;
 use super::progress::Track;
+use super::run_file::{Record, RunFile, further};
 
 /// The terminal, and how long each step took.
 pub struct Console {
@@ -26,6 +29,10 @@ pub struct Console {
     unit: OnceLock<ElevationUnit>,
     track: Arc<Mutex<Track>>,
     state: Mutex<State>,
+    /// The notes for `--save-run`.
+    record: Option<Record>,
+    /// The saved run that is repeated.
+    repeated: Option<RunFile>,
 }
 
 /// Time between two drawings of the progress.
@@ -43,10 +50,16 @@ struct State {
 }
 
 impl Console {
-    pub fn new(&Common { quiet, verbose, overwrite, .. }: &Common) -> Self {
+    /// `record` takes the notes about the run, `repeated` is the saved run that is repeated.
+    pub fn new(
+        &Common { quiet, verbose, overwrite, .. }: &Common,
+        record: Option<Record>,
+        repeated: Option<RunFile>,
+    ) -> Self {
         let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
         let track = Arc::new(Mutex::new(Track::new()));
-        Self { quiet, verbose, overwrite, started: Instant::now(), reprojection, unit, track, state }
+        let started = Instant::now();
+        Self { quiet, verbose, overwrite, started, reprojection, unit, track, state, record, repeated }
     }
 
     /// Says which steps will come, for the share that is done and the time that is left.
@@ -60,6 +73,37 @@ impl Console {
         // The input is read once.
         let _ = self.reprojection.set(input.reprojection.clone());
         let _ = self.unit.set(input.unit());
+    }
+
+    /// Checks the paths of a run before the work, see [`check_paths`]; notes the inputs if the run is saved.
+    pub fn check_paths(&self, inputs: &[&Path], outputs: &[PlannedOutput<'_>]) -> Result<(), Error> {
+        let mut outputs = outputs.to_vec();
+        outputs.extend(self.record.as_ref().map(|record| PlannedOutput::from(record.path())));
+        check_paths(inputs, &outputs, self.overwrite)?;
+        if let Some(record) = &self.record {
+            record.note_inputs(inputs)?;
+        }
+        if let Some(saved) = &self.repeated {
+            for file in further(saved, inputs)? {
+                self.warn(&format!("warning: the input {} was not there when the run was saved", file.display()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes what was chosen for a surface, if the run is saved.
+    pub fn note_surface(&self, surface: &Surface) {
+        self.record.iter().for_each(|record| record.note_surface(surface));
+    }
+
+    /// Writes the file of `--save-run`, if there is one.
+    pub fn save_run(&mut self) -> Result<(), Error> {
+        if let Some(record) = self.record.take() {
+            let path = record.commit()?;
+            // The summary may be JSON that another program reads.
+            self.warn(&format!("saved      {}", path.display()));
+        }
+        Ok(())
     }
 
     /// The unit that the elevations of the input had; metres before it is read.

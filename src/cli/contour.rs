@@ -12,7 +12,7 @@ use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{read_dem, write_picture};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 
 use super::console::Console;
 use super::failure::Failure;
@@ -149,7 +149,7 @@ impl ContourArgs {
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs: Vec<PlannedOutput<'_>> =
             contours.chain(self.preview.as_deref().map(PlannedOutput::from)).collect();
-        check_paths(&[self.dem.as_path()], &outputs, console.overwrite)?;
+        console.check_paths(&[self.dem.as_path()], &outputs)?;
         if content(&self.dem)? == Content::Contours {
             let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
                            height map";

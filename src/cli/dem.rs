@@ -7,6 +7,7 @@ use tokosen::Options;
 use tokosen::draw::preview::picture;
 use tokosen::surface::Triangles;
 
+use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
@@ -21,9 +22,10 @@ use super::unit::ToUnitArgs;
 
 /// A height map (DEM) from contour lines
 ///
-/// Heights are those of the surface at the cell centres. Cells outside the frame are nodata. The height map is in the
-/// working CRS, or in that of --to-crs; with --cell-degrees it is in degrees, with --like in the CRS of that raster.
-/// Heights are in metres, or in the unit of --to-unit, which the file states (.xyz has no place for it).
+/// Heights are those of the surface at the cell centres. Cells outside the frame are nodata, or get their heights from
+/// --base. The height map is in the working CRS, or in that of --to-crs; with --cell-degrees it is in degrees, with --like
+/// in the CRS of that raster. Heights are in metres, or in the unit of --to-unit, which the file states (.xyz has no place
+/// for it).
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct DemArgs {
@@ -34,6 +36,8 @@ pub struct DemArgs {
     output: PathBuf,
     #[command(flatten, next_help_heading = "Output")]
     height_map: HeightMapArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    base: BaseArgs,
     #[command(flatten, next_help_heading = "Output")]
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Output")]
@@ -55,6 +59,7 @@ Examples:
   tokosen dem contours.gpkg --cell-degrees 0.4s -o degrees.tif
   tokosen dem contours.gpkg --to-crs EPSG:3857 --cell 10 -o web_mercator.tif
   tokosen dem contours.shp -a ELEV --like published_dem.tif -o mine.tif
+  tokosen dem contours.gpkg --base published_dem.tif --cell 10 -o whole_area.tif
   tokosen dem contours.gpkg --cell 10 --to-unit us-ft -o feet.tif
   tokosen dem contours.gpkg --cell 10 --uncertainty -o dem_and_error.tif
   tokosen dem contours.geojson --cell 5 -o heights.exr --preview look.png --frame bbox";
@@ -64,7 +69,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let crs = args.to_crs.to_crs.as_ref();
     args.height_map.grid.check(crs)?;
     args.surface.check()?;
-    let inputs = args.height_map.grid.like.as_deref().into_iter().chain(args.surface.files()).chain(args.part.file());
+    let others = [args.height_map.grid.like.as_deref(), args.base.file(), args.part.file()];
+    let inputs = others.into_iter().flatten().chain(args.surface.files());
     let outputs = [args.output.as_path().into()].into_iter().chain(args.diagnostics.planned());
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     console.plan(["writing"]);
@@ -72,18 +78,22 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
     let mut input = job.read_part(&args.part)?;
+    args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),
+        base_fade: args.base.base_fade,
         ..args.surface.options(Some(&output.grid), Triangles::Reference, args.to_unit.unit())?
     };
-    let terrain = job.build(&mut input, &args.surface, options)?;
-    let dem = output.write(&terrain, console)?;
+    let mut terrain = job.build(&mut input, &args.surface, options)?;
+    let map = output.write(&terrain, console)?.collect(&mut terrain.findings);
+    job.check_strict(&terrain.findings)?;
     diagnostics.iter().try_for_each(|file| file.write(&terrain, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    output.commit(&dem, console)?;
+    map.base.iter().for_each(|base| base::describe(base, console));
+    output.commit(&map.dem, console)?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }

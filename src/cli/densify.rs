@@ -61,7 +61,7 @@ pub struct DensifyArgs {
     )]
     simplify: Option<f64>,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
-    /// of --to-crs too, unless --like names another grid
+    /// of --to-crs too, unless --like names another grid. 'tokosen dem --base' also covers the ground outside the frame
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     dem: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Output")]
@@ -136,7 +136,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         let all = output_layers(&layers, labels.as_deref(), &names, &back);
         write_layers_back(&staged, &all, &back)
     })?;
-    let dem = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
+    let map = map.map(|map| map.collect(&mut terrain.findings));
     diagnostics.iter().try_for_each(|file| file.write(&terrain, unit))?;
     job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
 
@@ -152,8 +153,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
         args.explain_coarse(&targets[k], terrain.surface.interval.step, console);
     }
     diagnostics.map(|file| file.commit(console)).transpose()?;
-    if let (Some(output), Some(dem)) = (dem_output, &dem) {
-        output.commit(dem, console)?;
+    if let (Some(output), Some(map)) = (dem_output, &map) {
+        output.commit(&map.dem, console)?;
     }
     job.commit_picture()?;
     let outside = terrain.findings_outside;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tokosen::Options;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::contour::find_interval;
@@ -10,10 +11,11 @@ use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shad
 use tokosen::dem::{Dem, GroundScale};
 use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
 use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, write_layers};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
 
+use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::flow::{FlowArgs, FlowOutputs};
@@ -96,6 +98,8 @@ pub struct DeriveArgs {
     #[command(flatten, next_help_heading = "Output")]
     grid: GridArgs,
     #[command(flatten, next_help_heading = "Output")]
+    base: BaseArgs,
+    #[command(flatten, next_help_heading = "Output")]
     to_crs: CellsCrsArgs,
     #[command(flatten, next_help_heading = "Part of the map")]
     part: PartArgs,
@@ -113,6 +117,7 @@ Examples:
   tokosen derive dem.tif --hillshade shade.tif --multidirectional --z-factor 2
   tokosen derive dem.asc --steep steep.gpkg
   tokosen derive contours.gpkg --cell 5 --steep steep.gpkg --slope slope.tif
+  tokosen derive contours.gpkg --base published_dem.tif --cell 5 --flow-accumulation flow.tif
   tokosen derive dem.tif --flow-accumulation streams.tif --catchments catchments.gpkg
   tokosen derive dem.tif --steep very_steep.geojson --steep-angle 45 --steep-height 10";
 
@@ -198,6 +203,7 @@ impl DeriveArgs {
         let crs = self.to_crs.to_crs.as_ref();
         let for_contours = (self.grid.given())
             .or(crs.map(|_| "--to-crs"))
+            .or_else(|| self.base.given())
             .or(self.input.map.points.as_ref().map(|_| "--points"))
             .or_else(|| self.input.about_contours())
             .or_else(|| self.part.given())
@@ -224,12 +230,12 @@ impl DeriveArgs {
         self.cog.check(self.rasters())?;
         let files = self.input.map.files()?;
         let inputs = files.iter().map(PathBuf::as_path).chain(self.grid.like.as_deref()).chain(self.surface.files());
-        let inputs = inputs.chain(self.part.file());
+        let inputs = inputs.chain(self.part.file()).chain(self.base.file());
         let inputs: Vec<&Path> = inputs.collect();
         let of_catchments = self.flow.catchments.as_deref();
         let layers = |path| if Some(path) == of_catchments { &[CATCHMENTS_LAYER] } else { &[STEEP_LAYER] };
         let planned = |path| PlannedOutput { path, layers: layers(path) };
-        Ok(check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>(), console.overwrite)?)
+        Ok(console.check_paths(&inputs, &self.outputs().map(planned).collect::<Vec<_>>())?)
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
@@ -266,12 +272,17 @@ impl DeriveArgs {
         let mut input = self.input.read_part(Some(&self.part), console)?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
-        let options = self.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?;
-        let terrain = build(&mut input, &self.surface, &options, console)?;
+        self.base.add_to(&mut input, console)?;
+        let options = Options {
+            base_fade: self.base.base_fade,
+            ..self.surface.options(Some(&grid), Triangles::Reference, ElevationUnit::Metre)?
+        };
+        let mut terrain = build(&mut input, &self.surface, &options, console)?;
         self.input.map.describe(&terrain.surface.map, console);
         summary::surface(&terrain.surface, console);
-        let dem = terrain.dem_with(&grid, console)?;
-        Ok(SourceDem { dem, source, findings: terrain.findings, outside: terrain.findings_outside })
+        let map = terrain.height_map(&grid, console)?.collect(&mut terrain.findings);
+        map.base.iter().for_each(|base| base::describe(base, console));
+        Ok(SourceDem { dem: map.dem, source, findings: terrain.findings, outside: terrain.findings_outside })
     }
 }
 

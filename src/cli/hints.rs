@@ -57,6 +57,9 @@ pub fn for_kind_of(finding: &Finding) -> Option<String> {
         FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())
         }
+        FindingKind::BaseDiffers => {
+            Some("--base-fade DISTANCE carries the difference further; 0 leaves the base as it is".into())
+        }
         FindingKind::MayBeSea => {
             let level = finding.elevations.first()?;
             Some(format!("--sea {level} makes the ground beyond the coast level"))
@@ -108,6 +111,7 @@ fn flag_of(parameter: &str) -> Option<&'static str> {
         "snap distance" => "--snap",
         "fitting tolerance" => "--fit",
         "tolerance of streams" => "--stream-tolerance",
+        "distance of the base's fade" => "--base-fade",
         "cell size" => "--cell",
         "cell size in degrees" => "--cell-degrees",
         _ => return None,

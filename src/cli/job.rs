@@ -8,8 +8,9 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::ContourMap;
 use tokosen::io::raster::write_picture;
-use tokosen::io::{PlannedOutput, StagedOutput, check_paths};
+use tokosen::io::{PlannedOutput, StagedOutput};
 use tokosen::subdivision::Subdivision;
+use tokosen::terrain::all_right;
 use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
@@ -40,7 +41,7 @@ impl<'a> Job<'a> {
         inputs.extend(files.iter().map(PathBuf::as_path));
         let mut outputs: Vec<PlannedOutput<'_>> = outputs.into_iter().map(Into::into).collect();
         outputs.extend(picture.map(PlannedOutput::from));
-        check_paths(&inputs, &outputs, console.overwrite)?;
+        console.check_paths(&inputs, &outputs)?;
         picture.map(|path| output::check_extension(path, "pictures", &["png"])).transpose()?;
         let prepares = [(true, "reading"), (true, "cleaning"), (args.fit.is_some(), "fitting")];
         let steps = prepares.into_iter().chain([(args.sample.is_some(), "sampling"), (true, "triangulating")]);
@@ -62,6 +63,17 @@ impl<'a> Job<'a> {
     /// Builds the surface between them.
     pub fn build(&self, input: &mut Input, surface: &SurfaceArgs, options: Options) -> Result<Terrain, Failure> {
         build(input, surface, &options, self.console)
+    }
+
+    /// Refuses findings that came after the surface, if `--strict` is set.
+    pub fn check_strict(&self, findings: &[Finding]) -> Result<(), Failure> {
+        match self.args.map.strict {
+            true => {
+                let checked = all_right(&self.args.map.name(), findings);
+                Ok(checked.map_err(|error| summary::after_findings(error, findings, self.console))?)
+            }
+            false => Ok(()),
+        }
     }
 
     /// Finds the sub-domains between them.

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod base;
 mod break_lines;
 mod check;
 mod cliffs;
@@ -30,6 +31,7 @@ mod part;
 mod plane;
 mod progress;
 mod regions;
+mod run_file;
 mod skeleton;
 mod source;
 mod streams;
@@ -38,12 +40,15 @@ mod summary;
 mod surface;
 mod unit;
 
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use console::Console;
 use failure::Failure;
+use run_file::{Record, Repeated, RunFile};
 
 /// Denser contour lines, height maps and 3-D models from a map's contour lines
 #[derive(Debug, Parser)]
@@ -68,6 +73,8 @@ Examples:
   tokosen check contours.gpkg -o findings.gpkg
   tokosen regions contours.gpkg -o regions.gpkg
   tokosen skeleton contours.gpkg -o ridges_and_canyons.gpkg
+  tokosen dem contours.gpkg --cell 10 -o dem.tif --save-run run.json
+  tokosen --run run.json
 
 'tokosen VERB -h' shows the usual options of a verb, 'tokosen VERB --help' all of them.";
 
@@ -101,38 +108,28 @@ struct Common {
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), hide_short_help = true)]
     threads: Option<u16>,
+    /// Also write what is needed to repeat this run: .json, with the arguments, the checksums of the inputs, and what was
+    /// chosen automatically. 'tokosen --run FILE' repeats it
+    #[arg(long, global = true, value_name = "FILE", hide_short_help = true)]
+    save_run: Option<PathBuf>,
 }
 
 /// Parses the arguments, runs the verb, and turns its outcome into an exit status.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
-        Err(error) => suggest::with_right_flag(error, Cli::command()).exit(),
-    };
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
         return ExitCode::from(1);
     }
-    if let Some(threads) = cli.common.threads
-        && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
-    {
-        console::error(&format!("cannot start {threads} threads: {e}"));
-        return ExitCode::from(1);
-    }
-    let console = Console::new(&cli.common);
-    let outcome = match &cli.verb {
-        Verb::Densify(args) => densify::run(args, &console),
-        Verb::Dem(args) => dem::run(args, &console),
-        Verb::Contour(args) => contour::run(args, &console),
-        Verb::Derive(args) => derive::run(args, &console),
-        Verb::Mesh(args) => mesh::run(args, &console),
-        Verb::Compare(args) => compare::run(args, &console),
-        Verb::Check(args) => check::run(args, &console),
-        Verb::Regions(args) => regions::run(args, &console),
-        Verb::Skeleton(args) => skeleton::run(args, &console),
-    };
-    console.clear();
-    match outcome.and_then(|()| Ok(console.printed()?)) {
+    let outcome = arguments().and_then(|run| {
+        if let Some(threads) = run.cli.common.threads
+            && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
+        {
+            let message = format!("cannot start {threads} threads: {e}");
+            return Err(Failure::Work(tokosen::Error::Data(message)));
+        }
+        run.run()
+    });
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(message)) => {
             console::error(&format!("{message}\n\nFor more information, try '--help'."));
@@ -141,6 +138,62 @@ pub fn main() -> ExitCode {
         Err(Failure::Work(error)) => {
             console::error(&hints::with_causes(&error));
             ExitCode::from(1)
+        }
+    }
+}
+
+/// What is run: the arguments of the program, or those of a saved run.
+struct Run {
+    cli: Cli,
+    /// The arguments as text, if they are to be saved.
+    arguments: Vec<String>,
+    /// The saved run that is repeated, with what is different now.
+    repeated: Option<(RunFile, Vec<String>)>,
+}
+
+/// Parses the arguments. Ends the program if they are wrong or ask for help.
+fn arguments() -> Result<Run, Failure> {
+    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    if run_file::is_repeat(&given) {
+        let Repeated { cli, saved, warnings } = run_file::repeated()?;
+        return Ok(Run { cli, arguments: saved.arguments.clone(), repeated: Some((saved, warnings)) });
+    }
+    let cli = Cli::try_parse().unwrap_or_else(|error| suggest::with_right_flag(error, Cli::command()).exit());
+    let arguments = match cli.common.save_run {
+        Some(_) => run_file::saved_arguments(given)?,
+        None => Vec::new(),
+    };
+    Ok(Run { cli, arguments, repeated: None })
+}
+
+impl Run {
+    /// Runs the verb. The run is saved if it went well.
+    fn run(self) -> Result<(), Failure> {
+        let Self { cli, arguments, repeated } = self;
+        let record = cli.common.save_run.as_deref().map(|path| Record::open(path, arguments)).transpose()?;
+        let (saved, warnings) = repeated.unzip();
+        let mut console = Console::new(&cli.common, record, saved);
+        warnings.iter().flatten().for_each(|warning| console.warn(&format!("warning: {warning}")));
+        let outcome = cli.verb.run(&console);
+        console.clear();
+        outcome?;
+        console.save_run()?;
+        Ok(console.printed()?)
+    }
+}
+
+impl Verb {
+    fn run(&self, console: &Console) -> Result<(), Failure> {
+        match self {
+            Self::Densify(args) => densify::run(args, console),
+            Self::Dem(args) => dem::run(args, console),
+            Self::Contour(args) => contour::run(args, console),
+            Self::Derive(args) => derive::run(args, console),
+            Self::Mesh(args) => mesh::run(args, console),
+            Self::Compare(args) => compare::run(args, console),
+            Self::Check(args) => check::run(args, console),
+            Self::Regions(args) => regions::run(args, console),
+            Self::Skeleton(args) => skeleton::run(args, console),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::base::error::Report;
 use tokosen::crs::Crs;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{
@@ -11,6 +12,7 @@ use tokosen::io::raster::{
 };
 use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::surface::Uncertainty;
+use tokosen::terrain::HeightMap;
 use tokosen::{GridSpec, Terrain};
 
 use super::console::Console;
@@ -232,16 +234,16 @@ impl DemOutput {
         Ok(Self { staged, grid: wanted.grid.spec(crs)?, raster: wanted.raster(unit) })
     }
 
-    /// Rasterises the surface and writes the file, still under its temporary name.
-    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Dem, Failure> {
-        let dem = terrain.dem_with(&self.grid, console)?;
-        let errors = terrain.errors_of(&dem, &self.grid)?;
-        let written = console.step("writing", || match &errors {
-            Some(errors) => write_with_errors(&self.staged.path(), &dem, errors, &self.raster),
-            None => write_raster(&self.staged.path(), &dem, &self.raster),
+    /// Rasterises the surface and writes the file, still under its temporary name. The findings are about the base.
+    pub fn write(&self, terrain: &Terrain, console: &Console) -> Result<Report<HeightMap>, Failure> {
+        let map = terrain.height_map(&self.grid, console)?;
+        let HeightMap { dem, errors, .. } = &map.value;
+        let written = console.step("writing", || match errors {
+            Some(errors) => write_with_errors(&self.staged.path(), dem, errors, &self.raster),
+            None => write_raster(&self.staged.path(), dem, &self.raster),
         });
         written.map_err(|e| self.staged.with_final_name(e))?;
-        Ok(dem)
+        Ok(map)
     }
 
     /// Puts the file in its place, and prints what is in it.

@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
 
 /// Flags of other programs, and the flag here.
-const KNOWN: [(&str, &[&str]); 16] = [
+const KNOWN: &[(&str, &[&str])] = &[
     ("--extent", &["bbox", "te", "spat", "projwin", "bounds", "box", "region", "aoi", "projwin_srs", "window"]),
     ("--clip", &["cutline", "mask", "clipsrc", "clip-to", "polygon"]),
     ("--frame", &["boundary", "border", "hull"]),
@@ -16,7 +16,9 @@ const KNOWN: [(&str, &[&str]); 16] = [
     ("--breaklines", &["break-lines", "breakline", "break-line", "hardlines", "edges", "structure-lines"]),
     ("--cliffs", &["cliff", "faults", "fault", "barriers", "scarps"]),
     ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
+    ("--base", &["background", "fallback", "fill-dem", "fill-from"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),
+    ("--save-run", &["save-config", "record", "dump-config", "save-parameters"]),
     ("--overwrite", &["force", "yes", "y"]),
     ("--interval", &["step", "contour-interval", "equidistance", "intervals"]),
     ("--hillshade", &["shade", "relief"]),

@@ -84,6 +84,7 @@ pub fn close_severities(findings: &[Finding], console: &Console) {
 
 /// Prints how the surface was made and how good it is. What it consists of is a detail.
 pub fn surface(surface: &Surface, console: &Console) {
+    console.note_surface(surface);
     let how = match &surface.chosen {
         None => "",
         Some(chosen) => match chosen.reason {

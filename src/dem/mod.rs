@@ -1,11 +1,12 @@
 //! Height maps: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells. [`contour`] draws its contours,
-//! [`derive`](mod@derive) slopes, [`compare`] compares two of them.
+//! [`derive`](mod@derive) slopes, [`compare`] compares two of them, [`join`] fills one from another.
 
 pub mod compare;
 pub mod contour;
 pub mod derive;
 mod ground;
 mod height_map;
+pub mod join;
 mod rasterise;
 pub mod shade;
 pub mod smooth;

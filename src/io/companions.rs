@@ -22,6 +22,18 @@ const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
     ("xyz", &[".aux.xml"]),
 ];
 
+/// Endings of the files beside an input that are read with it: they replace its extension.
+const READ_ENDINGS: &[(&str, &[&str])] = &[
+    ("shp", &["shx", "dbf", "prj", "cpg"]),
+    ("asc", &["prj"]),
+    ("png", &["pgw", "wld"]),
+    ("tif", &["tfw", "tifw", "wld"]),
+    ("tiff", &["tfw", "tiffw", "wld"]),
+];
+
+/// The same, for the ending that is appended to the whole name.
+const WITH_AUX_XML: [&str; 4] = ["png", "tif", "tiff", "exr"];
+
 /// Formats whose coordinate reference system is in the `.prj` of their name.
 const WITH_PRJ: [&str; 2] = ["shp", "asc"];
 
@@ -29,16 +41,31 @@ const WITH_PRJ: [&str; 2] = ["shp", "asc"];
 pub(super) fn stale(name: &OsStr) -> Vec<OsString> {
     let path = Path::new(name);
     let Some(extension) = extension(path) else { return Vec::new() };
-    let endings = |table: &[(&str, &'static [&'static str])]| -> &'static [&'static str] {
-        table.iter().find(|(ext, _)| *ext == extension).map_or(&[], |(_, endings)| endings)
-    };
-    let replaced = endings(REPLACED_ENDINGS).iter().map(|ending| path.with_extension(ending).into_os_string());
-    let appended = endings(APPENDED_ENDINGS).iter().map(|ending| {
-        let mut whole = name.to_owned();
-        whole.push(ending);
-        whole
-    });
+    let replaced = endings(REPLACED_ENDINGS, &extension).iter();
+    let replaced = replaced.map(|ending| path.with_extension(ending).into_os_string());
+    replaced.chain(endings(APPENDED_ENDINGS, &extension).iter().map(|ending| with_ending(name, ending))).collect()
+}
+
+/// Files beside an input of this name that are read with it, if they exist.
+pub(super) fn read_beside(name: &OsStr) -> Vec<OsString> {
+    let path = Path::new(name);
+    let Some(extension) = extension(path) else { return Vec::new() };
+    let replaced = endings(READ_ENDINGS, &extension).iter();
+    let replaced = replaced.map(|ending| path.with_extension(ending).into_os_string());
+    let appended = WITH_AUX_XML.contains(&extension.as_str()).then(|| with_ending(name, ".aux.xml"));
     replaced.chain(appended).collect()
+}
+
+/// The endings for an extension.
+fn endings(table: &[(&str, &'static [&'static str])], extension: &str) -> &'static [&'static str] {
+    table.iter().find(|(ext, _)| *ext == extension).map_or(&[], |(_, endings)| endings)
+}
+
+/// A name with an ending.
+fn with_ending(name: &OsStr, ending: &str) -> OsString {
+    let mut whole = name.to_owned();
+    whole.push(ending);
+    whole
 }
 
 /// Refuses to change a `.prj` that also belongs to a file of another format: the shapefile `a.shp` and the grid `a.asc`

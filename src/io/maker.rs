@@ -14,12 +14,15 @@ use tiff::tags::Tag;
 pub(super) const PROGRAM: &str = "tokosen";
 /// The statement in the properties of a GeoJSON, FlatGeobuf, DXF or page.
 pub(super) const MADE_BY: &str = "made by tokosen";
+/// The statement in the file of a saved run.
+pub const SAVED_RUN: &str = "run saved by tokosen";
 /// Bytes at the beginning of a file in which the statement is.
 const HEAD: u64 = 1 << 14;
 
 /// Statements at the beginning of a file, by its extension.
 const STATEMENTS: &[(&[&str], &[u8])] = &[
     (&["geojson", "json"], b"\"description\":\"made by tokosen\""),
+    (&["json"], b"\"description\": \"run saved by tokosen\""),
     (&["fgb"], b"made by tokosen"),
     (&["dxf"], b"999\nmade by tokosen\n"),
     (&["png"], b"tEXtSoftware\0tokosen"),
@@ -40,11 +43,12 @@ pub(super) fn is_own(path: &Path) -> bool {
     if matches!(extension.as_str(), "tif" | "tiff") {
         return software(file).is_some_and(|software| software == PROGRAM);
     }
-    let Some((_, statement)) = STATEMENTS.iter().find(|(names, _)| names.contains(&extension.as_str())) else {
-        return false;
-    };
     let mut head = Vec::new();
-    file.take(HEAD).read_to_end(&mut head).is_ok() && head.windows(statement.len()).any(|bytes| bytes == *statement)
+    if file.take(HEAD).read_to_end(&mut head).is_err() {
+        return false;
+    }
+    let known = STATEMENTS.iter().filter(|(names, _)| names.contains(&extension.as_str()));
+    known.into_iter().any(|(_, statement)| head.windows(statement.len()).any(|bytes| bytes == *statement))
 }
 
 /// The program that a GeoTIFF names.
@@ -67,6 +71,9 @@ mod tests {
         assert!(is_own(&write("empty.tif", b"")));
         assert!(is_own(&write("a.PLY", b"ply\nformat ascii 1.0\ncomment tokosen\n")));
         assert!(!is_own(&write("b.ply", b"ply\nformat ascii 1.0\ncomment tokosen likes this\n")));
+        assert!(is_own(&write("run.json", format!("{{\n  \"description\": \"{SAVED_RUN}\"\n}}").as_bytes())));
+        assert!(is_own(&write("lines.json", b"{\"description\":\"made by tokosen\"}")));
+        assert!(!is_own(&write("other.json", b"{}")));
         assert!(!is_own(&write("c.geojson", b"{\"type\":\"FeatureCollection\",\"name\":\"tokosen\"}")));
         assert!(!is_own(&write("d.tif", b"no picture")));
         assert!(!is_own(&write("e.asc", b"made by tokosen")));

@@ -51,7 +51,8 @@ use table::{Purpose, Request, Table};
 pub use content::{Content, content};
 pub use format::VectorFormat;
 pub use lines::Waterways;
-pub use paths::{PlannedOutput, check_paths};
+pub use maker::SAVED_RUN;
+pub use paths::{PlannedOutput, check_paths, files_of_input};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
 

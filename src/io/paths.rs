@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::companions::read_beside;
 use super::format::VectorFormat;
 use super::{gpkg, maker};
 use crate::base::error::{Error, Result};
@@ -55,6 +56,29 @@ pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: b
         taken.push(file);
     }
     Ok(())
+}
+
+/// The files that are read for an input, if they exist: the file, and those beside it that belong to it, such as the `.dbf`
+/// of a shapefile; or all files in a folder and the folders in it, by name.
+///
+/// # Errors
+/// A folder cannot be read.
+pub fn files_of_input(path: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    if path.is_dir() {
+        let list = || std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>();
+        let mut entries = list().map_err(|e| Error::io("read", path, e))?;
+        entries.sort();
+        // A link to a folder could lead around in a circle.
+        for entry in entries.into_iter().filter(|entry| entry.is_file() || !entry.is_symlink()) {
+            files.append(&mut files_of_input(&entry)?);
+        }
+        return Ok(files);
+    }
+    let name = path.file_name().unwrap_or_default();
+    let beside = read_beside(name).into_iter().map(|name| path.with_file_name(name));
+    files.extend(std::iter::once(path.to_owned()).chain(beside).filter(|file| file.is_file()));
+    Ok(files)
 }
 
 /// The files of an output that hold data.

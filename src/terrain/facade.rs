@@ -2,19 +2,19 @@
 
 use geo::MultiPolygon;
 
-use super::grid::GridSpec;
+use super::base::Background;
+use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
-use super::part::{clip_lines, drop_outside, mask};
-use crate::base::error::{Error, Finding, FindingKind, Result};
+use super::part::{clip_lines, drop_outside};
+use crate::base::ElevationUnit;
+use crate::base::error::{Finding, FindingKind, Result};
 use crate::base::progress::Progress;
-use crate::base::{ElevationUnit, Grid};
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
-use crate::dem::Dem;
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
-use crate::subdomains::{Frame, FrameRing, frame_ring};
+use crate::subdomains::{Frame, FrameRing, MapExtent, frame_ring};
 use crate::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
@@ -32,6 +32,8 @@ pub struct Terrain {
     pub(super) unit: ElevationUnit,
     /// The part of the map that results cover, if it is not the whole.
     pub(super) part: Option<MultiPolygon<f64>>,
+    /// The height map that gives the heights outside the frame.
+    pub(super) background: Option<Background>,
     /// Number of findings outside of the frame polygon or the part; they are not in `findings`.
     pub findings_outside: usize,
     memory: Option<u64>,
@@ -41,7 +43,8 @@ impl Terrain {
     /// Prepares the lines of an input (see [`Input::prepare`]) and builds the surface between them.
     ///
     /// # Errors
-    /// As [`Input::prepare`], [`GridSpec::check`] and [`build`](fn@build). [`Error::OutOfMemory`] if the height map or
+    /// As [`Input::prepare`], [`GridSpec::check`](super::GridSpec::check) and [`build`](fn@build). [`Error::OutOfRange`](crate::Error::OutOfRange) for
+    /// the fade of the base. [`Error::NoOverlap`](crate::Error::NoOverlap) for a base elsewhere. [`Error::OutOfMemory`](crate::Error::OutOfMemory) if the height map or
     /// the surface needs more memory than the options allow.
     pub fn build(mut input: Input, options: &Options) -> Result<Self> {
         Self::build_with(&mut input, options, &())
@@ -57,6 +60,7 @@ impl Terrain {
             input.prepare(&options.preparation, progress)?;
         }
         let cells = options.cells(&input.reprojection)?;
+        options.check()?;
         let part = input.part.take();
         if let Some(part) = &part {
             input.frame = part.frame(std::mem::take(&mut input.frame));
@@ -66,9 +70,14 @@ impl Terrain {
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);
         let part_of_ground = part.as_ref().map(|part| part.of(&ground().area)).transpose()?;
+        let is_open = cells.as_ref().is_none_or(Cells::are_open);
+        let whole_part = part.as_ref().map(|part| part.area().clone());
+        let background =
+            input.base.take().map(|base| Background::new(base, ground(), whole_part, is_open)).transpose()?;
         if let Some(cells) = &cells {
-            let ground = part_of_ground.map_or_else(ground, |area| FrameRing { area });
-            cells.check_room(&ground, params.memory)?;
+            let of_surface = || part_of_ground.map_or_else(ground, |area| FrameRing { area });
+            let covered = background.as_ref().map_or_else(of_surface, |background| background.ground.clone());
+            cells.check_room(&covered, background.is_some(), params.memory)?;
         }
         let built = build(std::mem::take(&mut input.map), &params, progress);
         let mut surface = input.found(built)?;
@@ -80,9 +89,13 @@ impl Terrain {
             findings.retain(|finding| finding.kind != FindingKind::FrameBeyondMap);
             surface.frame = FrameRing { area: area.clone() };
         }
+        let background = background.map(|background| {
+            let spacing = || MapExtent::new(&surface.map, &surface.frame, surface.interval).spacing;
+            background.with_fade(options.base_fade.unwrap_or_else(|| options.tuning.join.fade * spacing()))
+        });
         let findings_outside = if is_whole { 0 } else { drop_outside(&mut findings, &surface.frame.area) };
         let (reprojection, unit) = (input.reprojection.clone(), input.unit);
-        Ok(Self { surface, findings, reprojection, unit, part, findings_outside, memory: options.memory })
+        Ok(Self { surface, findings, reprojection, unit, part, background, findings_outside, memory: options.memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -114,67 +127,6 @@ impl Terrain {
     pub fn input_contours(&self) -> Result<ContourLayer> {
         let layers = self.contours(&[Target::Levels(Vec::new())])?;
         Ok(layers.into_iter().next().unwrap_or_default())
-    }
-
-    /// The height map at the centres of cells.
-    ///
-    /// # Errors
-    /// As [`GridSpec::check`]. [`Error::TooManyCells`] for cells that are too small,
-    /// [`Error::CellTooLarge`] if no centre of a cell lies on the map. [`Error::NoOverlap`] if cells that
-    /// were given all lie outside the frame. [`Error::UnknownCrs`] for cells in degrees over contours of an unknown
-    /// system.
-    pub fn dem(&self, grid: &GridSpec) -> Result<Dem> {
-        self.dem_with(grid, &())
-    }
-
-    /// [`Terrain::dem`] that shows its progress.
-    ///
-    /// # Errors
-    /// As [`Terrain::dem`].
-    pub fn dem_with(&self, grid: &GridSpec, progress: &dyn Progress) -> Result<Dem> {
-        let cells = grid.over(&self.reprojection)?;
-        let mut dem = cells.heights(&self.surface, progress)?;
-        if let Some(area) = &self.part {
-            mask(&mut dem, area, &|p| cells.on_plane(p));
-        }
-        match grid {
-            GridSpec::Cells { file, .. } if dem.values.iter().all(|height| height.is_nan()) => match file {
-                Some(file) => Err(Error::NoOverlap.in_file(file)),
-                None => Err(Error::NoOverlap),
-            },
-            _ => Ok(dem),
-        }
-    }
-
-    /// Standard errors of the heights of [`Terrain::dem`], metres, as a raster. `None` if the options did not ask for
-    /// them.
-    ///
-    /// # Errors
-    /// As [`Terrain::dem`].
-    pub fn errors(&self, grid: &GridSpec) -> Result<Option<Dem>> {
-        if self.surface.errors.is_none() {
-            return Ok(None);
-        }
-        let dem = self.dem(grid)?;
-        Ok(self.errors_of(&dem, grid)?.map(|values| Dem { values, ..dem }))
-    }
-
-    /// The standard errors of a height map that [`Terrain::dem`] gave, cell by cell, metres.
-    ///
-    /// # Errors
-    /// As [`Terrain::dem`].
-    pub fn errors_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Option<Vec<f32>>> {
-        Ok(grid.over(&self.reprojection)?.standard_errors(&self.surface, dem))
-    }
-
-    /// The cells that a specification gives over this terrain, and the coordinate reference system that they are in.
-    ///
-    /// # Errors
-    /// As [`Terrain::dem`].
-    pub fn cells(&self, grid: &GridSpec) -> Result<(Grid, Option<Crs>)> {
-        let cells = grid.over(&self.reprojection)?;
-        let crs = cells.crs(self.surface.map.crs.as_ref()).cloned();
-        Ok((cells.grid(&self.surface.frame)?, crs))
     }
 
     /// The surface as triangles in space, open or closed to a solid.

@@ -10,7 +10,7 @@ use super::measure::add_check_points;
 use super::sheets::{Sheet, joined};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
-use crate::base::error::{Error, Finding, Report, Result};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::progress::{Progress, step};
 use crate::contour::SpotHeights;
 use crate::crs::Crs;
@@ -144,6 +144,27 @@ impl Input {
         }
         self.findings.append(&mut findings);
         Ok(())
+    }
+
+    /// Reads the height map that gives the heights outside the frame.
+    ///
+    /// # Errors
+    /// As [`read_dem`] and [`Input::set_base`]; the error names the file.
+    pub fn read_base(&mut self, path: &Path, progress: &dyn Progress) -> Result<()> {
+        let Report { value: DemFile { dem, .. }, findings } = step(progress, "reading", || read_dem(path))?;
+        let name = path.display();
+        for finding in findings {
+            let system = match finding.kind {
+                FindingKind::UnknownCrs => "; it is taken to be in that of the contours",
+                _ => "",
+            };
+            self.findings.push(Finding {
+                message: format!("{name}: {}{system}", finding.message),
+                place: None,
+                ..finding
+            });
+        }
+        self.set_base(dem, path)
     }
 
     /// Reads polygons from a file and leaves out the contours and spot heights inside them.

@@ -45,6 +45,9 @@ pub enum GridSpec {
 const MOST_CELLS: f64 = 4e9;
 /// Bytes per cell while the height map is computed and written: the height, the triangle, the share of the file.
 const BYTES_PER_CELL: f64 = 12.0;
+/// The same with a base: its heights, and the corrections on all grids.
+const BYTES_PER_JOINED_CELL: f64 = 40.0;
+
 impl GridSpec {
     /// Checks the size of the cells.
     ///
@@ -174,12 +177,16 @@ impl Cells {
         Ok(grid)
     }
 
-    /// Refuses a height map of some ground that does not fit into memory, before the surface is built.
-    pub fn check_room(&self, ground: &FrameRing, memory: Option<u64>) -> Result<()> {
+    /// Refuses a height map of some ground that does not fit into memory, before the surface is built. `is_joined`: whether
+    /// it is joined with a base.
+    pub fn check_room(&self, ground: &FrameRing, is_joined: bool, memory: Option<u64>) -> Result<()> {
         let Grid { cols, rows, .. } = self.grid(ground)?;
         let what = format!("a height map of {cols} x {rows} cells");
-        let remedy = "choose a larger cell or a smaller frame";
-        memory::check(BYTES_PER_CELL * cols as f64 * rows as f64, memory, what, remedy)
+        let (bytes, remedy) = match is_joined {
+            true => (BYTES_PER_JOINED_CELL, "choose a larger cell or a smaller part of the map"),
+            false => (BYTES_PER_CELL, "choose a larger cell or a smaller frame"),
+        };
+        memory::check(bytes * cols as f64 * rows as f64, memory, what, remedy)
     }
 
     /// The system that the cells are in, where `working` is that of the surface.
@@ -196,9 +203,14 @@ impl Cells {
         }
     }
 
-    /// The heights of a surface at the centres of the cells.
-    pub fn heights(&self, surface: &Surface, progress: &dyn Progress) -> Result<Dem> {
-        let grid = self.grid(&surface.frame)?;
+    /// Whether the cells have no extent of their own.
+    pub fn are_open(&self) -> bool {
+        matches!(self.size, Size::Square(_))
+    }
+
+    /// The heights of a surface at the centres of the cells over some ground.
+    pub fn heights(&self, surface: &Surface, ground: &FrameRing, progress: &dyn Progress) -> Result<Dem> {
+        let grid = self.grid(ground)?;
         Ok(match &self.apart {
             Some(Apart { crs, way }) => {
                 let values = heights_on(surface, &grid, &|p| way.forward(p), progress);

@@ -11,6 +11,7 @@ use geo::MultiPolygon;
 use glam::{DVec2, DVec3};
 
 use super::arrays;
+use super::base::Base;
 use super::part::Part;
 use super::plane::{named, on_plane};
 use super::units::Elevations;
@@ -80,6 +81,8 @@ pub struct Input {
     pub(super) memory: Option<u64>,
     /// The part of the map that is asked for.
     pub(super) part: Option<Part>,
+    /// The height map that gives the heights outside the frame.
+    pub(super) base: Option<Base>,
     /// The parts of the map that were left out, on the working plane. They may overlap.
     pub(super) excluded: Vec<MultiPolygon<f64>>,
     /// How far contours that end beside a cliff end because of it, map units.

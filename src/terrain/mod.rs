@@ -5,6 +5,7 @@
 //! [`Terrain::findings`].
 
 mod arrays;
+mod base;
 mod cliffs;
 mod compare;
 mod exclude;
@@ -12,6 +13,7 @@ mod facade;
 #[cfg(feature = "io")]
 mod files;
 mod grid;
+mod height_map;
 mod input;
 #[cfg(feature = "io")]
 mod json;
@@ -28,11 +30,13 @@ mod tests;
 mod units;
 
 pub use arrays::{RaggedLines, TriangleArrays};
+pub use base::BaseJoin;
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 pub use facade::Terrain;
 #[cfg(feature = "io")]
 pub use files::read_check_points;
 pub use grid::GridSpec;
+pub use height_map::HeightMap;
 pub use input::{Input, InputOptions};
 #[cfg(feature = "io")]
 pub use json::{check_json, comparison_json};

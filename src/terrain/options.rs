@@ -3,7 +3,7 @@
 use super::grid::GridSpec;
 use super::input::Input;
 use super::prepare::Preparation;
-use crate::base::error::Result;
+use crate::base::error::{Error, Result};
 use crate::crs::Reprojection;
 use crate::spline::SplineParams;
 use crate::streams::Streams;
@@ -30,6 +30,9 @@ pub struct Options {
     pub sea: Option<f64>,
     /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`].
     pub stream_tolerance: Option<f64>,
+    /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
+    /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`].
+    pub base_fade: Option<f64>,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
@@ -53,6 +56,7 @@ impl Default for Options {
             noise: None,
             sea: None,
             stream_tolerance: None,
+            base_fade: None,
             grid: None,
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
@@ -63,6 +67,14 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Checks what no step checks.
+    pub(super) fn check(&self) -> Result<()> {
+        match self.base_fade.filter(|fade| !(fade.is_finite() && *fade >= 0.0)) {
+            Some(fade) => Err(Error::out_of_range("distance of the base's fade", fade, "0 or more")),
+            None => Ok(()),
+        }
+    }
+
     /// The cells that are wanted, over contours with this reprojection.
     pub(super) fn cells(&self, reprojection: &Reprojection) -> Result<Option<Cells>> {
         self.grid.as_ref().map(|grid| grid.over(reprojection)).transpose()

@@ -90,6 +90,11 @@ impl Part {
         map.soft_spots.retain(|spot| holds(&self.window, spot.place.truncate()));
     }
 
+    /// The part that is asked for, also where there is no ground.
+    pub(super) fn area(&self) -> &MultiPolygon<f64> {
+        &self.area
+    }
+
     /// The frame of the surface: what lies inside the window.
     pub(super) fn frame(&self, wanted: Frame) -> Frame {
         let whole = match &wanted {

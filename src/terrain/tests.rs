@@ -11,6 +11,7 @@ use crate::base::error::CrsNeed;
 use crate::base::error::Error;
 use crate::contour::{Contour, ContourMap, Interval, Lake};
 use crate::crs::Crs;
+use crate::dem::Dem;
 use crate::io::{ReadOptions, read_contours};
 use crate::mesh::MeshParams;
 use crate::subdomains::Frame;
@@ -202,4 +203,46 @@ fn errors_are_a_raster_like_the_heights() {
     let (dem, errors) = (terrain.dem(&grid).unwrap(), terrain.errors(&grid).unwrap().unwrap());
     assert_eq!(dem.grid, errors.grid);
     assert!(dem.values.iter().zip(&errors.values).all(|(z, e)| z.is_nan() == e.is_nan() && (e.is_nan() || *e >= 0.0)));
+}
+
+#[test]
+fn a_base_gives_the_heights_outside_and_no_standard_errors() {
+    let options = Options { uncertainty: Uncertainty::Learnt, ..Options::default() };
+    let grid = GridSpec::Cell(10.0);
+    let plain = Terrain::build(input(hill()), &options).unwrap().height_map(&grid, &()).unwrap().value;
+
+    let cells = Grid { corner: DVec2::new(-600.0, 500.0), cell: DVec2::splat(25.0), cols: 48, rows: 40 };
+    let flat = Dem { grid: cells, values: vec![7.0; cells.len()], crs: None };
+    let mut with_base = input(hill());
+    with_base.set_base(flat.clone(), Path::new("flat.tif")).unwrap();
+    let terrain = Terrain::build(with_base, &options).unwrap();
+    let found = terrain.height_map(&grid, &()).unwrap().value;
+    assert_eq!(terrain.cells(&grid).unwrap().0, found.dem.grid);
+    let place = |k: usize, grid: &Grid| grid.center(k % grid.cols, k / grid.cols);
+    let (errors, join) = (found.errors.unwrap(), found.base.unwrap().join);
+    assert!(found.dem.grid.cols > 110 && found.dem.grid.rows > 90, "{:?}", found.dem.grid);
+    let (mut inside, mut outside) = (0, 0);
+    for (k, height) in found.dem.values.iter().enumerate() {
+        let p = plain.dem.grid.place(place(k, &found.dem.grid)).round();
+        let is_there = p.min_element() >= 0.0 && p.x < plain.dem.grid.cols as f64 && p.y < plain.dem.grid.rows as f64;
+        let own = if is_there { plain.dem.values[p.y as usize * plain.dem.grid.cols + p.x as usize] } else { f32::NAN };
+        if own.is_nan() {
+            assert!(errors[k].is_nan() && (height.is_nan() || (6.9..11.5).contains(height)), "{height}");
+            outside += usize::from(!height.is_nan());
+        } else {
+            assert_eq!(*height, own);
+            assert!(errors[k].is_finite());
+            inside += 1;
+        }
+    }
+    assert!(inside > 1000 && outside == join.filled && outside > 8000, "{inside} {outside}");
+    assert!((2.5..4.5).contains(&join.median), "{join:?}");
+
+    // Elsewhere it is an error, as is a fade that is no distance.
+    let mut apart = input(hill());
+    let moved = Grid { corner: DVec2::splat(9000.0), ..cells };
+    apart.set_base(Dem { grid: moved, ..flat.clone() }, Path::new("flat.tif")).unwrap();
+    assert!(matches!(Terrain::build(apart, &options).unwrap_err().root(), Error::NoOverlap));
+    let wrong = Options { base_fade: Some(f64::INFINITY), ..Options::default() };
+    assert!(matches!(Terrain::build(input(hill()), &wrong), Err(Error::OutOfRange { .. })));
 }

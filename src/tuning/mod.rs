@@ -21,6 +21,7 @@ mod cliffs;
 mod creases;
 mod errors;
 mod grid;
+mod join;
 mod names;
 mod nodes;
 mod roughness;
@@ -35,6 +36,7 @@ pub use cliffs::CliffTuning;
 pub use creases::CreaseTuning;
 pub use errors::ErrorTuning;
 pub use grid::GridTuning;
+pub use join::JoinTuning;
 pub use names::TuneError;
 pub use nodes::NodeTuning;
 pub use roughness::RoughnessTuning;
@@ -85,5 +87,7 @@ tuned! {
         cliffs: CliffTuning = CliffTuning::default(),
         /// Break lines.
         creases: CreaseTuning = CreaseTuning::default(),
+        /// Joins with a height map outside the frame.
+        join: JoinTuning = JoinTuning::default(),
     }
 }

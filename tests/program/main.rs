@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod base;
 mod break_lines;
 mod check;
 mod compare;
@@ -19,6 +20,7 @@ mod other_crs;
 mod out_of_proportion;
 mod parts;
 mod running;
+mod saved_runs;
 mod several_files;
 mod streams;
 mod units;

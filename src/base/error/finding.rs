@@ -179,6 +179,12 @@ kinds! {
     AtCliff = "at-cliff", Note, "contours that meet cliffs";
     /// A cliff is a point, or has no place on the map. It was left out.
     CliffLeftOut = "cliff-left-out", Warning, "cliffs left out";
+    /// The base has no height at any cell outside the surface.
+    BaseUnused = "base-unused", Warning, "bases that give no height";
+    /// The base has no heights along the border of the surface, so both were not joined.
+    BaseApart = "base-apart", Warning, "bases apart from the surface";
+    /// The base lies above or below the surface by more than the contours allow.
+    BaseDiffers = "base-differs", Warning, "bases that do not fit the surface";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.

@@ -11,7 +11,7 @@ use tokosen::base::error::{Error, Finding};
 use tokosen::dem::compare::{Comparison, difference};
 use tokosen::draw::report::{page, sentences, table};
 use tokosen::io::raster::{Quantity, RasterParams, write_raster};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, check_paths, content};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
 use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
 
 use super::console::Console;
@@ -105,7 +105,7 @@ fn check(args: &CompareArgs, console: &Console) -> Result<[Content; 2], Failure>
     let files = files.iter().map(PathBuf::as_path).chain([args.b.path.as_path()]);
     let inputs: Vec<&Path> = files.chain(args.grid.like.as_deref()).chain(args.surface.files()).collect();
     let outputs: Vec<PlannedOutput<'_>> = args.output.iter().chain(&args.report).map(|p| p.as_path().into()).collect();
-    check_paths(&inputs, &outputs, console.overwrite)?;
+    console.check_paths(&inputs, &outputs)?;
     Ok(contents)
 }
 
