@@ -30,6 +30,7 @@
 //! | [`subdomains::landforms`] | a triangulation, its sub-domains | a [`Landform`](subdomains::Landform) per sub-domain: outline, class, nesting tree |
 //! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
 //! | [`streams::Streams`] | lines of rivers, in [`surface::SurfaceParams`] | [`streams::Stream`]s in the surface: with direction and heights |
+//! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::SurfaceParams`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
@@ -139,6 +140,7 @@ pub mod clean;
 pub mod contour;
 pub mod crs;
 pub mod dem;
+pub mod drain;
 #[cfg(feature = "draw")]
 pub mod draw;
 #[cfg(test)]

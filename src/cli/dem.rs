@@ -78,11 +78,14 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     };
     let terrain = job.build(&mut input, &args.surface, options)?;
     let dem = output.write(&terrain, console)?;
-    diagnostics.iter().try_for_each(|file| file.write(&terrain, args.to_unit.unit()))?;
+    let wants_pits = diagnostics.is_some() || args.surface.drain.is_given();
+    let pits = wants_pits.then(|| terrain.pits_of(&dem, &output.grid)).transpose()?;
+    diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
+    pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
     output.commit(&dem, console)?;
     diagnostics.map(|file| file.commit(console)).transpose()?;
     job.close_part(terrain.findings.len(), terrain.findings_outside)

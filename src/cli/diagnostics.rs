@@ -1,11 +1,12 @@
-//! `--diagnostics`: a GeoPackage with what became of streams and other lines.
+//! `--diagnostics`: a GeoPackage with what became of streams, and the pits that are left.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::Terrain;
 use tokosen::base::ElevationUnit;
-use tokosen::io::layer::stream_lines;
+use tokosen::drain::Pit;
+use tokosen::io::layer::{pit_points, stream_lines};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 
 use super::console::Console;
@@ -14,13 +15,14 @@ use super::output::check_extension;
 
 #[derive(Debug, Clone, Args)]
 pub struct DiagnosticsArgs {
-    /// Also write the streams as they are used, with direction, order, heights and shift: .gpkg
-    #[arg(long, value_name = "FILE", requires = "streams", hide_short_help = true)]
+    /// Also write the pits that are left, with depth, area and the reason why they stay, and the streams as they are used,
+    /// with direction, order, heights and shift: .gpkg
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub diagnostics: Option<PathBuf>,
 }
 
 /// The layers.
-const LAYERS: [&str; 1] = ["streams"];
+const LAYERS: [&str; 2] = ["sinks", "streams"];
 
 impl DiagnosticsArgs {
     /// The file as an output of the run.
@@ -40,10 +42,13 @@ impl DiagnosticsArgs {
 pub struct Diagnostics(StagedOutput);
 
 impl Diagnostics {
-    /// Writes the layers, in the coordinates of the contours.
-    pub fn write(&self, terrain: &Terrain, unit: ElevationUnit) -> Result<(), Failure> {
+    /// Writes the layers, in the coordinates of the contours: the pits, and the streams if there are any.
+    pub fn write(&self, terrain: &Terrain, pits: &[Pit], unit: ElevationUnit) -> Result<(), Failure> {
         let back = terrain.to_output(None)?.with_heights_in(unit);
-        write_layers_back(&self.0, &[stream_lines(&terrain.surface.streams)], &back)?;
+        let streams = &terrain.surface.streams;
+        let mut layers = vec![pit_points(pits)];
+        layers.extend((!streams.is_empty()).then(|| stream_lines(streams)));
+        write_layers_back(&self.0, &layers, &back)?;
         Ok(())
     }
 

@@ -57,6 +57,7 @@ pub fn for_kind_of(finding: &Finding) -> Option<String> {
         FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())
         }
+        FindingKind::HollowDrained => Some("--sinks FILE names places where water may stay".into()),
         FindingKind::MayBeSea => {
             let level = finding.elevations.first()?;
             Some(format!("--sea {level} makes the ground beyond the coast level"))

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
+use tokosen::drain::Pit;
 use tokosen::skeleton::BreakKind;
 use tokosen::spline::HyperParameters;
 use tokosen::streams::Stream;
@@ -145,6 +146,15 @@ fn streams(surface: &Surface, console: &Console) {
         "streams    {} pieces, length {all:.0}; {turned:.0} % of it turned, {moved:.0} % moved",
         streams.len()
     ));
+}
+
+/// Prints how many pits are left, and why. `what` has them.
+pub fn pits(pits: &[Pit], what: &str, console: &Console) {
+    let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    pits.iter().for_each(|pit| *reasons.entry(pit.reason.name()).or_default() += 1);
+    let reasons: Vec<String> = reasons.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+    let why = if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) };
+    console.say(&format!("pits       {} left in the {what}{why}", pits.len()));
 }
 
 /// The kind of a surface in words.

@@ -29,6 +29,7 @@ pages! {
     subdomains = "subdomains.md",
     water = "water.md",
     streams = "streams.md",
+    pits = "pits.md",
     pictures = "pictures.md",
     formats = "formats.md",
     options = "options.md",

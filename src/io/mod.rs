@@ -27,6 +27,7 @@ pub mod mesh;
 mod paths;
 pub mod raster;
 mod shapefile;
+mod sinks;
 mod staged;
 mod streams;
 mod table;
@@ -42,6 +43,7 @@ use geo::MultiPolygon;
 use crate::base::error::{Error, Report, Result};
 use crate::contour::{ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
 use crate::crs::{Crs, FromWorking};
+use crate::drain::Sink;
 use crate::streams::StreamLine;
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
@@ -148,6 +150,19 @@ pub fn read_streams(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<St
     let mut table = read_table(path, options, Purpose::Streams)?;
     let crs = table.crs.take();
     let Report { value, findings } = streams::streams(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads places where water may stay: points and polygons. Also gives the coordinate reference system if the file names
+/// one. Polygons that overlap or share an edge are united and get the number of the first feature. What cannot be a sink is
+/// a finding.
+///
+/// # Errors
+/// As [`read_area`], and if the file has neither points nor polygons.
+pub fn read_sinks(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Sink>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Sinks)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = sinks::sinks(path, table)?;
     Ok(Report { value: (value, crs), findings })
 }
 

@@ -37,6 +37,8 @@ pub(super) enum Purpose {
     Water,
     /// Lines of rivers and streams.
     Streams,
+    /// Points and polygons where water may stay.
+    Sinks,
 }
 
 /// An attribute of the features.
@@ -162,7 +164,7 @@ impl Table {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
             wants_marks: request.purpose == Purpose::Contours,
-            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water),
+            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water | Purpose::Sinks),
             ..Self::default()
         }
     }

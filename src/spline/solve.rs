@@ -7,7 +7,7 @@ use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
 use super::lattice::Lattice;
 use super::params::HyperParameters;
-use super::pits::{Limits, breach};
+use super::pits::Limits;
 use super::shelves::shelves;
 use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
@@ -52,6 +52,8 @@ pub fn spline(
         interval,
         spacing: *spacing,
         hollows,
+        drainage: conditions.drainage,
+        grid,
         tuning,
     };
     let z = solve(&problem, progress);
@@ -89,7 +91,7 @@ pub fn spline(
     }
     let limits = Limits { lo, depth: interval as f32 };
     if conditions.streams.is_empty() {
-        breach(&mut heights, &lattice, &limits, |n| hollows[n]);
+        problem.breach(&mut heights, &limits);
         progress.finish();
         return (WorkingGrid { grid: *grid, heights }, Vec::new());
     }
@@ -102,7 +104,7 @@ pub fn spline(
     fall_along(&streams, grid, heights, bounds);
     // Each of the two may undo a little of what the other has done.
     for _ in 0..STREAM_ROUNDS {
-        breach(heights, &lattice, &limits, |n| hollows[n]);
+        problem.breach(heights, &limits);
         fall_along(&streams, grid, heights, bounds);
     }
     progress.finish();

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::conditions;
+use super::drained::{Wanted, drain_working};
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use super::skeleton_lines::{finer, with_skeleton};
@@ -17,7 +18,7 @@ use crate::base::progress::Progress;
 use crate::contour::ContourMap;
 use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
-use crate::spline::{self, Conditions, bytes_on, spline, working_grid};
+use crate::spline::{self, Conditions, Drainage, bytes_on, spline, working_grid};
 use crate::streams::{Stream, settle};
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
@@ -45,7 +46,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
         || triangulated(prepared, params, progress),
     );
-    let Triangulated { mut subdivision, closures, mut streams, finer, findings } = found?;
+    let Triangulated { mut subdivision, closures, mut streams, finer, mut findings } = found?;
+    let mut sinks = params.sinks.clone();
     // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
@@ -62,12 +64,24 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
+        let drainage = Drainage { drain: params.drain, sinks: &params.sinks };
         let mut conditions =
-            Conditions { streams: &streams, ..conditions(&subdivision, &break_lines, &grid, &triangles) };
+            Conditions { streams: &streams, drainage, ..conditions(&subdivision, &break_lines, &grid, &triangles) };
         let course = |stream: &Stream| stream.points.iter().map(|p| p.truncate()).collect();
         conditions.creases.extend(streams.iter().map(course));
         progress.finish();
-        let (working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+        let (mut working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+        let wanted = Wanted {
+            drain: params.drain,
+            sinks: std::mem::take(&mut sinks),
+            bounds: &conditions.bounds,
+            regions: &subdivision.regions,
+            triangles: &triangles,
+            interval: interval.step,
+        };
+        let drained = drain_working(&mut working, wanted);
+        sinks = drained.0;
+        findings.extend(drained.1);
         drop(conditions);
         streams = followed;
         (Some(working), triangles)
@@ -88,8 +102,21 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.finish();
     }
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
-    let surface =
-        Surface { map, tin, regions, closures, break_lines, streams, frame, interval, working, chosen, errors };
+    let surface = Surface {
+        map,
+        tin,
+        regions,
+        closures,
+        break_lines,
+        streams,
+        drain: params.drain,
+        sinks,
+        frame,
+        interval,
+        working,
+        chosen,
+        errors,
+    };
     Ok(Report { value: surface, findings })
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::contour::{ContourMap, Interval};
+use crate::drain::{Drain, Sink};
 use crate::skeleton::BreakLine;
 use crate::spline::WorkingGrid;
 use crate::streams::Stream;
@@ -26,6 +27,10 @@ pub struct Surface {
     pub break_lines: Vec<BreakLine>,
     /// The streams as they are used.
     pub streams: Vec<Stream>,
+    /// Which pits get a way out in height maps.
+    pub drain: Drain,
+    /// Where water may stay. A point is the deepest place of its pit.
+    pub sinks: Vec<Sink>,
     /// The outline of the frame.
     pub frame: FrameRing,
     /// The contour interval of the input.

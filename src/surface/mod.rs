@@ -9,6 +9,7 @@
 mod build;
 mod built;
 mod conditions;
+mod drained;
 mod errors;
 mod nodes;
 mod params;
@@ -21,6 +22,8 @@ mod trial_builder;
 
 pub use build::build;
 pub use built::Surface;
+pub use drained::working_pits;
+pub(crate) use drained::{InOther, drain_heights, pits_of};
 pub use errors::{standard_errors, standard_errors_on};
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 pub use sample::{heights, heights_on};

@@ -1,6 +1,7 @@
 //! Parameters of a surface.
 
 use crate::base::error::{Error, Result};
+use crate::drain::{Drain, Sink};
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -65,6 +66,10 @@ pub struct SurfaceParams {
     pub water: Water,
     /// Rivers and streams. Not for [`SurfaceKind::Linear`].
     pub streams: Streams,
+    /// Which pits get a way out. Only for [`SurfaceKind::Spline`].
+    pub drain: Drain,
+    /// Where water may stay. Only for [`SurfaceKind::Spline`].
+    pub sinks: Vec<Sink>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
     /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
@@ -85,6 +90,8 @@ impl Default for SurfaceParams {
             resolution: 1.0,
             water: Water::default(),
             streams: Streams::default(),
+            drain: Drain::default(),
+            sinks: Vec::new(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),

@@ -12,6 +12,7 @@ use crate::base::{ElevationUnit, Grid};
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::dem::Dem;
+use crate::drain::Pit;
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
 use crate::subdomains::{Frame, FrameRing, frame_ring};
@@ -165,6 +166,14 @@ impl Terrain {
     /// As [`Terrain::dem`].
     pub fn errors_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Option<Vec<f32>>> {
         Ok(grid.over(&self.reprojection)?.standard_errors(&self.surface, dem))
+    }
+
+    /// The pits of a height map that [`Terrain::dem`] gave, with the reasons why they stay.
+    ///
+    /// # Errors
+    /// As [`Terrain::dem`].
+    pub fn pits_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Vec<Pit>> {
+        Ok(grid.over(&self.reprojection)?.pits(&self.surface, dem))
     }
 
     /// The cells that a specification gives over this terrain, and the coordinate reference system that they are in.

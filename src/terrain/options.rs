@@ -5,6 +5,7 @@ use super::input::Input;
 use super::prepare::Preparation;
 use crate::base::error::Result;
 use crate::crs::Reprojection;
+use crate::drain::Drain;
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -30,6 +31,8 @@ pub struct Options {
     pub sea: Option<f64>,
     /// How far a stream is moved to agree with the contours, map units; see [`Streams::tolerance`].
     pub stream_tolerance: Option<f64>,
+    /// Which pits get a way out. Sinks are given by [`Input::add_sinks`].
+    pub drain: Drain,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
@@ -53,6 +56,7 @@ impl Default for Options {
             noise: None,
             sea: None,
             stream_tolerance: None,
+            drain: Drain::default(),
             grid: None,
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
@@ -76,6 +80,8 @@ impl Options {
             resolution: self.resolution,
             water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
             streams: Streams { lines: std::mem::take(&mut input.streams), tolerance: self.stream_tolerance },
+            drain: self.drain,
+            sinks: std::mem::take(&mut input.sinks),
             spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
             triangles: self.triangles,
             uncertainty: self.uncertainty,

@@ -167,6 +167,12 @@ kinds! {
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
     StreamOutside = "stream-outside", Note, "streams outside the frame";
+    /// A sink holds no pit, or is no place; it has no effect.
+    SinkWithoutPit = "sink-without-pit", Note, "sinks without a pit";
+    /// A sink lies outside the frame.
+    SinkOutside = "sink-outside", Note, "sinks outside the frame";
+    /// Ground inside contours that are all higher was drained, as asked for.
+    HollowDrained = "hollow-drained", Note, "hollows inside contours drained";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.
