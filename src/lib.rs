@@ -31,6 +31,7 @@
 //! | [`skeleton::skeleton`] | a triangulation, its sub-domains | ridge and canyon lines with heights |
 //! | [`creases::CreaseLine`] | break lines, in [`surface::SurfaceParams`] | [`creases::Crease`]s in the surface: with heights |
 //! | [`streams::Streams`] | lines of rivers, in [`surface::SurfaceParams`] | [`streams::Stream`]s in the surface: with direction and heights |
+//! | [`drain::Drain`], [`drain::Sink`] | which pits get a way out, and places where water may stay, in [`surface::SurfaceParams`] | a surface and height maps with fewer pits; [`drain::Pit`]s that are left |
 //! | [`surface::build`] | a clean map | a [`Surface`](surface::Surface): subdivision, skeleton and smooth surface |
 //! | [`surface::heights`], [`surface::heights_on`] | a surface, a grid on the plane or in other coordinates | a [`Dem`](dem::Dem), or heights alone |
 //! | [`slice::contour_layers`] | a surface, intervals | the input's contours and new contours between them |
@@ -142,6 +143,7 @@ pub mod contour;
 pub mod creases;
 pub mod crs;
 pub mod dem;
+pub mod drain;
 #[cfg(feature = "draw")]
 pub mod draw;
 #[cfg(test)]

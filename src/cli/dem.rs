@@ -87,11 +87,14 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let map = output.write(&terrain, console)?.collect(&mut terrain.findings);
     job.check_strict(&terrain.findings)?;
-    diagnostics.iter().try_for_each(|file| file.write(&terrain, args.to_unit.unit()))?;
+    let wants_pits = diagnostics.is_some() || args.surface.drain.is_given();
+    let pits = wants_pits.then(|| terrain.pits_of(&map.dem, &output.grid)).transpose()?;
+    diagnostics.iter().zip(&pits).try_for_each(|(file, pits)| file.write(&terrain, pits, args.to_unit.unit()))?;
     job.draw(|| picture(&terrain.surface, &terrain.input_contours()?.lines, &terrain.reprojection))?;
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
+    pits.iter().for_each(|pits| summary::pits(pits, "height map", console));
     map.base.iter().for_each(|base| base::describe(base, console));
     output.commit(&map.dem, console)?;
     diagnostics.map(|file| file.commit(console)).transpose()?;

@@ -9,7 +9,7 @@ use tokosen::contour::{ContourLayer, Source};
 use tokosen::draw::preview::picture;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target};
-use tokosen::surface::Triangles;
+use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::{MeasureOptions, Pair, Side, measure};
 use tokosen::{Options, Terrain};
 
@@ -138,12 +138,15 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     })?;
     let map = dem_output.as_ref().map(|output| output.write(&terrain, console)).transpose()?;
     let map = map.map(|map| map.collect(&mut terrain.findings));
-    diagnostics.iter().try_for_each(|file| file.write(&terrain, unit))?;
+    let wants_pits = diagnostics.is_some() || args.surface.drain.is_given();
+    let pits = if wants_pits { working_pits(&terrain.surface) } else { None };
+    diagnostics.iter().try_for_each(|file| file.write(&terrain, pits.as_deref().unwrap_or_default(), unit))?;
     job.draw(|| picture(&terrain.surface, finest(&layers), &terrain.reprojection))?;
 
     let findings = std::mem::take(&mut terrain.findings);
     job.report(&findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
+    pits.iter().for_each(|pits| summary::pits(pits, "smooth surface", console));
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
         describe(written.get(k).or(written.first()), layer, unit, console);

@@ -1,11 +1,13 @@
-//! `--diagnostics`: a GeoPackage with what became of streams and other lines, and where the inputs contradict each other.
+//! `--diagnostics`: a GeoPackage with what became of streams and other lines, the pits that are left, and where the inputs
+//! contradict each other.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use tokosen::Terrain;
 use tokosen::base::ElevationUnit;
-use tokosen::io::layer::{break_lines, of_conflicts, stream_lines};
+use tokosen::drain::Pit;
+use tokosen::io::layer::{break_lines, of_conflicts, pit_points, stream_lines};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
 
 use super::console::Console;
@@ -14,14 +16,14 @@ use super::output::check_extension;
 
 #[derive(Debug, Clone, Args)]
 pub struct DiagnosticsArgs {
-    /// Also write the streams and break lines as they are used, and the places where lines, lakes and spot heights contradict
-    /// the contours: .gpkg
+    /// Also write the streams and break lines as they are used, the pits that are left with the reason why they stay, and the
+    /// places where lines, lakes and spot heights contradict the contours: .gpkg
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub diagnostics: Option<PathBuf>,
 }
 
 /// The layers.
-const LAYERS: [&str; 3] = ["streams", "breaklines", "conflicts"];
+const LAYERS: [&str; 4] = ["sinks", "streams", "breaklines", "conflicts"];
 
 impl DiagnosticsArgs {
     /// The file as an output of the run.
@@ -41,10 +43,11 @@ impl DiagnosticsArgs {
 pub struct Diagnostics(StagedOutput);
 
 impl Diagnostics {
-    /// Writes the layers, in the coordinates of the contours.
-    pub fn write(&self, terrain: &Terrain, unit: ElevationUnit) -> Result<(), Failure> {
+    /// Writes the layers, in the coordinates of the contours: one each, even if it is empty.
+    pub fn write(&self, terrain: &Terrain, pits: &[Pit], unit: ElevationUnit) -> Result<(), Failure> {
         let back = terrain.to_output(None)?.with_heights_in(unit);
         let layers = [
+            pit_points(pits),
             stream_lines(&terrain.surface.streams),
             break_lines(&terrain.surface.creases),
             of_conflicts(&terrain.findings),

@@ -60,6 +60,7 @@ pub fn for_kind_of(finding: &Finding) -> Option<String> {
         FindingKind::BaseDiffers => {
             Some("--base-fade DISTANCE carries the difference further; 0 leaves the base as it is".into())
         }
+        FindingKind::HollowDrained => Some("--sinks FILE names places where water may stay".into()),
         FindingKind::MayBeSea => {
             let level = finding.elevations.first()?;
             Some(format!("--sea {level} makes the ground beyond the coast level"))

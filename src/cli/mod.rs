@@ -13,6 +13,7 @@ mod dem;
 mod densify;
 mod derive;
 mod diagnostics;
+mod drain;
 mod failure;
 mod flags;
 mod flow;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use tokosen::base::error::{Error, Finding, FindingKind, Severity};
 use tokosen::creases::Crease;
+use tokosen::drain::Pit;
 use tokosen::skeleton::BreakKind;
 use tokosen::spline::HyperParameters;
 use tokosen::streams::Stream;
@@ -161,6 +162,15 @@ fn break_lines(creases: &[Crease], console: &Console) {
         creases.len(),
         100.0 * surveyed / length.max(f64::MIN_POSITIVE)
     ));
+}
+
+/// Prints how many pits are left, and why. `what` has them.
+pub fn pits(pits: &[Pit], what: &str, console: &Console) {
+    let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    pits.iter().for_each(|pit| *reasons.entry(pit.reason.name()).or_default() += 1);
+    let reasons: Vec<String> = reasons.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+    let why = if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) };
+    console.say(&format!("pits       {} left in the {what}{why}", pits.len()));
 }
 
 /// The kind of a surface in words.

@@ -12,6 +12,7 @@ use tokosen::tuning::Tuning;
 use tokosen::{GridSpec, Input, Options};
 
 use super::break_lines::BreakLineArgs;
+use super::drain::DrainArgs;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::memory;
@@ -32,6 +33,8 @@ pub struct SurfaceArgs {
     pub streams: StreamArgs,
     #[command(flatten)]
     pub break_lines: BreakLineArgs,
+    #[command(flatten)]
+    pub drain: DrainArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
     #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true, hide_short_help = true)]
     pub resolution: f64,
@@ -101,7 +104,7 @@ impl KindArg {
 impl SurfaceArgs {
     /// The files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let lines = self.streams.files().chain(self.break_lines.files());
+        let lines = self.streams.files().chain(self.break_lines.files()).chain(self.drain.files());
         self.frame.file().into_iter().chain(self.water.file()).chain(lines)
     }
 
@@ -132,6 +135,7 @@ impl SurfaceArgs {
             (self.noise.is_some(), "--noise"),
             (!self.tune.is_empty(), "--tune"),
         ])
+        .or_else(|| first_given(self.drain.flags()))
     }
 
     /// The first flag that is given and has no meaning for this kind of surface.
@@ -144,6 +148,7 @@ impl SurfaceArgs {
             (self.tension.is_some() && !is_smooth, "--tension"),
             (self.noise.is_some() && !is_smooth, "--noise"),
         ])
+        .or_else(|| first_given(self.drain.flags().map(|(is_given, flag)| (is_given && !is_smooth, flag))))
     }
 
     /// Refuses flags that have no meaning for this kind of surface.
@@ -157,12 +162,13 @@ impl SurfaceArgs {
         }
     }
 
-    /// Adds the frame, the lakes, the streams and the break lines to an input; reads their files if there are any.
+    /// Adds the frame, the lakes, the streams, the break lines and the sinks to an input; reads their files if there are any.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         self.frame.add_to(input)?;
         self.water.add_to(input)?;
         self.streams.add_to(input)?;
-        self.break_lines.add_to(input)
+        self.break_lines.add_to(input)?;
+        self.drain.add_to(input)
     }
 
     /// The library's options, for a height map on a grid if there is one.
@@ -180,6 +186,7 @@ impl SurfaceArgs {
             noise: self.noise,
             sea: self.water.sea_in_metres(unit),
             stream_tolerance: self.streams.stream_tolerance,
+            drain: self.drain.drain.drain(),
             grid: grid.cloned(),
             triangles,
             memory: memory::available(),

@@ -30,6 +30,7 @@ pages! {
     water = "water.md",
     streams = "streams.md",
     break_lines = "break_lines.md",
+    pits = "pits.md",
     pictures = "pictures.md",
     formats = "formats.md",
     options = "options.md",

@@ -28,6 +28,7 @@ pub mod mesh;
 mod paths;
 pub mod raster;
 mod shapefile;
+mod sinks;
 mod staged;
 mod table;
 mod text;
@@ -43,6 +44,7 @@ use crate::base::error::{Error, Report, Result};
 use crate::contour::{CliffLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, FromWorking};
+use crate::drain::Sink;
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
 use layer::{Layer, ReprojectedShapes};
@@ -179,6 +181,19 @@ pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Ve
     let mut table = read_table(path, options, Purpose::BreakLines)?;
     let crs = table.crs.take();
     let Report { value, findings } = lines::break_lines(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads places where water may stay: points and polygons. Also gives the coordinate reference system if the file names
+/// one. Polygons that overlap or share an edge are united and get the number of the first feature. What cannot be a sink is
+/// a finding.
+///
+/// # Errors
+/// As [`read_area`], and if the file has neither points nor polygons.
+pub fn read_sinks(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Sink>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Sinks)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = sinks::sinks(path, table)?;
     Ok(Report { value: (value, crs), findings })
 }
 

@@ -41,6 +41,8 @@ pub(super) enum Purpose {
     Streams,
     /// Break lines, with their heights and their kind.
     BreakLines,
+    /// Points and polygons where water may stay.
+    Sinks,
 }
 
 /// An attribute of the features.
@@ -178,7 +180,10 @@ impl Table {
             wants_marks: request.purpose == Purpose::Contours,
             wants_kinds: request.purpose == Purpose::BreakLines,
             wants_sigmas: request.purpose == Purpose::Spots,
-            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water | Purpose::Streams),
+            wants_polygons: matches!(
+                request.purpose,
+                Purpose::Area | Purpose::Water | Purpose::Streams | Purpose::Sinks
+            ),
             ..Self::default()
         }
     }

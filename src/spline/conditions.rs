@@ -9,6 +9,7 @@ use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
 use crate::base::{Grid, KnownLine, Sure};
 use crate::contour::SoftSpot;
+use crate::drain::{Drain, Placed, Sink, mark_sinks};
 use crate::streams::Stream;
 use crate::tuning::SplineTuning;
 
@@ -43,6 +44,29 @@ pub struct Conditions<'a> {
     pub known: Vec<KnownLine<'a>>,
     /// Streams: the surface falls along them.
     pub streams: &'a [Stream],
+    /// What happens to pits.
+    pub drainage: Drainage<'a>,
+}
+
+/// What happens to pits of the smooth surface.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Drainage<'a> {
+    /// Which pits get a way out. The solution treats [`Drain::All`] as [`Drain::Safe`].
+    pub drain: Drain,
+    /// Where water may stay, map coordinates.
+    pub sinks: &'a [Sink],
+}
+
+impl Drainage<'_> {
+    /// Whether nodes lie in sinks, for pits as the heights have them now. Empty without sinks.
+    pub(super) fn given(&self, grid: &Grid, heights: &[f32]) -> Vec<bool> {
+        if self.sinks.is_empty() {
+            return Vec::new();
+        }
+        let mut given = vec![false; heights.len()];
+        mark_sinks(heights, &Placed { grid, to_sinks: &Some, from_sinks: &Some }, self.sinks, &mut given);
+        given
+    }
 }
 
 impl Conditions<'_> {

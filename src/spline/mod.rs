@@ -47,7 +47,7 @@ mod wide;
 mod working_grid;
 
 pub(crate) use blur::blurred;
-pub(crate) use conditions::Conditions;
+pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;
 pub(crate) use grid::{bytes_on, working_grid};
 pub(crate) use lattice::Lattice;

@@ -8,7 +8,7 @@ use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
 use super::lattice::{Crossing, Lattice};
 use super::params::HyperParameters;
-use super::pits::{Limits, breach};
+use super::pits::Limits;
 use super::shelves::shelves;
 use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
@@ -60,6 +60,8 @@ pub fn spline(
         interval,
         spacing: *spacing,
         hollows,
+        drainage: conditions.drainage,
+        grid,
         tuning,
     };
     let mut surveyed = conditions.surveyed();
@@ -106,7 +108,7 @@ pub fn spline(
     }
     let limits = Limits { lo, depth: interval as f32 };
     if conditions.streams.is_empty() {
-        breach(&mut heights, &lattice, &limits, |n| hollows[n]);
+        problem.breach(&mut heights, &limits);
         progress.finish();
         return (WorkingGrid { grid: *grid, heights }, Vec::new());
     }
@@ -125,7 +127,7 @@ pub fn spline(
     }
     // Each of the two may undo a little of what the other has done.
     for _ in 0..STREAM_ROUNDS {
-        breach(heights, &lattice, &limits, |n| hollows[n]);
+        problem.breach(heights, &limits);
         fall_along(&streams, grid, heights, bounds);
     }
     progress.finish();

@@ -6,15 +6,17 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::cliffs::Walls;
-use super::conditions::line_crossings;
+use super::conditions::{Drainage, line_crossings};
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::fold::{Fold, Folds};
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
 use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
+use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, Sure};
+use crate::drain::Drain;
 use crate::tuning::SplineTuning;
 
 /// Name of this step in reports of progress.
@@ -55,8 +57,12 @@ pub struct Problem<'a> {
     pub interval: f64,
     /// Mean spacing of neighbouring contours, map units.
     pub spacing: f64,
-    /// Nodes where water may stay.
+    /// Nodes where water may stay, because the contours show a hollow.
     pub hollows: &'a [bool],
+    /// What happens to pits elsewhere.
+    pub drainage: Drainage<'a>,
+    /// The grid whose cells have their centres at the nodes.
+    pub grid: &'a Grid,
     /// The tuned numbers.
     pub tuning: &'a SplineTuning,
 }
@@ -66,6 +72,16 @@ impl Problem<'_> {
     fn mean_level(&self) -> f64 {
         let levels = self.contours.iter().map(|c| c.0);
         levels.sum::<f64>() / self.contours.len().max(1) as f64
+    }
+
+    /// Breaches pits where no contour speaks for them and no sink is given, if pits are to be drained at all.
+    pub(super) fn breach(&self, heights: &mut [f32], limits: &Limits<'_>) {
+        if self.drainage.drain == Drain::None {
+            return;
+        }
+        let given = self.drainage.given(self.grid, heights);
+        let stays = |n: usize| self.hollows[n] || given.get(n).is_some_and(|given| *given);
+        breach(heights, &self.lattice, limits, stays);
     }
 }
 
@@ -217,7 +233,7 @@ impl Stage<'_> {
         let mut after: Vec<f32> =
             z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
         let limits = Limits { lo, depth: problem.interval as f32 };
-        breach(&mut after, &self.lattice, &limits, |n| problem.hollows[n]);
+        problem.breach(&mut after, &limits);
         let cut = after.par_iter().zip(z).zip(lo.par_iter().zip(hi));
         cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
     }
@@ -423,6 +439,8 @@ mod tests {
                 interval: 10.0,
                 spacing,
                 hollows: &hollows,
+                drainage: Drainage::default(),
+                grid: &Grid { corner: DVec2::new(-0.5, 0.5), cell: DVec2::ONE, cols, rows },
                 tuning: &tuning,
             };
             solve(&problem, &())

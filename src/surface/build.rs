@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::conditions;
+use super::drained::{Wanted, drain_working};
 use super::given_lines::{GivenLines, known, settle_lines};
 use super::known_lines::give_heights;
 use super::nodes::with_nodes;
@@ -19,7 +20,7 @@ use crate::contour::{ContourMap, SoftSpot};
 use crate::creases::{Bend, Crease};
 use crate::dem::locate;
 use crate::skeleton::{Axis, Skeleton};
-use crate::spline::{self, Conditions, Fold, bytes_on, spline, working_grid};
+use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
@@ -48,6 +49,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         || triangulated(prepared, params, progress),
     );
     let Triangulated { mut subdivision, closures, mut streams, mut creases, finer, mut findings } = found?;
+    let mut sinks = params.sinks.clone();
     // That choice took all labels as correct. Only the triangulation shows which are wrong.
     let trusted = subdivision.trusted();
     let chosen = match &trusted {
@@ -73,6 +75,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             soft_spots: &soft_spots,
             cliffs: &params.cliffs,
             cliff_reach: tuning.cliffs.free * subdivision.extent().spacing,
+            drainage: Drainage { drain: params.drain, sinks: &params.sinks },
             streams: &streams,
             known: known(&streams, &creases).collect(),
             ..conditions(&subdivision, &break_lines, &grid, &triangles)
@@ -89,7 +92,18 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         }));
         conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
         progress.finish();
-        let (working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+        let (mut working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+        let wanted = Wanted {
+            drain: params.drain,
+            sinks: std::mem::take(&mut sinks),
+            bounds: &conditions.bounds,
+            regions: &subdivision.regions,
+            triangles: &triangles,
+            interval: interval.step,
+        };
+        let drained = drain_working(&mut working, wanted);
+        sinks = drained.0;
+        findings.extend(drained.1);
         drop(conditions);
         streams = followed;
         creases.iter_mut().for_each(|crease| crease.follow(|p| f64::from(working.at(p))));
@@ -119,6 +133,8 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         break_lines,
         streams,
         creases,
+        drain: params.drain,
+        sinks,
         frame,
         interval,
         working,

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::contour::{ContourMap, Interval};
 use crate::creases::Crease;
+use crate::drain::{Drain, Sink};
 use crate::skeleton::BreakLine;
 use crate::spline::WorkingGrid;
 use crate::streams::Stream;
@@ -29,6 +30,10 @@ pub struct Surface {
     pub streams: Vec<Stream>,
     /// The given break lines as they are used.
     pub creases: Vec<Crease>,
+    /// Which pits get a way out in height maps.
+    pub drain: Drain,
+    /// Where water may stay. A point is the deepest place of its pit.
+    pub sinks: Vec<Sink>,
     /// The outline of the frame.
     pub frame: FrameRing,
     /// The contour interval of the input.

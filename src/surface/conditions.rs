@@ -7,9 +7,9 @@ use crate::base::Grid;
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
-use crate::spline::{Conditions, Fold, Lattice};
+use crate::spline::{Conditions, Drainage, Fold, Lattice};
 use crate::subdivision::Subdivision;
-use crate::subdomains::{Side, line_at, line_starts, local_bands};
+use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
 use crate::tin::NONE;
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
@@ -35,7 +35,7 @@ pub(crate) fn conditions<'a>(
             (lo[node], hi[node]) = (level as f32, level as f32);
         }
     }
-    let is_hollow = is_hollow(subdivision);
+    let is_hollow = is_hollow(&subdivision.regions);
     let hollows: Vec<bool> = triangles
         .par_iter()
         .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
@@ -57,6 +57,7 @@ pub(crate) fn conditions<'a>(
         cliff_reach: 0.0,
         known: Vec::new(),
         streams: &[],
+        drainage: Drainage::default(),
     }
 }
 
@@ -72,7 +73,6 @@ pub(crate) fn on_contours<'a>(map: &'a ContourMap, grid: &Grid) -> impl Iterator
 
 /// For each sub-domain: whether the ground lies, or may lie, in a hollow inside contours. This is so if all its levels
 /// are above it.
-fn is_hollow(subdivision: &Subdivision) -> Vec<bool> {
-    let regions = &subdivision.regions.regions;
-    regions.iter().map(|r| r.levels.iter().all(|(_, side)| *side == Side::Below)).collect()
+pub(crate) fn is_hollow(regions: &Regions) -> Vec<bool> {
+    regions.regions.iter().map(|r| r.levels.iter().all(|(_, side)| *side == Side::Below)).collect()
 }

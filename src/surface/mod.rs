@@ -9,6 +9,7 @@
 mod build;
 mod built;
 mod conditions;
+mod drained;
 mod errors;
 mod given_lines;
 mod known_lines;
@@ -22,6 +23,8 @@ mod trial_builder;
 
 pub use build::build;
 pub use built::Surface;
+pub use drained::working_pits;
+pub(crate) use drained::{InOther, drain_heights, pits_of};
 pub use errors::{standard_errors, standard_errors_on};
 pub(crate) use given_lines::settle_lines;
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};

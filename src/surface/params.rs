@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::base::error::{Error, Result};
 use crate::creases::CreaseLine;
+use crate::drain::{Drain, Sink};
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -72,6 +73,10 @@ pub struct SurfaceParams {
     pub cliffs: Vec<Vec<DVec2>>,
     /// Break lines. Not for [`SurfaceKind::Linear`].
     pub creases: Vec<CreaseLine>,
+    /// Which pits get a way out. Only for [`SurfaceKind::Spline`].
+    pub drain: Drain,
+    /// Where water may stay. Only for [`SurfaceKind::Spline`].
+    pub sinks: Vec<Sink>,
     /// Parameters of the smooth surface. Only for [`SurfaceKind::Spline`].
     pub spline: SplineParams,
     /// Which triangles are needed. Only for [`SurfaceKind::Spline`].
@@ -94,6 +99,8 @@ impl Default for SurfaceParams {
             streams: Streams::default(),
             cliffs: Vec::new(),
             creases: Vec::new(),
+            drain: Drain::default(),
+            sinks: Vec::new(),
             spline: SplineParams::default(),
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),

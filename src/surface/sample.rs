@@ -74,12 +74,11 @@ pub fn heights_on(
             let mut near = start_of_row;
             for (col, value) in row.iter_mut().enumerate() {
                 let Some(p) = to_surface(grid.center(col, band * BAND_ROWS + k)) else { continue };
-                let found = tin.walk(near, p - tin.origin);
-                near = found.unwrap_or_else(|left| left);
+                let found = triangle_at(surface, &mut near, p);
                 if col == 0 {
                     start_of_row = near;
                 }
-                if let Some(t) = found.ok().and_then(|t| with_height(tin, t, p - tin.origin)) {
+                if let Some(t) = found {
                     *value = height_in(surface, t, p);
                 }
             }
@@ -88,6 +87,15 @@ pub fn heights_on(
     });
     progress.finish();
     values
+}
+
+/// The triangle at a position, if there are heights. The search starts at the triangle `near`, which becomes the last one
+/// that it came to.
+pub(crate) fn triangle_at(surface: &Surface, near: &mut u32, p: DVec2) -> Option<u32> {
+    let tin = &surface.tin;
+    let found = tin.walk(*near, p - tin.origin);
+    *near = found.unwrap_or_else(|left| left);
+    found.ok().and_then(|t| with_height(tin, t, p - tin.origin))
 }
 
 /// Triangle `t` if it is inside the frame and has heights. Otherwise a neighbour that is, if the place lies on their

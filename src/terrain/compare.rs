@@ -15,7 +15,7 @@ use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Transform};
 use crate::dem::compare::{height_at, heights_between};
 use crate::dem::{Dem, looks_like_degrees};
-use crate::surface::{Surface, SurfaceKind, heights, heights_on};
+use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
 
 /// One side of a comparison.
 #[derive(Debug)]
@@ -226,6 +226,11 @@ impl Side {
             Kind::Surface(surface) => heights_on(surface, grid, &to_side, progress),
         };
         let mut dem = Dem { grid: *grid, values, crs: crs.cloned() };
+        if let Kind::Surface(surface) = &self.kind {
+            let from_side = |p: DVec2| way.as_ref().map_or(Some(p), |way| way.inverse(p));
+            let other = InOther { to_surface: &to_side, from_surface: &from_side };
+            drain_heights(surface, &mut dem, way.is_some().then_some(other));
+        }
         if let Some(area) = &self.part {
             mask(&mut dem, area, &to_side);
         }

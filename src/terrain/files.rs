@@ -18,7 +18,7 @@ use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{
     ReadOptions, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_contours, read_excluded,
-    read_spot_heights, read_streams, read_water,
+    read_sinks, read_spot_heights, read_streams, read_water,
 };
 
 impl Input {
@@ -165,6 +165,16 @@ impl Input {
             });
         }
         self.set_base(dem, path)
+    }
+
+    /// Reads places where water may stay from a file, points and polygons, and adds them.
+    ///
+    /// # Errors
+    /// As [`read_sinks`] and [`Input::add_sinks`]; the error names the file.
+    pub fn read_sinks(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (sinks, crs) = read_sinks(path, &self.reading(source))?.collect(&mut self.findings);
+        self.add_sinks(sinks, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Reads polygons from a file and leaves out the contours and spot heights inside them.

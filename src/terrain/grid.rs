@@ -11,9 +11,12 @@ use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::Dem;
+use crate::drain::Pit;
 use crate::spline::Wanted;
 use crate::subdomains::FrameRing;
-use crate::surface::{Surface, heights, heights_on, standard_errors, standard_errors_on};
+use crate::surface::{
+    InOther, Surface, drain_heights, heights, heights_on, pits_of, standard_errors, standard_errors_on,
+};
 
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]
@@ -211,13 +214,26 @@ impl Cells {
     /// The heights of a surface at the centres of the cells over some ground.
     pub fn heights(&self, surface: &Surface, ground: &FrameRing, progress: &dyn Progress) -> Result<Dem> {
         let grid = self.grid(ground)?;
-        Ok(match &self.apart {
+        let mut dem = match &self.apart {
             Some(Apart { crs, way }) => {
                 let values = heights_on(surface, &grid, &|p| way.forward(p), progress);
                 Dem { grid, values, crs: Some(crs.clone()) }
             }
             None => heights(surface, &grid, progress),
-        })
+        };
+        self.in_other(|other| drain_heights(surface, &mut dem, other));
+        Ok(dem)
+    }
+
+    /// The pits of a height map of these cells, on the working plane.
+    pub fn pits(&self, surface: &Surface, dem: &Dem) -> Vec<Pit> {
+        self.in_other(|other| pits_of(surface, dem, other))
+    }
+
+    /// Calls `work` with the conversion between the cells' system and the working one, if they differ.
+    fn in_other<T>(&self, work: impl FnOnce(Option<InOther<'_>>) -> T) -> T {
+        let Some(Apart { way, .. }) = &self.apart else { return work(None) };
+        work(Some(InOther { to_surface: &|p| way.forward(p), from_surface: &|p| way.inverse(p) }))
     }
 
     /// The place of a centre of a cell on the working plane, if it has one.

@@ -9,6 +9,7 @@ use crate::base::error::{Error, Report, Result};
 use crate::base::progress::Progress;
 use crate::crs::Crs;
 use crate::dem::Dem;
+use crate::drain::Pit;
 use crate::subdomains::FrameRing;
 
 /// A height map, and what is known about its heights.
@@ -90,6 +91,14 @@ impl Terrain {
             known.filter(|(_, height)| height.is_nan()).for_each(|(error, _)| *error = f32::NAN);
         }
         Ok(Report { value: HeightMap { dem, errors, base: Some(value) }, findings })
+    }
+
+    /// The pits of a height map that [`Terrain::dem`] gave, with the reasons why they stay.
+    ///
+    /// # Errors
+    /// As [`Terrain::height_map`].
+    pub fn pits_of(&self, dem: &Dem, grid: &GridSpec) -> Result<Vec<Pit>> {
+        Ok(grid.over(&self.reprojection)?.pits(&self.surface, dem))
     }
 
     /// The cells that a specification gives over this terrain, and the coordinate reference system that they are in.

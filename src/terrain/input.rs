@@ -20,6 +20,7 @@ use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
+use crate::drain::{Sink, SinkShape};
 use crate::resample::{Fitted, Sampled};
 use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
@@ -67,6 +68,8 @@ pub struct Input {
     pub creases: Vec<CreaseLine>,
     /// Cliffs, on the working plane.
     pub cliffs: Vec<Vec<DVec2>>,
+    /// Places where water may stay, on the working plane.
+    pub sinks: Vec<Sink>,
     /// Figures of the fit, if the lines were fitted; its map is empty.
     pub fitted: Option<Fitted>,
     /// Figures of the sampling, if the lines were sampled; its map is empty.
@@ -287,6 +290,32 @@ impl Input {
                     let message = format!("break line {feature} is left out: {error}");
                     let finding = Finding::general(FindingKind::BreakLineLeftOut, message);
                     self.findings.push(finding.of_feature(*feature));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds places where water may stay: the surface keeps their pits. They are in the contours' coordinate reference system
+    /// if `crs` is `None`.
+    ///
+    /// A sink that has no place on the working plane is left out, with a finding.
+    ///
+    /// # Errors
+    /// If their system cannot be converted to the working one.
+    pub fn add_sinks(&mut self, sinks: impl IntoIterator<Item = Sink>, crs: Option<&Crs>) -> Result<()> {
+        let to_working = self.reprojection.bring(crs)?;
+        for sink in sinks {
+            let shape = match &sink.shape {
+                SinkShape::Point(p) => to_working.point(p.extend(0.0)).map(|p| SinkShape::Point(p.truncate())),
+                SinkShape::Area(area) => to_working.boundary(area).map(SinkShape::Area),
+            };
+            match shape {
+                Ok(shape) => self.sinks.push(Sink { shape, ..sink }),
+                Err(error) => {
+                    let message = format!("the sink of feature {} is left out: {error}", sink.feature);
+                    let finding = Finding::general(FindingKind::SinkOutside, message);
+                    self.findings.push(finding.of_feature(sink.feature));
                 }
             }
         }

@@ -5,6 +5,7 @@ use super::input::Input;
 use super::prepare::Preparation;
 use crate::base::error::{Error, Result};
 use crate::crs::Reprojection;
+use crate::drain::Drain;
 use crate::spline::SplineParams;
 use crate::streams::Streams;
 use crate::subdivision::Water;
@@ -33,6 +34,8 @@ pub struct Options {
     /// Distance from the surface at which a twentieth of its difference from the base is left, map units. If `None`: a
     /// multiple of the mean spacing of the contours. With 0 the base is not changed. See [`Input::set_base`].
     pub base_fade: Option<f64>,
+    /// Which pits get a way out. Sinks are given by [`Input::add_sinks`].
+    pub drain: Drain,
     /// The cells of the height map that will be asked for. If possible, the smooth surface has its nodes at their
     /// centres.
     pub grid: Option<GridSpec>,
@@ -57,6 +60,7 @@ impl Default for Options {
             sea: None,
             stream_tolerance: None,
             base_fade: None,
+            drain: Drain::default(),
             grid: None,
             triangles: Triangles::default(),
             uncertainty: Uncertainty::default(),
@@ -94,6 +98,8 @@ impl Options {
                 areas: std::mem::take(&mut input.river_areas),
                 tolerance: self.stream_tolerance,
             },
+            drain: self.drain,
+            sinks: std::mem::take(&mut input.sinks),
             spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
             triangles: self.triangles,
             uncertainty: self.uncertainty,

@@ -10,6 +10,7 @@ mod compare;
 mod contour;
 mod coordinates;
 mod derive;
+mod drain;
 mod everyday;
 mod exclude;
 mod existing_outputs;

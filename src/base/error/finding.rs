@@ -185,6 +185,12 @@ kinds! {
     BaseApart = "base-apart", Warning, "bases apart from the surface";
     /// The base lies above or below the surface by more than the contours allow.
     BaseDiffers = "base-differs", Warning, "bases that do not fit the surface";
+    /// A sink holds no pit, or is no place; it has no effect.
+    SinkWithoutPit = "sink-without-pit", Note, "sinks without a pit";
+    /// A sink lies outside the frame.
+    SinkOutside = "sink-outside", Note, "sinks outside the frame";
+    /// Ground inside contours that are all higher was drained, as asked for.
+    HollowDrained = "hollow-drained", Note, "hollows inside contours drained";
     /// A raster has more than one band; the first was taken.
     OtherBands = "other-bands", Note, "raster bands left out";
     /// Cells of a raster hold values that are not heights. They count as cells without data.

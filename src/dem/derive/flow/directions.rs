@@ -1,17 +1,12 @@
 //! The neighbour that each cell drains to, by a flood from the outlets.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use glam::DVec2;
 
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::dem::{Dem, GroundScale};
-
-/// The neighbours of a cell as steps of columns and rows, from the east clockwise. Neighbour `k` has the code `1 << k`.
-const STEPS: [(isize, isize); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+use crate::drain::{Flood, STEPS, neighbours, sortable, unsorted};
 
 /// The neighbour of an outlet.
 const OUTLET: u8 = 8;
@@ -25,7 +20,7 @@ const UNREACHED: u8 = 10;
 pub struct FlowDirections {
     grid: Grid,
     crs: Option<Crs>,
-    /// Index of the neighbour in [`STEPS`], or [`OUTLET`] or [`NO_DATA`].
+    /// Index `k` of the neighbour in [`STEPS`], with the code `1 << k`; or [`OUTLET`] or [`NO_DATA`].
     towards: Vec<u8>,
 }
 
@@ -100,12 +95,15 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale) -> Result<FlowDirections>
 
     let mut towards: Vec<u8> = dem.values.iter().map(|h| if h.is_finite() { UNREACHED } else { NO_DATA }).collect();
     let mut is_taken = vec![false; dem.values.len()];
-    let mut flood = Flood::default();
+    // The flooded height and the height of the ground as one key.
+    let key = |height: f32, level: f32| u64::from(sortable(height.max(level))) << 32 | u64::from(sortable(height));
+    let mut flood = Flood::new();
     for cell in (0..dem.values.len()).filter(|&cell| has_data(cell) && is_outlet(cell)) {
         towards[cell] = OUTLET;
-        flood.push(cell, dem.values[cell], f32::NEG_INFINITY);
+        flood.push(cell, key(dem.values[cell], f32::NEG_INFINITY));
     }
-    while let Some((cell, level)) = flood.pop() {
+    while let Some((cell, flooded)) = flood.pop() {
+        let level = unsorted((flooded >> 32) as u32);
         is_taken[cell] = true;
         let height = dem.values[cell];
         let DVec2 { x, y } = size * scale.row(cell / cols);
@@ -115,7 +113,7 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale) -> Result<FlowDirections>
         for (k, near) in neighbours(cell).flatten() {
             if towards[near] == UNREACHED {
                 towards[near] = ((k + 4) % 8) as u8;
-                flood.push(near, dem.values[near], level);
+                flood.push(near, key(dem.values[near], level));
             } else if is_taken[near] {
                 let (col, row) = STEPS[k];
                 let distance = if row == 0 { distances[2] } else { distances[col.unsigned_abs()] };
@@ -127,50 +125,4 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale) -> Result<FlowDirections>
         }
     }
     Ok(FlowDirections { grid: dem.grid, crs: dem.crs.clone(), towards })
-}
-
-/// The neighbours of a cell with their index in [`STEPS`]; `None` beyond the border.
-fn neighbours(cell: usize, cols: usize, rows: usize) -> impl Iterator<Item = Option<(usize, usize)>> {
-    let (col, row) = (cell % cols, cell / cols);
-    STEPS.iter().enumerate().map(move |(k, step)| {
-        let col = col.checked_add_signed(step.0).filter(|col| *col < cols)?;
-        let row = row.checked_add_signed(step.1).filter(|row| *row < rows)?;
-        Some((k, row * cols + col))
-    })
-}
-
-/// The cells at the flood's edge, the next one first.
-#[derive(Default)]
-struct Flood {
-    /// Flooded height and height of the ground as one sortable number, then the cell's turn, then the cell. Cells of one
-    /// height are taken in turn, so that level ground is flooded evenly from its edge.
-    edge: BinaryHeap<Reverse<(u64, u32, u32)>>,
-    turn: u32,
-}
-
-impl Flood {
-    /// Adds a cell that the flood reaches from a neighbour, which was flooded to `level`.
-    fn push(&mut self, cell: usize, height: f32, level: f32) {
-        let key = u64::from(sortable(height.max(level))) << 32 | u64::from(sortable(height));
-        // There are no more cells than 32 bits count, and each is added once.
-        self.edge.push(Reverse((key, self.turn, cell as u32)));
-        self.turn += 1;
-    }
-
-    /// The next cell, and the height to which it is flooded.
-    fn pop(&mut self) -> Option<(usize, f32)> {
-        let Reverse((key, _, cell)) = self.edge.pop()?;
-        Some((cell as usize, unsorted((key >> 32) as u32)))
-    }
-}
-
-/// A number with the order of a height. Both zeros have the same.
-fn sortable(height: f32) -> u32 {
-    let bits = (height + 0.0).to_bits();
-    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
-}
-
-/// The height of a sortable number.
-fn unsorted(number: u32) -> f32 {
-    f32::from_bits(if number >> 31 == 1 { number & !(1 << 31) } else { !number })
 }
