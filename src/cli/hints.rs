@@ -54,7 +54,7 @@ pub fn for_kind_of(finding: &Finding) -> Option<String> {
     match finding.kind {
         FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours".into()),
         FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level".into()),
-        FindingKind::StreamCut => {
+        FindingKind::StreamBeside | FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())
         }
         FindingKind::BaseDiffers => {

@@ -9,7 +9,7 @@ use super::follow::follow;
 use super::line::{Stream, StreamLine, Streams};
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
-use super::shift::{moved, shifts};
+use super::shift::{beside, moved, shifts};
 use crate::base::Sure;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::ContourMap;
@@ -60,6 +60,9 @@ pub(crate) fn settle(
     let before = self::courses(&ground, &turned, |r| (!back[r]).then(|| courses[r].clone()));
     let each = turned.par_iter().zip(&before);
     let shifts: Vec<_> = each.map(|(r, course)| shifts(&ground, &r.points, course, tolerance, tuning)).collect();
+    let each = turned.par_iter().zip(&before).zip(&shifts);
+    let beside: Vec<Option<f64>> =
+        each.map(|((r, course), shifts)| beside(&ground, &r.points, course, (tolerance, shifts), tuning)).collect();
     let reaches = moved(&turned, nodes, &shifts);
     let courses =
         self::courses(&ground, &reaches, |r| (reaches[r].points == turned[r].points).then(|| before[r].clone()));
@@ -92,7 +95,14 @@ pub(crate) fn settle(
     }
     guess_ends(&ground, &mut edges);
     let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
-    let used = UsedLines { lines: &lines, reaches: &reaches, courses: &courses, back: &back, shift_of: &shift_of };
+    let used = UsedLines {
+        lines: &lines,
+        reaches: &reaches,
+        courses: &courses,
+        back: &back,
+        shift_of: &shift_of,
+        beside: &beside,
+    };
     findings.extend(used.findings(&reach_of, &left_out, tin.origin));
     let mut stream = |e: usize| {
         let (vertices, r) = (&edges[e].piece.vertices, reach_of[e]);
@@ -216,6 +226,8 @@ struct UsedLines<'a> {
     /// By reach: whether it was turned, and how far it was moved.
     back: &'a [bool],
     shift_of: &'a [f64],
+    /// By reach: how far it runs beside the bends of contours.
+    beside: &'a [Option<f64>],
 }
 
 /// What was made of one line.
@@ -230,6 +242,10 @@ struct LineState {
     /// The largest shift, and where it is.
     shift: f64,
     moved: DVec2,
+    /// Length beside the bends of contours, the largest distance from them, and where it is.
+    beside: f64,
+    off: f64,
+    aside: DVec2,
 }
 
 impl UsedLines<'_> {
@@ -242,6 +258,12 @@ impl UsedLines<'_> {
             *(if self.back[r] { &mut line.turned } else { &mut line.kept }) += reach.length();
             let outside = self.courses[r].stretches.iter().filter(|s| s.region == NONE);
             line.outside += outside.map(|s| s.to - s.from).sum::<f64>();
+            if let Some(off) = self.beside[r] {
+                line.beside += reach.length();
+                if off > line.off {
+                    (line.off, line.aside) = (off, reach.points[reach.points.len() / 2]);
+                }
+            }
             if self.shift_of[r] > line.shift {
                 (line.shift, line.moved) = (self.shift_of[r], reach.points[reach.points.len() / 2]);
             }
@@ -264,6 +286,13 @@ impl UsedLines<'_> {
             }
             if state.used > 0 && state.turned > state.kept {
                 note(FindingKind::StreamTurned, start, "the stream is drawn upstream; it is turned".into());
+            }
+            if state.used > 0 && 2.0 * state.beside > state.turned + state.kept {
+                let message = format!(
+                    "the stream runs about {:.1} map units beside the bends of contours, more than it may be moved",
+                    state.off
+                );
+                note(FindingKind::StreamBeside, state.aside, message);
             }
             if state.used > 0 && state.shift > 0.0 {
                 let message =

@@ -61,6 +61,26 @@ pub(super) fn shifts(
     crossings.iter().zip(chosen).map(shift).collect()
 }
 
+/// How far a reach runs beside the tips of the contours that it crosses, map units; none where it runs in them, or where
+/// there are no tips. `shifts` are those that the tolerance allows.
+pub(super) fn beside(
+    ground: &Ground<'_>,
+    points: &[DVec2],
+    course: &Course,
+    (tolerance, shifts): (f64, &[Shift]),
+    tuning: &StreamTuning,
+) -> Option<f64> {
+    // Most streams run in their valleys. The wider search is for the others.
+    let stays = shifts.iter().filter(|shift| shift.by == DVec2::ZERO).count();
+    if tolerance <= 0.0 || shifts.len() < 2 || 2 * stays <= shifts.len() {
+        return None;
+    }
+    let wide = self::shifts(ground, points, course, tuning.beside_reach * tolerance, tuning);
+    let mut off: Vec<f64> = wide.iter().map(|shift| shift.by.length()).filter(|by| *by > tolerance).collect();
+    off.sort_unstable_by(f64::total_cmp);
+    (2 * off.len() > wide.len()).then(|| off[off.len() / 2])
+}
+
 /// A place that a crossing may move to.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {

@@ -20,6 +20,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         sure_reach: f64 = 4.0,
+        /// How far beside its valley a stream is looked for, in tolerances.
+        beside_reach: f64 = 6.0,
         /// A bend of a contour whose arms run downstream at least this far has a tip, in tolerances.
         least_tip: f64 = 0.1,
         /// From this depth on, all tips count the same, in tolerances.

@@ -161,6 +161,8 @@ kinds! {
     StreamTurned = "stream-turned", Note, "streams drawn upstream";
     /// A stream was moved to agree with the contours.
     StreamMoved = "stream-moved", Note, "streams moved into the bends of contours";
+    /// A stream crosses the contours beside their bends, further away than it may be moved. It is used where it is.
+    StreamBeside = "stream-beside", Warning, "streams beside their valleys";
     /// A stream runs upwards across a contour. The part that does was left out.
     StreamCut = "stream-cut", Warning, "streams that run upwards across contours";
     /// A stream, or a piece of it, is no line along which water runs: a point, a loop, a copy. It was left out.
@@ -207,6 +209,7 @@ impl FindingKind {
         matches!(
             self,
             Self::StreamCut
+                | Self::StreamBeside
                 | Self::StreamMoved
                 | Self::LakeCutBack
                 | Self::LakeLeftOut
