@@ -117,14 +117,8 @@ pub fn spline(
     follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     let heights = &mut working.heights;
     let bounds = |n: usize| [lo[n], hi[n]];
-    let before = heights.clone();
     raise_to(&streams, grid, heights, bounds);
     fall_along(&streams, grid, heights, bounds);
-    let reach: f64 = std::env::var("EASE").ok().and_then(|v| v.parse().ok()).unwrap_or(0.0);
-    if reach > 0.0 {
-        crate::streams::ease(&before, heights, grid, reach * *spacing, bounds);
-        fall_along(&streams, grid, heights, bounds);
-    }
     // Each of the two may undo a little of what the other has done.
     for _ in 0..STREAM_ROUNDS {
         problem.breach(heights, &limits);

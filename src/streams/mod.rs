@@ -23,7 +23,6 @@ mod along;
 mod areas;
 mod descend;
 mod direction;
-mod ease;
 mod fall;
 mod follow;
 mod line;
@@ -33,7 +32,6 @@ mod settle;
 mod shift;
 
 pub(crate) use areas::banks;
-pub(crate) use ease::ease;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
 pub use line::{RiverArea, Stream, StreamLine, Streams};

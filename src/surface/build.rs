@@ -80,16 +80,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             known: known(&streams, &creases).collect(),
             ..conditions(&subdivision, &break_lines, &grid, &triangles)
         };
-        conditions.creases.extend(streams.iter().map(|stream| {
-            (
-                match std::env::var("FOLD").as_deref() {
-                    Ok("valley") => Fold::Valley,
-                    Ok("given") => Fold::Given,
-                    _ => Fold::Found,
-                },
-                stream.known().course(),
-            )
-        }));
+        conditions.creases.extend(streams.iter().map(|stream| (Fold::Found, stream.known().course())));
         conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
         progress.finish();
         let (mut working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
