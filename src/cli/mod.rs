@@ -3,6 +3,7 @@
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
 mod check;
+mod coast;
 mod compare;
 mod console;
 mod contour;

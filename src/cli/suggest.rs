@@ -4,7 +4,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
 
 /// Flags of other programs, and the flag here.
-const KNOWN: [(&str, &[&str]); 16] = [
+const KNOWN: [(&str, &[&str]); 17] = [
     ("--extent", &["bbox", "te", "spat", "projwin", "bounds", "box", "region", "aoi", "projwin_srs", "window"]),
     ("--clip", &["cutline", "mask", "clipsrc", "clip-to", "polygon"]),
     ("--frame", &["boundary", "border", "hull"]),
@@ -14,6 +14,7 @@ const KNOWN: [(&str, &[&str]); 16] = [
     ("--elevation-field", &["field", "attribute", "attr", "zfield", "z-field", "height-field", "elev", "elev-field"]),
     ("--water", &["lakes", "lake", "waterbodies", "hydro"]),
     ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
+    ("--coast", &["coastline", "coast-line", "shoreline"]),
     ("--sinks", &["sink", "depressions", "pits"]),
     ("--drain", &["fill", "breach", "fill-depressions", "drainage-enforcement", "enforce", "hydro-enforce"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),

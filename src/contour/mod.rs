@@ -1,6 +1,7 @@
 //! Contour lines as data: [`Contour`], [`ContourMap`], their levels.
 
 mod clip;
+mod coast;
 mod cut_out;
 mod excluded;
 mod interval_search;
@@ -16,6 +17,7 @@ mod unit_hint;
 
 pub use crate::base::ElevationUnit;
 pub use clip::{Clipped, clip};
+pub use coast::CoastLine;
 pub use cut_out::{CutOut, cut_out};
 pub use excluded::Excluded;
 pub use interval_search::find_interval;

@@ -37,6 +37,8 @@ pub(super) enum Purpose {
     Water,
     /// Lines of rivers and streams.
     Streams,
+    /// Lines of a coast, or polygons of land or sea.
+    Coast,
     /// Points and polygons where water may stay.
     Sinks,
 }
@@ -164,7 +166,7 @@ impl Table {
         Self {
             named: request.elevation_field.map(str::to_lowercase),
             wants_marks: request.purpose == Purpose::Contours,
-            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water | Purpose::Sinks),
+            wants_polygons: matches!(request.purpose, Purpose::Area | Purpose::Water | Purpose::Coast | Purpose::Sinks),
             ..Self::default()
         }
     }

@@ -2,6 +2,7 @@
 
 mod barriers;
 mod carried;
+mod coast;
 mod extensions;
 mod extent;
 mod frame;
@@ -14,6 +15,7 @@ mod waters;
 
 pub use barriers::{GapEdges, close_gaps};
 pub use carried::{CarriedRegions, loose_frame_edges};
+pub(crate) use coast::with_coast;
 pub use extensions::{FrameExtension, OpenEnd, extend_open_ends};
 pub(crate) use extensions::{Sight, extensions_at};
 pub(crate) use extent::MapExtent;

@@ -58,6 +58,8 @@ pub struct Input {
     pub frame: Frame,
     /// Lakes, on the working plane.
     pub lakes: Vec<Lake>,
+    /// The levels of coasts, metres.
+    pub coast: Vec<f64>,
     /// Rivers and streams, on the working plane.
     pub streams: Vec<StreamLine>,
     /// Places where water may stay, on the working plane.

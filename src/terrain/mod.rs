@@ -5,6 +5,7 @@
 //! [`Terrain::findings`].
 
 mod arrays;
+mod coast;
 mod compare;
 mod exclude;
 mod facade;

@@ -78,7 +78,7 @@ impl Options {
             kind: self.kind,
             frame: std::mem::take(&mut input.frame),
             resolution: self.resolution,
-            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
+            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea, coast: input.coast.clone() },
             streams: Streams { lines: std::mem::take(&mut input.streams), tolerance: self.stream_tolerance },
             drain: self.drain,
             sinks: std::mem::take(&mut input.sinks),

@@ -4,6 +4,7 @@
 mod common;
 
 mod check;
+mod coast;
 mod compare;
 mod contour;
 mod coordinates;

@@ -167,6 +167,10 @@ kinds! {
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
     StreamOutside = "stream-outside", Note, "streams outside the frame";
+    /// A coast does not part land from sea.
+    CoastContradicted = "coast-contradicted", Warning, "coasts that do not part land from sea";
+    /// A line of a coast has no place on the map.
+    CoastOutside = "coast-outside", Note, "coasts without a place on the map";
     /// A sink holds no pit, or is no place; it has no effect.
     SinkWithoutPit = "sink-without-pit", Note, "sinks without a pit";
     /// A sink lies outside the frame.
