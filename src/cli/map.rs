@@ -11,6 +11,7 @@ use tokosen::terrain::{Preparation, Repair};
 use tokosen::{Input, InputOptions};
 
 use super::cliffs::CliffArgs;
+use super::coast::CoastArg;
 use super::console::Console;
 use super::failure::Failure;
 use super::source::source;
@@ -45,6 +46,10 @@ pub struct MapArgs {
     pub exclude: Vec<VectorSource>,
     #[command(flatten)]
     pub cliffs: CliffArgs,
+    /// Coast: lines, or polygons of land or sea, at their elevation attribute or z, otherwise at 0; or the level of contours
+    /// that are the coast. The sea becomes level; the contours show which side is land
+    #[arg(long, value_name = "FILE|LEVEL", value_parser = CoastArg::parser(), allow_negative_numbers = true)]
+    pub coast: Option<CoastArg>,
     /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
     /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
     #[arg(long, value_enum, hide_short_help = true)]
@@ -97,7 +102,8 @@ impl MapArgs {
     /// The files that are read: patterns and folders are expanded.
     pub fn files(&self) -> Result<Vec<PathBuf>, Failure> {
         let contours = self.sources()?;
-        let others = self.points.iter().chain(&self.exclude).cloned();
+        let coast = self.coast.iter().filter_map(CoastArg::source);
+        let others = self.points.iter().chain(&self.exclude).chain(coast).cloned();
         let cliffs = self.cliffs.files().map(Path::to_owned);
         Ok(contours.into_iter().chain(others).map(|source| source.path).chain(cliffs).collect())
     }
@@ -146,6 +152,7 @@ impl MapArgs {
             (self.points_sigma.is_some(), "--points-sigma"),
             (!self.exclude.is_empty(), "--exclude"),
             (!self.cliffs.cliffs.is_empty(), "--cliffs"),
+            (self.coast.is_some(), "--coast"),
             (self.unit.is_some(), "--unit"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
@@ -185,6 +192,7 @@ impl MapArgs {
         if let Some(source) = &self.points {
             input.read_spots(source, self.points_sigma, console)?;
         }
+        self.coast.iter().try_for_each(|coast| coast.add_to(&mut input))?;
         for source in &self.exclude {
             input.read_excluded(source)?;
         }

@@ -6,6 +6,7 @@ mod base;
 mod break_lines;
 mod check;
 mod cliffs;
+mod coast;
 mod compare;
 mod console;
 mod contour;

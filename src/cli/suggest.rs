@@ -17,6 +17,7 @@ const KNOWN: &[(&str, &[&str])] = &[
     ("--cliffs", &["cliff", "faults", "fault", "barriers", "scarps"]),
     ("--streams", &["rivers", "river", "stream", "drainage", "flowlines", "burn", "burn-in"]),
     ("--base", &["background", "fallback", "fill-dem", "fill-from"]),
+    ("--coast", &["coastline", "coast-line", "shoreline"]),
     ("--sinks", &["sink", "depressions", "pits"]),
     ("--drain", &["fill", "breach", "fill-depressions", "drainage-enforcement", "enforce", "hydro-enforce"]),
     ("--points", &["spots", "spot-heights", "heights", "spot-elevations"]),

@@ -2,6 +2,7 @@
 
 mod cliff;
 mod clip;
+mod coast;
 mod cut_out;
 mod excluded;
 mod interval_search;
@@ -18,6 +19,7 @@ mod unit_hint;
 pub use crate::base::ElevationUnit;
 pub use cliff::CliffLine;
 pub use clip::{Clipped, clip};
+pub use coast::CoastLine;
 pub use cut_out::{CutOut, cut_out};
 pub use excluded::Excluded;
 pub use interval_search::find_interval;

@@ -10,6 +10,7 @@
 mod abandoned;
 mod area;
 mod attributes;
+mod coast;
 mod companions;
 mod content;
 mod crs_finding;
@@ -41,7 +42,7 @@ use std::path::{Path, PathBuf};
 use geo::MultiPolygon;
 
 use crate::base::error::{Error, Report, Result};
-use crate::contour::{CliffLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
+use crate::contour::{CliffLine, CoastLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, FromWorking};
 use crate::drain::Sink;
@@ -181,6 +182,19 @@ pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Ve
     let mut table = read_table(path, options, Purpose::BreakLines)?;
     let crs = table.crs.take();
     let Report { value, findings } = lines::break_lines(path, table)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// Reads the lines of a coast, and the rings of polygons of land or sea. Also gives the coordinate reference system if the
+/// file names one. The level is an attribute with a known elevation name, otherwise the z coordinate if all vertices of the
+/// feature share it and it is not 0. What cannot be a coast is a finding.
+///
+/// # Errors
+/// The file cannot be read, has neither lines nor polygons, or does not make clear where the levels are.
+pub fn read_coast(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CoastLine>, Option<Crs>)>> {
+    let mut table = read_table(path, options, Purpose::Coast)?;
+    let crs = table.crs.take();
+    let Report { value, findings } = coast::coast(path, table)?;
     Ok(Report { value: (value, crs), findings })
 }
 

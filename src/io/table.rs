@@ -41,6 +41,8 @@ pub(super) enum Purpose {
     Streams,
     /// Break lines, with their heights and their kind.
     BreakLines,
+    /// Lines of a coast, or polygons of land or sea.
+    Coast,
     /// Points and polygons where water may stay.
     Sinks,
 }
@@ -182,7 +184,7 @@ impl Table {
             wants_sigmas: request.purpose == Purpose::Spots,
             wants_polygons: matches!(
                 request.purpose,
-                Purpose::Area | Purpose::Water | Purpose::Streams | Purpose::Sinks
+                Purpose::Area | Purpose::Water | Purpose::Coast | Purpose::Streams | Purpose::Sinks
             ),
             ..Self::default()
         }

@@ -12,7 +12,7 @@ use crate::contour::{ContourMap, Interval};
 use crate::geometry::Border;
 use crate::subdomains::{
     FrameExtension, FrameRing, GapEdges, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes,
-    with_water,
+    with_coast, with_water,
 };
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 
@@ -32,6 +32,8 @@ pub(super) struct Constraints {
     pub(super) water_bodies: WaterBodies,
     /// The level of the sea, if there is one.
     pub(super) sea: Option<f64>,
+    /// The levels of coasts.
+    pub(super) coast: Vec<f64>,
 }
 
 /// A triangulation with its sub-domains.
@@ -86,7 +88,9 @@ impl Constraints {
             let tin = self.within_frame(triangulation.tin()?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.water_bodies.mark(tin.with_gap_edges(&gaps.closures, &gaps.barriers));
-            let (tin, report) = known_regions(tin, interval);
+            let (tin, mut report) = known_regions(tin, interval);
+            let of_coast = with_coast(&mut report.value, &tin, &self.coast);
+            report.findings.extend(of_coast);
             let heights = self.water_bodies.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);
             let vanished = leave_out_vanished(&mut self.water_bodies, &tin);

@@ -60,8 +60,15 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
         }
     }
     let spots = on_extensions.iter().map(Option::is_none).collect();
-    let constraints =
-        Constraints { is_polygon, extensions, tolerance, spots, water_bodies: WaterBodies::default(), sea };
+    let constraints = Constraints {
+        is_polygon,
+        extensions,
+        tolerance,
+        spots,
+        water_bodies: WaterBodies::default(),
+        sea,
+        coast: water.coast.clone(),
+    };
     Ok(Prepared { map, frame, interval, ends, constraints, findings })
 }
 

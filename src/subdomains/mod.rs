@@ -2,6 +2,7 @@
 
 mod barriers;
 mod carried;
+mod coast;
 mod course;
 mod extensions;
 mod extent;
@@ -15,6 +16,7 @@ mod waters;
 
 pub use barriers::{GapEdges, close_gaps};
 pub use carried::{CarriedRegions, loose_frame_edges};
+pub(crate) use coast::with_coast;
 pub(crate) use course::{Course, Crossing, Stretch, band_of, is_above};
 pub use extensions::{FrameExtension, OpenEnd, extend_open_ends};
 pub(crate) use extensions::{Sight, extensions_at};

@@ -68,7 +68,7 @@ fn split_at_shores(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
                 }
             }
         }
-        let water = tin.lake(first).map(|lake| heights[lake as usize]);
+        let water = tin.lake(first).map(|lake| heights[lake as usize]).or(parent.water);
         regions.push(border.region(parent, first, water));
     }
     Regions { of_triangle, regions, interval: whole.interval }

@@ -17,8 +17,8 @@ use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{
-    ReadOptions, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_contours, read_excluded,
-    read_sinks, read_spot_heights, read_streams, read_water,
+    ReadOptions, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast, read_contours,
+    read_excluded, read_sinks, read_spot_heights, read_streams, read_water,
 };
 
 impl Input {
@@ -165,6 +165,16 @@ impl Input {
             });
         }
         self.set_base(dem, path)
+    }
+
+    /// Reads the coast from a file, lines or polygons of land or sea, and adds it.
+    ///
+    /// # Errors
+    /// As [`read_coast`] and [`Input::add_coast`]; the error names the file.
+    pub fn read_coast(&mut self, source: &VectorSource) -> Result<()> {
+        let path = &source.path;
+        let (lines, crs) = read_coast(path, &self.reading(source))?.collect(&mut self.findings);
+        self.add_coast(lines, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Reads places where water may stay from a file, points and polygons, and adds them.

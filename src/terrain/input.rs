@@ -60,6 +60,8 @@ pub struct Input {
     pub frame: Frame,
     /// Lakes, on the working plane.
     pub lakes: Vec<Lake>,
+    /// The levels of coasts, metres.
+    pub coast: Vec<f64>,
     /// Rivers and streams, on the working plane.
     pub streams: Vec<StreamLine>,
     /// River areas, on the working plane.

@@ -7,6 +7,7 @@
 mod arrays;
 mod base;
 mod cliffs;
+mod coast;
 mod compare;
 mod exclude;
 mod facade;

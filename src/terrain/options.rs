@@ -90,7 +90,7 @@ impl Options {
             kind: self.kind,
             frame: std::mem::take(&mut input.frame),
             resolution: self.resolution,
-            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea },
+            water: Water { lakes: std::mem::take(&mut input.lakes), sea: self.sea, coast: input.coast.clone() },
             cliffs: std::mem::take(&mut input.cliffs),
             creases: std::mem::take(&mut input.creases),
             streams: Streams {

@@ -234,7 +234,7 @@ impl Input {
     /// The findings stay in the input.
     pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Subdivision> {
         let map = std::mem::take(&mut self.map);
-        let water = Water { lakes: std::mem::take(&mut self.lakes), sea };
+        let water = Water { lakes: std::mem::take(&mut self.lakes), sea, coast: self.coast.clone() };
         let subdivision = self.found(subdivide_with_water(map, &self.frame, &water, progress))?;
         self.check_strict()?;
         Ok(subdivision)

@@ -44,7 +44,7 @@ fn surface_with(contours: Vec<Contour>, water: Water, kind: SurfaceKind) -> (Sur
 }
 
 fn flat(lakes: Vec<Lake>) -> Water {
-    Water { lakes, sea: None }
+    Water { lakes, ..Water::default() }
 }
 
 const KINDS: [SurfaceKind; 2] = [SurfaceKind::Linear, SurfaceKind::Skeleton];
@@ -328,7 +328,7 @@ fn the_sea_is_level_up_to_the_frame_and_islands_rise() {
     contours.push(contour(0.0, circle((800.0, -400.0), 10.0)));
     contours.push(contour(0.0, circle((100.0, -400.0), 10.0)));
     for kind in KINDS {
-        let water = Water { lakes: Vec::new(), sea: Some(0.0) };
+        let water = Water { sea: Some(0.0), ..Water::default() };
         let (surface, findings) = surface_with(contours.clone(), water, kind);
         assert!(findings.is_empty(), "{findings:?}");
         check(&surface, 1.0, "sea");
@@ -343,7 +343,7 @@ fn the_sea_is_level_up_to_the_frame_and_islands_rise() {
         }
     }
     let map = ContourMap { contours, ..ContourMap::default() };
-    let params = SurfaceParams { water: Water { lakes: Vec::new(), sea: Some(3.0) }, ..SurfaceParams::default() };
+    let params = SurfaceParams { water: Water { sea: Some(3.0), ..Water::default() }, ..SurfaceParams::default() };
     match build(map, &params, &()) {
         Err(Error::Parameter(message)) => assert!(message.contains("are 0, 10, 20"), "{message}"),
         other => panic!("{other:?}"),

@@ -38,8 +38,8 @@ fn folder() -> Folder {
 
 const HOLLOW: DVec2 = DVec2::new(740.0, 500.0);
 
-/// Cells from which no way leads off the map without going up, by repeated passes.
-fn undrained(dem: &Dem) -> Vec<usize> {
+/// Cells from which no way leads off the map, or to a sink, without going up, by repeated passes.
+fn undrained(dem: &Dem, sink: Option<usize>) -> Vec<usize> {
     let (cols, rows) = (dem.grid.cols as isize, dem.grid.rows as isize);
     let around = |cell: usize| {
         let (col, row) = (cell as isize % cols, cell as isize / cols);
@@ -54,6 +54,7 @@ fn undrained(dem: &Dem) -> Vec<usize> {
     for &cell in &cells {
         drains[cell] = around(cell).any(|near| near.is_none_or(|near| !has(near)));
     }
+    sink.iter().for_each(|&cell| drains[cell] = true);
     loop {
         let mut is_done = true;
         for &cell in &cells {
@@ -95,7 +96,7 @@ fn no_pit_is_left_with_all_and_hollows_stay_without() {
     folder.succeeds("dem c.gpkg --cell 10 -o plain.tif");
     let [plain, asked] = ["plain.tif", "safe.tif"].map(|name| fs::read(folder.path(name)).unwrap());
     assert!(plain == asked, "safe is the default");
-    assert!(!undrained(&height_map(&folder, "safe.tif")).is_empty());
+    assert!(!undrained(&height_map(&folder, "safe.tif"), None).is_empty());
     assert!(reasons(&folder.path("safe.gpkg")).contains_key("depression contour"), "{safe}");
     // Cells on the nodes of the working grid and between them.
     for cell in ["10", "7.3"] {
@@ -103,7 +104,7 @@ fn no_pit_is_left_with_all_and_hollows_stay_without() {
             .succeeds(&format!("dem c.gpkg --cell {cell} --drain all -o all.tif --diagnostics all.gpkg --overwrite"));
         assert!(said.contains("pits       0 left in the height map"), "{said}");
         assert!(said.contains("hollows inside contours drained: 1"), "{said}");
-        assert_eq!(undrained(&height_map(&folder, "all.tif")), Vec::<usize>::new());
+        assert_eq!(undrained(&height_map(&folder, "all.tif"), None), Vec::<usize>::new());
         assert!(reasons(&folder.path("all.gpkg")).is_empty());
     }
 }
@@ -117,11 +118,12 @@ fn water_stays_in_a_given_sink_and_nowhere_else() {
     let said = folder.succeeds(&run);
     assert_eq!(reasons(&folder.path("d.gpkg")), BTreeMap::from([("given".to_owned(), 1)]), "{said}");
     let dem = height_map(&folder, "d.tif");
-    let left = undrained(&dem);
-    let far = left.iter().map(|&cell| dem.grid.center(cell % dem.grid.cols, cell / dem.grid.cols).distance(HOLLOW));
-    assert!(!left.is_empty() && far.fold(0.0, f64::max) < 200.0);
-    let lowest = left.iter().map(|&cell| dem.values[cell]).fold(f32::INFINITY, f32::min);
-    assert!(lowest < 10.0, "the innermost contour is at 10 m, the bottom at {lowest} m");
+    let left = undrained(&dem, None);
+    let lowest = left.iter().copied().min_by(|&a, &b| dem.values[a].total_cmp(&dem.values[b])).unwrap();
+    let bottom = dem.values[lowest];
+    assert!(bottom < 10.0, "the innermost contour is at 10 m, the bottom at {bottom} m");
+    assert!(dem.grid.center(lowest % dem.grid.cols, lowest / dem.grid.cols).distance(HOLLOW) < 50.0);
+    assert_eq!(undrained(&dem, Some(lowest)), Vec::<usize>::new(), "all else drains, into the sink or off the map");
     // New contours keep the hollow, too.
     let said = folder.succeeds(&format!(
         "densify c.gpkg {crs} -i 5 --drain all -o l.gpkg --sinks sink.geojson --diagnostics l_d.gpkg"

@@ -6,6 +6,7 @@ mod common;
 mod base;
 mod break_lines;
 mod check;
+mod coast;
 mod compare;
 mod contour;
 mod coordinates;

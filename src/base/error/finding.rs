@@ -187,6 +187,10 @@ kinds! {
     BaseApart = "base-apart", Warning, "bases apart from the surface";
     /// The base lies above or below the surface by more than the contours allow.
     BaseDiffers = "base-differs", Warning, "bases that do not fit the surface";
+    /// A coast does not part land from sea.
+    CoastContradicted = "coast-contradicted", Warning, "coasts that do not part land from sea";
+    /// A line of a coast has no place on the map.
+    CoastOutside = "coast-outside", Note, "coasts without a place on the map";
     /// A sink holds no pit, or is no place; it has no effect.
     SinkWithoutPit = "sink-without-pit", Note, "sinks without a pit";
     /// A sink lies outside the frame.

@@ -155,8 +155,21 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
 
 /// The height of each feature's polygons, by the feature's number. Features without a height are missing.
 pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
-    let with_polygons = || table.features.iter().filter(|feature| !feature.polygons.is_empty());
-    let items: Vec<Item<'_>> = with_polygons().map(|f| item(f.number, &f.values, f.polygon_z)).collect();
+    let with_polygons = table.features.iter().filter(|feature| !feature.polygons.is_empty());
+    heights_if_any(path, table, named, with_polygons.map(|f| item(f.number, &f.values, f.polygon_z)).collect())
+}
+
+/// The levels of lines and polygons of a coast, by the number of the feature. They are optional.
+pub(super) fn coast_heights(path: &Path, table: &Table) -> Result<BTreeMap<u64, f64>> {
+    let z = |f: &super::table::Feature| match (f.polygon_z, f.lines.first()) {
+        (None, Some(line)) => line.z,
+        (z, _) => z,
+    };
+    heights_if_any(path, table, None, table.features.iter().map(|f| item(f.number, &f.values, z(f))).collect())
+}
+
+/// The heights of features, where there are some. `named` is the attribute that the caller names.
+fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<Item<'_>>) -> Result<BTreeMap<u64, f64>> {
     let numbers =
         (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
     // If z varies, the outline was draped over a terrain. Then z is not the water level.

@@ -139,12 +139,14 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     }
     let of = |content: LayerGeometry| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
     let (lines, points, polygons) = (of(LayerGeometry::Lines), of(LayerGeometry::Points), of(LayerGeometry::Polygons));
+    let outlines: Vec<_> = lines.iter().chain(&polygons).copied().collect();
     let either: Vec<_> = points.iter().chain(&polygons).copied().collect();
     let (wanted, what) = match request.purpose {
         Purpose::Streams if lines.is_empty() => (&polygons, "lines or polygons"),
         Purpose::Contours | Purpose::Streams | Purpose::Lines | Purpose::BreakLines => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
         Purpose::Area | Purpose::Water => (&polygons, "polygons"),
+        Purpose::Coast => (&outlines, "lines or polygons"),
         Purpose::Sinks => (&either, "points or polygons"),
     };
     match wanted.as_slice() {

@@ -67,6 +67,10 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             let message = "files of 基盤地図情報 hold no frame; name a file with a polygon, or take hull or bbox";
             return Err(Error::file(path, message));
         }
+        Purpose::Coast => {
+            let message = "the coast of 基盤地図情報 is not read; name a file with lines or polygons";
+            return Err(Error::file(path, message));
+        }
         Purpose::Sinks => {
             let message = "files of 基盤地図情報 hold no sinks; name a file with points or polygons";
             return Err(Error::file(path, message));

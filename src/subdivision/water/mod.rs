@@ -28,6 +28,9 @@ pub struct Water {
     /// The level of the coast, metres. Ground whose only contours are of this level, with the ground below them, is the
     /// sea.
     pub sea: Option<f64>,
+    /// Levels of coasts, metres: exactly those of their contours. The sea beside them is level, wherever the contours show
+    /// that the other side is land.
+    pub coast: Vec<f64>,
 }
 
 /// The sea level and a contour that differ by no more are the same, metres.

@@ -123,7 +123,7 @@ impl Bytes<'_> {
         let params = SurfaceParams {
             kind: if is_small { kinds[usize::from(how & 3)] } else { SurfaceKind::Skeleton },
             frame,
-            water: Water { lakes, sea },
+            water: Water { lakes, sea, ..Water::default() },
             triangles,
             ..SurfaceParams::default()
         };
