@@ -314,11 +314,14 @@ OPTIONS = [
     "densify hill.geojson -i 5 --water hill.geojson -o out.gpkg", "densify hill.geojson -i 5 --frame hill.geojson -o out.gpkg",
     "densify hill.geojson -i 5 --streams hill.geojson --stream-tolerance 1e300 -o out.gpkg",
     "densify hill.geojson -i 5 --streams hill.geojson --stream-tolerance 0 -o out.gpkg",
+    "dem hill.geojson --cell 5 --drain all --sinks hill.geojson -o out.tif", "dem hill.geojson --cell 5 --points-sigma 1 -o out.tif",
+    "dem hill.geojson --cell 5 --coast 1e308 -o out.tif", "dem hill.geojson --cell 5 --coast nan -o out.tif",
+    "dem hill.geojson --cell 5 --base hill.geojson -o out.tif", "--run hill.geojson", "dem hill.geojson --cell 5 --save-run . -o out.tif",
     "skeleton hill.geojson --resolution 1e300 -o out.gpkg", "mesh hill.geojson --base 1e300 -o out.glb",
 ]  # fmt: skip
 
 
-STREAMS = {
+LINES = {
     "none": [],
     "a point": [line([[1, 1]])],
     "the same point": [line([[1, 1]] * 50)],
@@ -331,7 +334,11 @@ STREAMS = {
     "the same line a thousand times": [line([[0, 0], [50, 50], [90, 0]])] * 1000,
     "loops": [line(ring(10 + k)) for k in range(100)],
     "along contours": [line(ring(100 - 20 * k)[:30]) for k in range(4)],
-    "points and polygons": [{"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 2]}}],
+    "points": [{"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 2]}}],
+    "polygons": [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring(30 + k)]}} for k in range(50)],
+    "a polygon of zeros": [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[[0, 0]] * 5]}}],
+    "wild heights": [line([[-90, 0, 1e300], [0, 5, -1e300], [90, 0, 15]]), line([[0, -90, 25], [5, 0, 1e-300], [0, 90, 35]])],
+    "heights that contradict each other": [line([[k - 50, -90, 15], [50 - k, 90, 38]]) for k in range(100)],
 }
 
 
@@ -354,13 +361,15 @@ def cases():
     for name, (file, data) in RASTERS.items():
         write = lambda folder, file=file, data=data: (folder / file).write_bytes(data)  # noqa: E731
         yield f"raster: {name}", write, f"derive {file} --slope out.tif"
-    for name, lines in STREAMS.items():
+    for name, lines in LINES.items():
 
         def write(folder, lines=lines):
             (folder / "hill.geojson").write_text(collection(hill()))
-            (folder / "streams.geojson").write_text(collection(lines))
+            (folder / "lines.geojson").write_text(collection(lines))
 
-        yield f"streams: {name}", write, densify.format("hill.geojson --streams streams.geojson")
+        for option in ("streams", "breaklines", "cliffs", "coast", "sinks"):
+            yield f"{option}: {name}", write, densify.format(f"hill.geojson --{option} lines.geojson")
+        yield f"check: {name}", write, "check hill.geojson --streams lines.geojson --breaklines lines.geojson --cliffs lines.geojson"
     for command in OPTIONS:
         yield f"options: {command}", (lambda folder: (folder / "hill.geojson").write_text(collection(hill()))), command
 

@@ -8,6 +8,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::lattice::Lattice;
+use crate::base::Grid;
+
+/// Whether each node of a grid is at most `reach` (map units) away from a cliff; empty without cliffs.
+pub(crate) fn beside(cliffs: &[Vec<DVec2>], grid: &Grid, reach: f64) -> Vec<bool> {
+    let nodes = (reach / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
+    Walls::new(cliffs, &Lattice::of_grid(grid)).map_or(Vec::new(), |walls| walls.beside(nodes))
+}
 
 /// The edges of a lattice that cliffs cross.
 pub struct Walls {

@@ -38,8 +38,8 @@ pub struct Conditions<'a> {
     pub hollows: Vec<bool>,
     /// Cliffs, map coordinates.
     pub cliffs: &'a [Vec<DVec2>],
-    /// How far cliffs free the surface from the bands' middle and the reference surface, map units.
-    pub cliff_reach: f64,
+    /// Whether a node is so near to a cliff that the ground on its own side alone counts; empty without cliffs.
+    pub beside_cliffs: Vec<bool>,
     /// Lines with heights, such as streams and break lines.
     pub known: Vec<KnownLine<'a>>,
     /// Streams: the surface falls along them.

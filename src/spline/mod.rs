@@ -47,6 +47,7 @@ mod wide;
 mod working_grid;
 
 pub(crate) use blur::blurred;
+pub(crate) use cliffs::beside;
 pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;
 pub(crate) use grid::{bytes_on, working_grid};

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::cliffs::Walls;
 use super::conditions::{Conditions, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
@@ -39,11 +38,8 @@ pub fn spline(
     let wide = WidePlaces::new(&contour_density, lo, grid.cols, &tuning.wide);
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
-    let reach = (conditions.cliff_reach / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
-    let free = Walls::new(conditions.cliffs, &lattice).map(|walls| walls.beside(reach));
-    if let Some(free) = &free {
-        tension.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);
-    }
+    let free = &conditions.beside_cliffs;
+    tension.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);
     let mut problem = Problem {
         lattice,
         contours: &conditions.contours,
@@ -69,12 +65,10 @@ pub fn spline(
         let shrinkage = &tuning.shrinkage;
         let mut variances =
             shrinkage::variances(half_way, heights, &contour_density, *spacing, &lattice, surveyed, shrinkage);
-        if let Some(free) = &free {
-            variances.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(variance, _)| *variance = 0.0);
-        }
+        variances.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(variance, _)| *variance = 0.0);
         variances
     };
-    let mut heights = bounded(&problem, conditions, free.as_deref(), hyper_parameters, tuning, progress);
+    let mut heights = bounded(&problem, conditions, hyper_parameters, tuning, progress);
     if !conditions.soft_spots.is_empty() {
         let half_way = match hyper_parameters.half_way_error {
             0.0 => tuning.usual_half_way_error * interval,
@@ -86,7 +80,7 @@ pub fn spline(
         let crossings = spot_crossings(&estimates, &lattice, reference);
         surveyed.extend_from_slice(&crossings);
         problem.spots.extend(crossings);
-        heights = bounded(&problem, conditions, free.as_deref(), hyper_parameters, tuning, progress);
+        heights = bounded(&problem, conditions, hyper_parameters, tuning, progress);
     }
     progress.start(STEP, 0);
     if hyper_parameters.half_way_error > 0.0 {
@@ -132,18 +126,17 @@ pub fn spline(
 fn bounded(
     problem: &Problem<'_>,
     conditions: &Conditions<'_>,
-    free: Option<&[bool]>,
     hyper_parameters: &HyperParameters,
     tuning: &SplineTuning,
     progress: &dyn Progress,
 ) -> Vec<f32> {
-    let Conditions { grid, bounds: [lo, hi], reference, .. } = conditions;
+    let Conditions { grid, bounds: [lo, hi], reference, beside_cliffs: free, .. } = conditions;
     let z = solve(problem, progress);
     progress.start(STEP, 0);
     let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
     let share = shelves(&heights, reference, grid, tuning);
     heights.par_iter_mut().enumerate().for_each(|(n, z)| {
-        if !reference[n].is_nan() && free.is_none_or(|free| !free[n]) {
+        if !reference[n].is_nan() && free.get(n) != Some(&true) {
             *z += share[n] * (1.0 - problem.wide[n]) * (reference[n] - *z);
         }
     });

@@ -71,14 +71,13 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
+        let cliff_reach = tuning.cliffs.free * subdivision.extent().spacing;
         let mut conditions = Conditions {
             soft_spots: &soft_spots,
-            cliffs: &params.cliffs,
-            cliff_reach: tuning.cliffs.free * subdivision.extent().spacing,
             drainage: Drainage { drain: params.drain, sinks: &params.sinks },
             streams: &streams,
             known: known(&streams, &creases).collect(),
-            ..conditions(&subdivision, &break_lines, &grid, &triangles)
+            ..conditions(&subdivision, &break_lines, &grid, &triangles, (&params.cliffs, cliff_reach))
         };
         conditions.creases.extend(streams.iter().map(|stream| (Fold::Found, stream.known().course())));
         conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));

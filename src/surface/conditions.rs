@@ -7,18 +7,19 @@ use crate::base::Grid;
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
-use crate::spline::{Conditions, Drainage, Fold, Lattice};
+use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
 use crate::tin::NONE;
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
-/// canyon lines. The nodes lie in `triangles`.
+/// canyon lines. The nodes lie in `triangles`. Of the cliffs, the reach (map units) says how far they act.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
     break_lines: &[BreakLine],
     grid: &Grid,
     triangles: &[u32],
+    (cliffs, cliff_reach): (&'a [Vec<DVec2>], f64),
 ) -> Conditions<'a> {
     let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
     let is_wrong = |v: u32| {
@@ -27,9 +28,16 @@ pub(crate) fn conditions<'a>(
     };
     let local = local_bands(&subdivision.tin, &subdivision.regions, is_wrong);
     let of_region = |t: u32| subdivision.regions.region(t).map(|r| r.band);
-    let band = |&t: &u32| if t == NONE { None } else { local.get(&t).copied().or_else(|| of_region(t)) };
-    let mut lo: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.lo as f32)).collect();
-    let mut hi: Vec<f32> = triangles.par_iter().map(|t| band(t).map_or(f32::NAN, |b| b.hi as f32)).collect();
+    let beside = beside(cliffs, grid, cliff_reach);
+    // Beside a cliff, the corners of a triangle may lie on both sides of it and tell nothing.
+    let is_local = |n: usize| beside.get(n) != Some(&true);
+    let band = |(n, &t): (usize, &u32)| match t {
+        NONE => None,
+        t => local.get(&t).copied().filter(|_| is_local(n)).or_else(|| of_region(t)),
+    };
+    let nodes = || triangles.par_iter().enumerate();
+    let mut lo: Vec<f32> = nodes().map(|node| band(node).map_or(f32::NAN, |b| b.lo as f32)).collect();
+    let mut hi: Vec<f32> = nodes().map(|node| band(node).map_or(f32::NAN, |b| b.hi as f32)).collect();
     for (node, level) in on_contours(&subdivision.map, grid) {
         if !lo[node].is_nan() {
             (lo[node], hi[node]) = (level as f32, level as f32);
@@ -53,8 +61,8 @@ pub(crate) fn conditions<'a>(
         reference,
         hollows,
         soft_spots: &[],
-        cliffs: &[],
-        cliff_reach: 0.0,
+        cliffs,
+        beside_cliffs: beside,
         known: Vec::new(),
         streams: &[],
         drainage: Drainage::default(),

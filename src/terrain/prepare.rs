@@ -155,6 +155,7 @@ impl Input {
         if params.repair == Repair::All {
             self.correct_ground(params, progress)?;
         }
+        self.explain_by_cliffs();
         Ok(())
     }
 

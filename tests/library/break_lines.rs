@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use tokosen::base::error::{Finding, FindingKind};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
+use tokosen::spline::{SplineParams, Wanted};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build};
 
 /// An even slope, `z = y / 10`, by its contours every 10 m from y = 0 to 600.
@@ -20,7 +21,8 @@ fn line(points: &[(f64, f64)], heights: &[f64], bend: Bend) -> CreaseLine {
 }
 
 fn built(map: ContourMap, creases: Vec<CreaseLine>, kind: SurfaceKind) -> (Surface, Vec<Finding>) {
-    let params = SurfaceParams { kind, creases, ..SurfaceParams::default() };
+    let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
+    let params = SurfaceParams { kind, creases, spline, ..SurfaceParams::default() };
     let report = build(map, &params, &()).expect("a slope has a surface");
     (report.value, report.findings)
 }
@@ -99,22 +101,23 @@ fn what_lies_outside_is_told_with_its_length() {
 
 #[test]
 fn a_line_without_heights_lets_the_surface_bend_the_way_that_it_says() {
-    // A roof: contours of both sides, the ridge between them at x = 0.
+    // A valley with straight sides, `z = (y + 0.75 |x|) / 10`.
     let contour = |k: i32| {
-        let x = 20.0 * f64::from(k) - 10.0;
-        let points = |x: f64| (0..=20).map(|i| DVec2::new(x, 20.0 * f64::from(i))).collect();
-        [x, -x].map(|x| Contour { elevation: 200.0 - 10.0 * f64::from(k), points: points(x), feature: 0.into() })
+        let point = |i: i32| DVec2::new(20.0 * f64::from(i), 100.0 * f64::from(k) - 15.0 * f64::from(i.abs()));
+        Contour { elevation: 10.0 * f64::from(k), points: (-10..=10).map(point).collect(), feature: 0.into() }
     };
-    let roof = || ContourMap { contours: (1..=6).flat_map(contour).collect(), ..ContourMap::default() };
-    let along = [(0.0, 20.0), (0.0, 380.0)];
-    let top = |bend: Option<Bend>| {
-        let lines = bend.map(|bend| line(&along, &[], bend)).into_iter().collect();
-        at(&built(roof(), lines, SurfaceKind::Spline).0, 0.0, 200.0)
+    let valley = || ContourMap { contours: (0..=6).map(contour).collect(), ..ContourMap::default() };
+    // How much too high the middle of the valley is, half-way between contours.
+    let error = |bend: Option<Bend>| {
+        let lines = bend.map(|bend| line(&[(0.0, 10.0), (0.0, 590.0)], &[], bend)).into_iter().collect();
+        let (surface, findings) = built(valley(), lines, SurfaceKind::Spline);
+        assert_eq!(findings, []);
+        at(&surface, 0.0, 250.0) - 25.0
     };
-    // Half of the slope of the sides is 195 m at the ridge.
-    let [without, ridge, valley] = [None, Some(Bend::Ridge), Some(Bend::Valley)].map(top);
-    assert!(ridge > 190.0 && ridge >= without - 1e-3, "{ridge} {without}");
-    assert!(valley <= ridge, "{valley} {ridge}");
+    let [ridge, valley, edge] = [Bend::Ridge, Bend::Valley, Bend::Either].map(|bend| error(Some(bend)));
+    assert!(valley.abs() < 0.6 && (valley - edge).abs() < 0.05, "{valley} {edge}");
+    assert!(ridge > valley + 0.2, "{ridge} {valley}");
+    assert!((ridge - error(None)).abs() < 0.1, "a ridge line does not make a valley sharper");
 }
 
 #[test]
@@ -126,7 +129,7 @@ fn the_surface_comes_near_spot_heights_as_far_as_their_standard_error_says() {
         at(&surface, 0.0, 250.0)
     };
     let [without, loose, near, exact] =
-        [height(vec![]), height(vec![spot(10.0)]), height(vec![spot(1.0)]), height(vec![spot(0.01)])];
+        [height(vec![]), height(vec![spot(10.0)]), height(vec![spot(0.3)]), height(vec![spot(0.01)])];
     assert!(without < 25.6 && loose < without + 0.3, "{without} {loose}");
     assert!(near > loose + 0.5 && exact > near + 0.3 && exact > 27.0, "{loose} {near} {exact}");
 }
