@@ -10,6 +10,9 @@ use rayon::prelude::*;
 use super::lattice::Lattice;
 use crate::base::Grid;
 
+/// Heights are interpolated from as many nodes on either side.
+const INTERPOLATED: usize = 3;
+
 /// Whether each node of a grid is at most `reach` (map units) away from a cliff; empty without cliffs.
 pub(crate) fn beside(cliffs: &[Vec<DVec2>], grid: &Grid, reach: f64) -> Vec<bool> {
     let nodes = (reach / (grid.cell.x * grid.cell.y).sqrt()).round() as usize;
@@ -51,6 +54,53 @@ impl Walls {
         }
     }
 
+    /// Replaces heights that were interpolated from every second row and column, across cliffs or near them, by means of
+    /// those heights on the same side.
+    pub fn mend(&self, z: &mut [f64]) {
+        let cols = self.cols;
+        let (east, south) = (|n: usize| !self.east[n], |n: usize| !self.south[n]);
+        let beside = self.beside(INTERPOLATED);
+        let of_others = |n: usize| -> Option<f64> {
+            let (i, j) = (n % cols, n / cols);
+            let (has_east, has_south) = (i + 1 < cols, n + cols < self.east.len());
+            let mut reached = Vec::with_capacity(4);
+            match (i % 2 == 0, j % 2 == 0) {
+                (true, true) => return None,
+                (false, true) => {
+                    reached.extend(east(n - 1).then(|| n - 1));
+                    reached.extend((has_east && east(n)).then(|| n + 1));
+                }
+                (true, false) => {
+                    reached.extend(south(n - cols).then(|| n - cols));
+                    reached.extend((has_south && south(n)).then(|| n + cols));
+                }
+                (false, false) => {
+                    // To each corner there are two ways.
+                    let west = |n: usize| east(n - 1);
+                    let north = |n: usize| south(n - cols);
+                    reached.extend(((west(n) && north(n - 1)) || (north(n) && west(n - cols))).then(|| n - cols - 1));
+                    if has_east {
+                        let way = (east(n) && north(n + 1)) || (north(n) && east(n - cols));
+                        reached.extend(way.then(|| n - cols + 1));
+                    }
+                    if has_south {
+                        let way = (west(n) && south(n - 1)) || (south(n) && west(n + cols));
+                        reached.extend(way.then(|| n + cols - 1));
+                    }
+                    if has_east && has_south {
+                        let way = (east(n) && south(n + 1)) || (south(n) && east(n + cols));
+                        reached.extend(way.then(|| n + cols + 1));
+                    }
+                }
+            }
+            let sum: f64 = reached.iter().map(|&m| z[m]).sum();
+            (!reached.is_empty()).then(|| sum / reached.len() as f64)
+        };
+        let nodes = (0..z.len()).into_par_iter().filter(|&n| beside[n]);
+        let mended: Vec<(usize, f64)> = nodes.filter_map(|n| Some((n, of_others(n)?))).collect();
+        mended.into_iter().for_each(|(n, height)| z[n] = height);
+    }
+
     /// The nodes that are at most `reach` nodes away from a cliff, along rows and columns.
     pub fn beside(&self, reach: usize) -> Vec<bool> {
         let (cols, count) = (self.cols, self.east.len());
@@ -75,6 +125,19 @@ impl Walls {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn heights_near_a_cliff_come_from_their_own_side() {
+        let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 9, rows: 5 };
+        let cliff = vec![DVec2::new(4.5, 1.0), DVec2::new(4.5, -9.0)];
+        let walls = Walls::new(&[cliff], &lattice).unwrap();
+        // Only the heights in every second row and column are right.
+        let is_known = |n: usize| (n % 9).is_multiple_of(2) && (n / 9).is_multiple_of(2);
+        let truth = |n: usize| if n % 9 < 5 { 100.0 } else { 20.0 };
+        let mut z: Vec<f64> = (0..45).map(|n| if is_known(n) { truth(n) } else { 60.0 }).collect();
+        walls.mend(&mut z);
+        assert!((0..45).all(|n| n % 9 == 0 || z[n] == truth(n)), "{z:?}");
+    }
 
     #[test]
     fn edges_and_nodes_beside_a_cliff_are_found() {

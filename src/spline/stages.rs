@@ -191,7 +191,9 @@ impl Stage<'_> {
         let (mut z, mut factors) = match before {
             None => (vec![problem.mean_level(); self.lattice.len()], vec![1.0; self.lattice.len()]),
             Some(Solved { lattice, z, factors }) => {
-                (refined(&z, &lattice, &self.lattice), spread(&factors, &lattice, &self.lattice))
+                let mut z = refined(&z, &lattice, &self.lattice);
+                Walls::new(problem.cliffs, &self.lattice).iter().for_each(|walls| walls.mend(&mut z));
+                (z, spread(&factors, &lattice, &self.lattice))
             }
         };
         let effort = Effort { steps, tolerance: tuning.convergence * problem.interval };
