@@ -75,8 +75,9 @@ pub fn spline(
             known => known,
         };
         let variances = variances(half_way, &heights, &surveyed);
+        let least = tuning.least_spot_variance * half_way * half_way;
         let first = WorkingGrid { grid: *grid, heights };
-        let estimates = soft_spots::estimates(conditions, &first, &variances, &problem.wide);
+        let estimates = soft_spots::estimates(conditions, &first, &variances, &problem.wide, least);
         let crossings = spot_crossings(&estimates, &lattice, reference);
         surveyed.extend_from_slice(&crossings);
         problem.spots.extend(crossings);

@@ -41,6 +41,9 @@ tuned! {
         ///
         /// Refit: RMSE.
         usual_half_way_error: f64 = 0.15,
+        /// The least variance of the surface half-way between contours, where a spot height has a standard error, as a share
+        /// of the mean. Even slopes are never fully known.
+        least_spot_variance: f64 = 0.1,
         /// Largest weight of a crossing on coarse lattices, unless it is larger on the finest one. What lies between
         /// their nodes is averaged.
         ///
