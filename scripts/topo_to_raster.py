@@ -44,7 +44,7 @@ def main():
     done = geolibre_wasm.run_tool("topo_to_raster", args=args, input=inputs)
     taken = time.monotonic() - start
     if done.exit_code:
-        sys.exit(f"topo_to_raster: {" ".join(done.stdout)}")
+        sys.exit("topo_to_raster: " + " ".join(done.stdout))
     with rasterio.MemoryFile(done.files["dem.tif"]) as file, file.open() as source:
         heights = np.full((profile["height"], profile["width"]), np.nan, "float32")
         reproject(rasterio.band(source, 1), heights, src_crs=crs, dst_crs=crs, dst_transform=profile["transform"],

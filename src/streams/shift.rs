@@ -75,7 +75,15 @@ pub(super) fn beside(
     if tolerance <= 0.0 || shifts.len() < 2 || 2 * stays <= shifts.len() {
         return None;
     }
-    let wide = self::shifts(ground, points, course, tuning.beside_reach * tolerance, tuning);
+    // Bends count here as they do within the tolerance, and a shift costs little: the course is looked for, not corrected.
+    let StreamTuning { beside_reach, least_tip, deep_tip, shift_cost, .. } = *tuning;
+    let of_wide = StreamTuning {
+        least_tip: least_tip / beside_reach,
+        deep_tip: deep_tip / beside_reach,
+        shift_cost: shift_cost / beside_reach,
+        ..*tuning
+    };
+    let wide = self::shifts(ground, points, course, beside_reach * tolerance, &of_wide);
     let mut off: Vec<f64> = wide.iter().map(|shift| shift.by.length()).filter(|by| *by > tolerance).collect();
     off.sort_unstable_by(f64::total_cmp);
     (2 * off.len() > wide.len()).then(|| off[off.len() / 2])

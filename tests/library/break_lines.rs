@@ -60,9 +60,9 @@ fn the_surface_passes_through_the_heights_of_a_break_line_and_bends_there() {
             assert!((z - truth).abs() < 0.3, "{x} {y}: {z}, not {truth}");
             assert!((at(&plain, x, y) - y / 10.0).abs() < 0.3);
         }
-        // Beside the ditch, the ground is as before.
-        for y in [215.0, 290.0] {
-            assert!((at(&surface, x, y) - at(&plain, x, y)).abs() < 0.6, "{x} {y}: {}", at(&surface, x, y));
+        // Beside the ditch, the ground is nearly as before.
+        for y in [207.5, 292.5] {
+            assert!((at(&surface, x, y) - at(&plain, x, y)).abs() < 0.8, "{x} {y}: {}", at(&surface, x, y));
         }
     }
     // In the triangulation, the line is exact.
