@@ -32,10 +32,11 @@ impl Input {
     /// If their system cannot be converted to the working one.
     pub fn add_cliffs(&mut self, lines: impl IntoIterator<Item = CliffLine>, crs: Option<&Crs>) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
+        let mut added = Vec::new();
         for line in lines {
             let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
             match points.collect::<Result<Vec<DVec2>>>() {
-                Ok(points) => self.cliffs.push(points),
+                Ok(points) => added.push(points),
                 Err(error) => {
                     let message = format!("cliff {} is left out: {error}", line.feature);
                     let finding = Finding::general(FindingKind::CliffLeftOut, message);
@@ -44,7 +45,7 @@ impl Input {
             }
         }
         self.cliff_reach = CliffTuning::default().reach * self.mean_spacing();
-        let near = NearCliffs::new(&self.cliffs, self.cliff_reach);
+        let near = NearCliffs::new(&added, self.cliff_reach);
         let open = self.map.contours.iter().filter(|line| !line.is_closed());
         let ends = open.flat_map(|line| [line.points.first(), line.points.last()]).flatten().copied();
         let met: Vec<DVec2> = ends.filter(|end| near.holds(*end)).collect();
@@ -53,6 +54,7 @@ impl Input {
             self.findings.push(Finding::general(FindingKind::AtCliff, message));
         }
         self.map.cut_ends.extend(met);
+        self.cliffs.append(&mut added);
         Ok(())
     }
 
