@@ -369,7 +369,7 @@ def cases():
 
         for option in ("streams", "breaklines", "cliffs", "coast", "sinks"):
             yield f"{option}: {name}", write, densify.format(f"hill.geojson --{option} lines.geojson")
-        yield f"check: {name}", write, "check hill.geojson --streams lines.geojson --breaklines lines.geojson --cliffs lines.geojson"
+        yield f"check: {name}", write, "check hill.geojson --streams lines.geojson --breaklines lines.geojson --cliffs lines.geojson -o out.gpkg"
     for command in OPTIONS:
         yield f"options: {command}", (lambda folder: (folder / "hill.geojson").write_text(collection(hill()))), command
 
