@@ -4,8 +4,8 @@
     topo_to_raster.py CONTOURS.gpkg STREAMS.gpkg TRUTH.tif OUT.tif
 
 OUT gets the grid of TRUTH: the tool chooses the position of its cells itself, so its heights are read between them, bilinear.
-The Python package is geolibre-wasm. It downloads its WebAssembly module, or takes that of the variable GEOLIBRE_WASM. Prints
-the seconds that the tool took.
+The Python package is geolibre-wasm. It downloads the tool as a WebAssembly module, or takes that of the variable GEOLIBRE_WASM.
+Prints the seconds that the tool took.
 """
 import pathlib
 import sys
@@ -17,18 +17,34 @@ import numpy as np
 import pyogrio
 import rasterio
 import shapely
+import wasmtime
 from rasterio.warp import Resampling, reproject
 
 
-def geojson(path, with_levels, crs):
-    _, _, wkb, _ = pyogrio.raw.read(path)
-    parts = shapely.get_parts(shapely.from_wkb(wkb))
+def write(path, source, with_levels, crs):
+    """Lines as GeoJSON, with the attribute elev."""
+    parts = shapely.get_parts(shapely.from_wkb(pyogrio.raw.read(source)[2]))
     levels = shapely.get_z(shapely.get_point(parts, 0)) if with_levels else np.zeros(len(parts))
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "lines.geojson"
-        pyogrio.raw.write(out, geometry=shapely.to_wkb(shapely.force_2d(parts)), field_data=[levels], fields=["elev"],
-                          geometry_type="LineString", crs=crs.to_wkt(), driver="GeoJSON", COORDINATE_PRECISION="4", RFC7946="NO")
-        return out.read_bytes()
+    pyogrio.raw.write(path, geometry=shapely.to_wkb(shapely.force_2d(parts)), field_data=[levels], fields=["elev"],
+                      geometry_type="LineString", crs=crs.to_wkt(), driver="GeoJSON", COORDINATE_PRECISION="4", RFC7946="NO")
+
+
+def run_tool(folder, *arguments):
+    """Runs the tool; it sees the folder as /data."""
+    engine = wasmtime.Engine()
+    module = wasmtime.Module.from_file(engine, geolibre_wasm.runtime_path())
+    store, linker, system = wasmtime.Store(engine), wasmtime.Linker(engine), wasmtime.WasiConfig()
+    told = folder / "told.txt"
+    system.argv = ["geolibre", *arguments]
+    system.preopen_dir(str(folder), "/data")
+    system.stdout_file = system.stderr_file = str(told)
+    store.set_wasi(system)
+    linker.define_wasi()
+    try:
+        linker.instantiate(store, module).exports(store)["_start"](store)
+    except wasmtime.ExitTrap as end:
+        if end.code:
+            sys.exit(f"topo_to_raster: {told.read_text(errors='replace').strip()}")
 
 
 def main():
@@ -37,18 +53,18 @@ def main():
     contours, streams, truth, out = map(pathlib.Path, sys.argv[1:])
     with rasterio.open(truth) as source:
         profile, crs, cell = source.profile, source.crs, source.transform.a
-    inputs = {"contours.geojson": geojson(contours, True, crs), "streams.geojson": geojson(streams, False, crs)}
-    args = ["--contours=/work/contours.geojson", "--streams=/work/streams.geojson", "--elevation_field=elev",
-            f"--cell_size={cell}", "--output=/work/dem.tif"]
-    start = time.monotonic()
-    done = geolibre_wasm.run_tool("topo_to_raster", args=args, input=inputs)
-    taken = time.monotonic() - start
-    if done.exit_code:
-        sys.exit("topo_to_raster: " + " ".join(done.stdout))
-    with rasterio.MemoryFile(done.files["dem.tif"]) as file, file.open() as source:
-        heights = np.full((profile["height"], profile["width"]), np.nan, "float32")
-        reproject(rasterio.band(source, 1), heights, src_crs=crs, dst_crs=crs, dst_transform=profile["transform"],
-                  dst_nodata=np.nan, resampling=Resampling.bilinear)
+    heights = np.full((profile["height"], profile["width"]), np.nan, "float32")
+    with tempfile.TemporaryDirectory() as made:
+        folder = pathlib.Path(made)
+        write(folder / "contours.geojson", contours, True, crs)
+        write(folder / "streams.geojson", streams, False, crs)
+        start = time.monotonic()
+        run_tool(folder, "topo_to_raster", "--contours=/data/contours.geojson", "--streams=/data/streams.geojson",
+                 "--elevation_field=elev", f"--cell_size={cell}", "--output=/data/dem.tif")
+        taken = time.monotonic() - start
+        with rasterio.open(folder / "dem.tif") as source:
+            reproject(rasterio.band(source, 1), heights, src_crs=crs, dst_crs=crs, dst_transform=profile["transform"],
+                      dst_nodata=np.nan, resampling=Resampling.bilinear)
     profile.update(dtype="float32", nodata=np.nan, count=1, driver="GTiff")
     with rasterio.open(out, "w", **profile) as file:
         file.write(heights, 1)
