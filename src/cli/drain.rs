@@ -23,7 +23,7 @@ pub struct DrainArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DrainArg {
-    /// No pit between contours
+    /// None: pits stay
     None,
     /// Pits that no contour speaks for
     Safe,

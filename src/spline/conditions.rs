@@ -92,17 +92,25 @@ impl Conditions<'_> {
     pub(super) fn surveyed(&self) -> Vec<(Crossing, f64)> {
         let lattice = Lattice::of_grid(&self.grid);
         let mut found = self.spot_crossings();
-        let lines = self.known.iter().flat_map(|line| line_crossings(*line, Sure::Surveyed, &lattice));
+        let lines = self.known.iter().flat_map(|line| line_crossings(*line, Sure::Surveyed, 0.0, &lattice));
         found.extend(lines.flatten());
         found
     }
 }
 
 /// The crossings of a line with eastward and with southward edges of a lattice, with the heights of the line there.
-/// Only where they are at least as sure as `least`.
-pub(super) fn line_crossings(line: KnownLine<'_>, least: Sure, lattice: &Lattice) -> [Vec<(Crossing, f64)>; 2] {
+/// Only where they are at least as sure as `least`. What is known only from contours counts on ways of at least `reach`
+/// (map units) from one contour to the next.
+pub(super) fn line_crossings(
+    line: KnownLine<'_>,
+    least: Sure,
+    reach: f64,
+    lattice: &Lattice,
+) -> [Vec<(Crossing, f64)>; 2] {
     let (mut east, mut south) = (Vec::new(), Vec::new());
-    let is_known = line.sure.windows(2).map(|w| w[0].min(w[1]) >= least);
+    let lengths = ways_between_contours(line);
+    let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
+    let is_known = sure.zip(lengths).map(|(sure, length)| sure >= least && (sure != Sure::Between || length >= reach));
     for (w, _) in line.points.windows(2).zip(is_known).filter(|(_, known)| *known) {
         let (a, b) = (w[0].truncate(), w[1].truncate());
         let height = |crossing: Crossing, step: DVec2| {
@@ -115,6 +123,22 @@ pub(super) fn line_crossings(line: KnownLine<'_>, least: Sure, lattice: &Lattice
         lattice.cross(&[a, b], |c| east.push(height(c, DVec2::X)), |c| south.push(height(c, DVec2::Y)));
     }
     [east, south]
+}
+
+/// For each segment of a line: the length of the way that it is part of, between two contours or to an end, map units.
+fn ways_between_contours(line: KnownLine<'_>) -> Vec<f64> {
+    let lengths: Vec<f64> = line.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).collect();
+    let mut found = Vec::with_capacity(lengths.len());
+    let is_contour = |vertex: usize| line.sure.get(vertex) == Some(&Sure::Exact);
+    let mut first = 0;
+    for end in 1..=lengths.len() {
+        if end == lengths.len() || is_contour(end) {
+            let length: f64 = lengths[first..end].iter().sum();
+            found.resize(end, length);
+            first = end;
+        }
+    }
+    found
 }
 
 /// Spot heights as crossings. The slope of the reference surface carries each height to the edges north and south of

@@ -253,7 +253,9 @@ impl Stage<'_> {
         };
         let walls = Walls::new(problem.cliffs, lattice);
         let (mut east, mut south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
-        for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, lattice)) {
+        let reach = problem.tuning.least_line_nodes * lattice.step.max_element();
+        for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, reach, lattice))
+        {
             east.push(of_east);
             south.push(of_south);
         }

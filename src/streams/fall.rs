@@ -14,6 +14,8 @@ use crate::base::bits::bits;
 
 /// Readings per cell along a stream.
 const READINGS: f64 = 4.0;
+/// A grid knows the place of a stream to half a cell.
+const PLACE: f64 = 0.5;
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
 
@@ -60,17 +62,31 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], b
     }
 }
 
-/// Raises what is lower than a stream: the cells that it runs through, to its height where it is nearest to their centre,
-/// and the readings between cells.
+/// Raises what is lower than a stream: the cells that it runs through, where it is nearest to their centre, and the readings
+/// between cells. They are raised to the height that the stream has [`PLACE`] cells further downstream. On steep ground
+/// its height at the very place would be too much.
 fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl Fn(usize) -> [f32; 2]) {
+    let mut readings: Vec<(DVec2, f32)> = Vec::new();
+    for_each_reading(stream, grid, |place, z| readings.push((place, z)));
+    let mut walked = 0.0;
+    let mut at = vec![0.0; readings.len()];
+    for k in 1..readings.len() {
+        walked += readings[k - 1].0.distance(readings[k].0);
+        at[k] = walked;
+    }
     let raise = |heights: &mut [f32], n: usize, z: f32| {
         if heights[n] < z {
             heights[n] = z.min(bounds(n)[1]).max(heights[n]);
         }
     };
-    // The cell that the stream runs through, with its distance from the centre and its height there.
+    // The cell that the stream runs through, with its distance from the centre and the height for it.
     let mut through: Option<(usize, f64, f32)> = None;
-    for_each_reading(stream, grid, |place, z| {
+    let mut ahead = 0;
+    for (&(place, _), s) in readings.iter().zip(&at) {
+        while ahead + 1 < readings.len() && at[ahead] < s + PLACE {
+            ahead += 1;
+        }
+        let z = readings[ahead].1;
         let distance = place.distance_squared(place.round());
         match (nearest(grid, place), &mut through) {
             (Some(n), Some((cell, least, height))) if *cell == n => {
@@ -87,7 +103,7 @@ fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl 
         if let Some(corners) = corners(grid, place).filter(|corners| reading(heights, corners) < z) {
             move_to(z, heights, &corners, bounds);
         }
-    });
+    }
     if let Some((cell, _, height)) = through {
         raise(heights, cell, height);
     }

@@ -36,6 +36,11 @@ tuned! {
         ///
         /// Refit: RMSE, on contours of unsmoothed lidar.
         noisy_contour_weight: f64 = 0.1,
+        /// Heights of a line between two contours count if it runs over at least so many nodes from one to the other. Where
+        /// contours are denser, they say more than the line.
+        ///
+        /// Refit: RMSE near streams.
+        least_line_nodes: f64 = 3.0,
         /// Standard error half-way between two contours where hidden levels do not tell it, in intervals. It weighs spot
         /// heights with a standard error.
         ///
