@@ -136,9 +136,16 @@
 //! # }
 //! ```
 
+// The program's modules name the library as any other front end does.
+#[cfg(feature = "cli")]
+extern crate self as tokosen;
+
 pub mod base;
 pub mod check;
 pub mod clean;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod contour;
 pub mod creases;
 pub mod crs;

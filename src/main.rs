@@ -1,9 +1,7 @@
-//! The command line of tokosen: parse, run, print what went wrong, exit status.
-
-mod cli;
+//! The program tokosen.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::main()
+    tokosen::cli::main(std::env::args_os())
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
+use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use tokosen::Input;
 use tokosen::base::ElevationUnit;
@@ -18,9 +19,19 @@ use super::Common;
 use super::progress::Track;
 use super::run_file::{Record, RunFile, further};
 
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Shown {
+    /// A bar, if standard error is a terminal
+    Bar,
+    /// Lines of JSON
+    Json,
+}
+
 /// The terminal, and how long each step took.
 pub struct Console {
     quiet: bool,
+    shown: Shown,
     pub verbose: bool,
     /// Whether outputs may replace what other programs made.
     pub overwrite: bool,
@@ -45,6 +56,8 @@ struct State {
     /// What is on the screen while a step runs.
     bar: Option<ProgressBar>,
     times: Vec<(&'static str, Duration)>,
+    /// When progress was printed last as a line of JSON.
+    told: Option<Instant>,
     /// Why text could not be printed.
     unprinted: Option<std::io::Error>,
 }
@@ -52,14 +65,14 @@ struct State {
 impl Console {
     /// `record` takes the notes about the run, `repeated` is the saved run that is repeated.
     pub fn new(
-        &Common { quiet, verbose, overwrite, .. }: &Common,
+        &Common { quiet, verbose, overwrite, progress: shown, .. }: &Common,
         record: Option<Record>,
         repeated: Option<RunFile>,
     ) -> Self {
         let (reprojection, unit, state) = (OnceLock::new(), OnceLock::new(), Mutex::default());
         let track = Arc::new(Mutex::new(Track::new()));
         let started = Instant::now();
-        Self { quiet, verbose, overwrite, started, reprojection, unit, track, state, record, repeated }
+        Self { quiet, shown, verbose, overwrite, started, reprojection, unit, track, state, record, repeated }
     }
 
     /// Says which steps will come, for the share that is done and the time that is left.
@@ -194,9 +207,34 @@ impl Console {
         }
     }
 
+    /// Says that the run is done, to programs that read the progress.
+    pub fn done(&self) {
+        if self.shown == Shown::Json {
+            let _ = writeln!(std::io::stderr(), "{}", progress_json("", 1.0));
+        }
+    }
+
+    /// Prints the progress as a line of JSON, if that is asked for and the last line is not too young.
+    fn tell(&self, least: Duration) {
+        if self.shown == Shown::Bar || self.state().told.is_some_and(|told| told.elapsed() < least) {
+            return;
+        }
+        let track = locked(&self.track);
+        let Some(share) = track.share() else { return };
+        let line = progress_json(track.step(), share);
+        drop(track);
+        self.state().told = Some(Instant::now());
+        let _ = writeln!(std::io::stderr(), "{line}");
+    }
+
     fn state(&self) -> MutexGuard<'_, State> {
         locked(&self.state)
     }
+}
+
+/// One line of progress for other programs.
+fn progress_json(step: &str, share: f64) -> serde_json::Value {
+    serde_json::json!({ "progress": (share * 1e3).round() / 1e3, "step": step })
 }
 
 fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -206,8 +244,9 @@ fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Progress for Console {
     fn start(&self, step: &'static str, total: u64) {
         locked(&self.track).start(step, total);
+        self.tell(Duration::ZERO);
         let mut state = self.state();
-        if state.bar.is_none() && !self.quiet && std::io::stderr().is_terminal() {
+        if state.bar.is_none() && self.shown == Shown::Bar && !self.quiet && std::io::stderr().is_terminal() {
             let track = Arc::clone(&self.track);
             let line = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
                 let _ = out.write_str(&locked(&track).line(BAR));
@@ -221,6 +260,7 @@ impl Progress for Console {
 
     fn advance(&self, amount: u64) {
         locked(&self.track).advance(amount);
+        self.tell(TICK);
     }
 
     fn finish(&self) {

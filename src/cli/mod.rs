@@ -1,4 +1,5 @@
-//! The command line. It turns arguments into the library's parameters, and prints. The library does not depend on it.
+//! The command line. It turns arguments into the library's parameters, and prints. The library does not depend on it. It is a
+//! module of the library so that packages for other languages can bring the same program.
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
@@ -48,7 +49,7 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use console::Console;
+use console::{Console, Shown};
 use failure::Failure;
 use run_file::{Record, Repeated, RunFile};
 
@@ -107,6 +108,10 @@ struct Common {
     /// made are replaced; other layers of a GeoPackage always stay
     #[arg(long, global = true)]
     overwrite: bool,
+    /// How progress is shown on standard error: as a bar on a terminal, or as lines of JSON for other programs, each with the
+    /// share that is done (0 to 1) and the name of the step: {"progress":0.42,"step":"smooth surface"}
+    #[arg(long, global = true, value_enum, default_value_t = Shown::Bar, value_name = "bar|json", hide_short_help = true)]
+    progress: Shown,
     /// Number of threads [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), hide_short_help = true)]
     threads: Option<u16>,
@@ -116,13 +121,14 @@ struct Common {
     save_run: Option<PathBuf>,
 }
 
-/// Parses the arguments, runs the verb, and turns its outcome into an exit status.
-pub fn main() -> ExitCode {
+/// Parses the arguments, of which the first is the name of the program, runs the verb, and turns its outcome into an exit
+/// status. It installs signal handlers, and ends the process if the arguments are wrong or ask for help.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
         return ExitCode::from(1);
     }
-    let outcome = arguments().and_then(|run| {
+    let outcome = parsed(arguments.into_iter().collect()).and_then(|run| {
         if let Some(threads) = run.cli.common.threads
             && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
         {
@@ -154,15 +160,16 @@ struct Run {
 }
 
 /// Parses the arguments. Ends the program if they are wrong or ask for help.
-fn arguments() -> Result<Run, Failure> {
-    let given: Vec<OsString> = std::env::args_os().skip(1).collect();
-    if run_file::is_repeat(&given) {
-        let Repeated { cli, saved, warnings } = run_file::repeated()?;
+fn parsed(arguments: Vec<OsString>) -> Result<Run, Failure> {
+    let given = arguments.get(1..).unwrap_or_default();
+    if run_file::is_repeat(given) {
+        let Repeated { cli, saved, warnings } = run_file::repeated(&arguments)?;
         return Ok(Run { cli, arguments: saved.arguments.clone(), repeated: Some((saved, warnings)) });
     }
-    let cli = Cli::try_parse().unwrap_or_else(|error| suggest::with_right_flag(error, Cli::command()).exit());
+    let cli = Cli::try_parse_from(&arguments)
+        .unwrap_or_else(|error| suggest::with_right_flag(error, Cli::command(), &arguments).exit());
     let arguments = match cli.common.save_run {
-        Some(_) => run_file::saved_arguments(given)?,
+        Some(_) => run_file::saved_arguments(given.to_vec())?,
         None => Vec::new(),
     };
     Ok(Run { cli, arguments, repeated: None })
@@ -180,6 +187,7 @@ impl Run {
         console.clear();
         outcome?;
         console.save_run()?;
+        console.done();
         Ok(console.printed()?)
     }
 }

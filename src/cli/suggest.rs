@@ -1,5 +1,7 @@
 //! Names the right flag for one that other programs have.
 
+use std::ffi::OsString;
+
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, Error};
 
@@ -29,7 +31,7 @@ const KNOWN: &[(&str, &[&str])] = &[
 ];
 
 /// The error of wrong arguments, with the right flag if it is about a flag of another program.
-pub fn with_right_flag(mut error: Error, mut program: Command) -> Error {
+pub fn with_right_flag(mut error: Error, mut program: Command, arguments: &[OsString]) -> Error {
     if error.kind() != ErrorKind::UnknownArgument {
         return error;
     }
@@ -41,7 +43,7 @@ pub fn with_right_flag(mut error: Error, mut program: Command) -> Error {
     let right = KNOWN.iter().find(|(_, others)| others.contains(&bare.as_str())).map(|(right, _)| *right);
     // Building gives each verb the flags that all have.
     program.build();
-    let verb = std::env::args().find_map(|word| program.find_subcommand(word).cloned());
+    let verb = arguments.iter().find_map(|word| program.find_subcommand(word).cloned());
     let has = |flag: &str| {
         let long = flag.trim_start_matches("--");
         verb.as_ref().is_some_and(|verb| verb.get_arguments().any(|arg| arg.get_long() == Some(long)))

@@ -22,6 +22,7 @@ mod format;
 mod geojson;
 mod gpkg;
 pub mod gsi;
+mod in_memory;
 pub mod layer;
 mod lines;
 mod maker;
@@ -53,6 +54,7 @@ use table::{Purpose, Request, Table};
 
 pub use content::{Content, content};
 pub use format::VectorFormat;
+pub use in_memory::{Attribute, Features, InMemory};
 pub use lines::Waterways;
 pub use maker::SAVED_RUN;
 pub use paths::{PlannedOutput, check_paths, files_of_input};
@@ -69,6 +71,8 @@ pub struct ReadOptions {
     pub layer: Option<String>,
     /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
+    /// Features in memory, which are read instead of the file. The path is then their name in messages.
+    pub features: Option<InMemory>,
 }
 
 /// Reads contour lines, and the spot heights that come with them.
@@ -218,6 +222,9 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         purpose,
         memory: options.memory,
     };
+    if let Some(features) = &options.features {
+        return features.read(path, &request);
+    }
     if gsi::is_source(path) {
         return gsi::read(path, &request);
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::format::VectorFormat;
 use super::gsi;
+use super::in_memory::InMemory;
 use crate::base::error::{Error, Result};
 
 /// The key before the name of a layer, as QGIS writes it: `all.gpkg|layername=Lakes`.
@@ -21,15 +22,22 @@ pub struct VectorSource {
     pub path: PathBuf,
     /// The layer, by its name.
     pub layer: Option<String>,
+    /// Features in memory, which are read instead of the file. The path is then their name in messages.
+    pub features: Option<InMemory>,
 }
 
 impl<P: Into<PathBuf>> From<P> for VectorSource {
     fn from(path: P) -> Self {
-        Self { path: path.into(), layer: None }
+        Self { path: path.into(), layer: None, features: None }
     }
 }
 
 impl VectorSource {
+    /// Features in memory. Messages call them by `name`, such as "streams".
+    pub fn in_memory(name: &str, features: InMemory) -> Self {
+        Self { features: Some(features), ..Self::from(name) }
+    }
+
     /// Takes a path, or a path and a layer as QGIS writes them: `all.gpkg|layername=Lakes`.
     ///
     /// # Errors
@@ -59,7 +67,9 @@ impl VectorSource {
     /// No file matches the pattern, the pattern is wrong, or a folder cannot be read or holds no such file.
     pub fn expand(&self) -> Result<Vec<Self>> {
         let text = self.path.to_string_lossy();
-        let paths = if !self.path.exists() && text.contains(WILDCARDS) {
+        let paths = if self.features.is_some() {
+            Vec::new()
+        } else if !self.path.exists() && text.contains(WILDCARDS) {
             matching(&self.path, &text)?
         } else if self.path.is_dir() {
             vector_files(&self.path)?
@@ -69,7 +79,7 @@ impl VectorSource {
         if paths.is_empty() {
             return Ok(vec![self.clone()]);
         }
-        Ok(paths.into_iter().map(|path| Self { path, layer: self.layer.clone() }).collect())
+        Ok(paths.into_iter().map(|path| Self { path, ..self.clone() }).collect())
     }
 }
 
@@ -117,7 +127,8 @@ mod tests {
     #[test]
     fn a_layer_is_named_as_in_qgis() {
         let read = |text: &str| VectorSource::from_text(text);
-        let layer = |path: &str, layer: &str| VectorSource { path: path.into(), layer: Some(layer.to_owned()) };
+        let layer =
+            |path: &str, layer: &str| VectorSource { layer: Some(layer.to_owned()), ..VectorSource::from(path) };
         assert_eq!(read("all.gpkg"), Ok("all.gpkg".into()));
         assert_eq!(read("a b/all.gpkg|layername=Inns jø"), Ok(layer("a b/all.gpkg", "Inns jø")));
         assert_eq!(read("all.gpkg|LayerName=x"), Ok(layer("all.gpkg", "x")));

@@ -50,8 +50,8 @@ impl Input {
     pub fn read_all(sources: &[VectorSource], options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
         let sheet = |source: &VectorSource| {
             let layer = source.layer.clone().or_else(|| options.layer.clone());
-            let reading =
-                ReadOptions { elevation_field: options.elevation_field.clone(), layer, memory: options.memory };
+            let InputOptions { elevation_field, memory, .. } = options.clone();
+            let reading = ReadOptions { elevation_field, layer, memory, features: source.features.clone() };
             let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
             let Report { value: map, findings } = read;
             Ok(Sheet { file: source.path.clone(), map, findings, unit })
@@ -220,7 +220,8 @@ impl Input {
 
     /// How further files are read.
     fn reading(&self, source: &VectorSource) -> ReadOptions {
-        ReadOptions { layer: source.layer.clone(), memory: self.memory, ..ReadOptions::default() }
+        let VectorSource { layer, features, .. } = source.clone();
+        ReadOptions { layer, features, memory: self.memory, ..ReadOptions::default() }
     }
 }
 
@@ -261,7 +262,8 @@ pub fn read_check_points(
     findings: &mut Vec<Finding>,
 ) -> Result<()> {
     let path = &source.path;
-    let reading = ReadOptions { layer: source.layer.clone(), memory, ..ReadOptions::default() };
+    let VectorSource { layer, features, .. } = source.clone();
+    let reading = ReadOptions { layer, features, memory, ..ReadOptions::default() };
     let mut checks = read_spot_heights(path, &reading)?.collect(findings);
     let crs = checks.crs.as_ref().filter(|crs| crs.height_unit().is_some());
     let hint = checks.unit_hint.as_ref();

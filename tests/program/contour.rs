@@ -70,7 +70,7 @@ fn all_formats_and_several_intervals() {
     write_dem(&folder.path("dem.asc"), &cone()).unwrap();
     let count = |name: &str| {
         let layer = name.ends_with("gpkg").then(|| "contours_20m".to_owned());
-        let options = ReadOptions { layer, elevation_field: None, memory: None };
+        let options = ReadOptions { layer, ..ReadOptions::default() };
         read_contours(&folder.path(name), &options).unwrap().value.contours.len()
     };
     let mut counts = Vec::new();

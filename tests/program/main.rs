@@ -21,6 +21,7 @@ mod maps;
 mod other_crs;
 mod out_of_proportion;
 mod parts;
+mod progress;
 mod running;
 mod saved_runs;
 mod several_files;

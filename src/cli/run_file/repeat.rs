@@ -43,8 +43,8 @@ pub fn is_repeat(arguments: &[OsString]) -> bool {
 
 /// The saved run that the arguments of the program ask for. Ends the program if they are wrong. The working folder
 /// becomes that of the run.
-pub fn repeated() -> std::result::Result<Repeated, Failure> {
-    let RepeatArgs { run: path, common } = RepeatArgs::parse();
+pub fn repeated(arguments: &[OsString]) -> std::result::Result<Repeated, Failure> {
+    let RepeatArgs { run: path, common } = RepeatArgs::parse_from(arguments);
     let saved = RunFile::read(&path)?;
     let common = match common.save_run {
         // It starts in the folder of the user, not in that of the run.
@@ -127,6 +127,7 @@ fn merged(now: Common, saved: &Common) -> Common {
     Common {
         quiet: if is_told { now.quiet } else { saved.quiet },
         verbose: if is_told { now.verbose } else { saved.verbose },
+        progress: now.progress,
         overwrite: now.overwrite || saved.overwrite,
         threads: now.threads.or(saved.threads),
         save_run: now.save_run,

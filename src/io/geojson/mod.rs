@@ -7,5 +7,5 @@ mod coordinates;
 mod read;
 mod write;
 
-pub(super) use read::read;
+pub(super) use read::{parse, read};
 pub(super) use write::write;

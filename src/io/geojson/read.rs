@@ -16,7 +16,12 @@ use crate::io::text;
 /// Features are numbered from 0 in the order of the file, as GIS programs show them.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, |_| None)?;
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    parse(path, &bytes, request)
+}
+
+/// Reads the text of a file, as [`read`].
+pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Table> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if text.trim_ascii().is_empty() {
         return Err(Error::file(path, "the file is empty"));
     }
@@ -33,7 +38,6 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
             };
             Error::file_cause(path, message, e)
         })?;
-    drop(bytes);
     let crs = root.crs.clone();
     match root.kind.as_deref() {
         Some("FeatureCollection") if root.has_features => {}

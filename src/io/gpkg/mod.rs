@@ -4,7 +4,7 @@ mod merge;
 mod quoted;
 mod read;
 mod target;
-mod wkb;
+pub(super) mod wkb;
 mod write;
 
 pub(super) use merge::merge;

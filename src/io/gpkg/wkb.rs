@@ -84,7 +84,7 @@ pub(super) fn type_name(wkb: &[u8]) -> Result<&'static str, String> {
 
 /// Adds the lines and points of a geometry to a feature, and its polygons if they are wanted. Anything else is counted
 /// in the table.
-pub(super) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
+pub(in crate::io) fn read(wkb: &[u8], feature: &mut Feature, table: &mut Table) -> Result<(), String> {
     geometry(&mut Bytes { rest: wkb }, feature, table, 0)
 }
 
