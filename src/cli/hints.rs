@@ -2,21 +2,9 @@
 
 use tokosen::base::error::{CrsNeed, Error, Finding, FindingKind, ZCoordinate};
 
-/// The message of an error with its causes and the flag that helps. Some errors contain the text of their cause, some
-/// causes end with the text of the error above; these are not repeated.
+/// The message of an error with its causes and the flag that helps.
 pub fn with_causes(error: &Error) -> String {
-    let mut text = error.to_string();
-    let mut last = text.clone();
-    let mut cause = std::error::Error::source(error);
-    while let Some(inner) = cause {
-        let message = inner.to_string();
-        if !text.ends_with(&message) && !message.ends_with(&last) {
-            text.push_str(&format!(": {message}"));
-        }
-        last = message;
-        cause = inner.source();
-    }
-    with_flags(error, text)
+    with_flags(error, error.with_causes())
 }
 
 /// The message of an error with the flag that helps.

@@ -5,17 +5,11 @@ use std::path::Path;
 use clap::Args;
 use glam::DVec2;
 use tokosen::base::ElevationUnit;
-use tokosen::contour::{ContourLayer, ContourLine};
+use tokosen::contour::ContourLayer;
 use tokosen::io::VectorFormat;
-use tokosen::slice::{Label, LabelParams, place_labels};
+use tokosen::slice::{Label, label_layers};
 
 use super::failure::Failure;
-
-/// The height of a text, as a share of the longer side of the map, if none is given: 2 mm on a sheet of half a metre.
-const USUAL: f64 = 1.0 / 250.0;
-
-/// Labels that a run may place. More cannot be read on any map.
-const MOST: f64 = 1e6;
 
 #[derive(Debug, Clone, Args)]
 pub struct LabelArgs {
@@ -46,22 +40,10 @@ impl LabelArgs {
     pub fn place(
         &self,
         layers: &[ContourLayer],
-        (low, high): (DVec2, DVec2),
+        extent: (DVec2, DVec2),
         unit: ElevationUnit,
     ) -> Result<Option<Vec<Vec<Label>>>, Failure> {
-        let Some(height) = self.labels else { return Ok(None) };
-        let height = height.unwrap_or_else(|| USUAL * (high - low).max_element());
-        let params = LabelParams { unit, within: Some([low, high]), ..LabelParams::new(height) };
-        let length: f64 = layers.iter().flat_map(|layer| &layer.lines).filter(|line| line.index).map(length_of).sum();
-        let count = length / params.spacing;
-        if count > MOST {
-            let message = format!("--labels={height} gives about {count:.0} labels: choose a greater height");
-            return Err(Failure::Usage(message));
-        }
-        Ok(Some(layers.iter().map(|layer| place_labels(&layer.lines, &params)).collect()))
+        let placed = self.labels.map(|height| label_layers(layers, height, extent, unit));
+        Ok(placed.transpose()?)
     }
-}
-
-fn length_of(line: &ContourLine) -> f64 {
-    line.points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }

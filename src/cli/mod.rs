@@ -51,6 +51,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use console::{Console, Shown};
 use failure::Failure;
+pub use memory::available as available_memory;
 use run_file::{Record, Repeated, RunFile};
 
 /// Denser contour lines, height maps and 3-D models from a map's contour lines

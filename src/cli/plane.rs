@@ -34,18 +34,7 @@ pub struct CellsCrsArgs {
 
 /// A system as it is named on the command line.
 pub fn crs(text: &str) -> Result<Crs, String> {
-    let code = text.trim().parse().ok().filter(|&code: &u32| code > 0);
-    let crs = match Crs::from_proj(text) {
-        Some(found) => found?,
-        None => {
-            let crs = code.map(Crs::from_epsg).or_else(|| Crs::from_name(text));
-            crs.ok_or("it must be an EPSG code such as EPSG:6668, a WKT or a PROJ string")?
-        }
-    };
-    if crs.kind().is_none() {
-        return Err("the built-in table does not list it as projected or in degrees; give its WKT".into());
-    }
-    Ok(crs)
+    Crs::from_text(text)
 }
 
 /// The systems, for the summary.

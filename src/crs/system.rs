@@ -98,6 +98,25 @@ impl Crs {
         of_epsg.then(|| Self::from_epsg(code))
     }
 
+    /// The system that a user names: an EPSG code alone, a PROJ string, or anything that [`Crs::from_name`] takes.
+    ///
+    /// # Errors
+    /// A sentence if the text is none of these, or if it is not known whether the system is projected or in degrees.
+    pub fn from_text(text: &str) -> Result<Self, String> {
+        let code = text.trim().parse().ok().filter(|&code: &u32| code > 0);
+        let crs = match Self::from_proj(text) {
+            Some(found) => found?,
+            None => {
+                let crs = code.map(Self::from_epsg).or_else(|| Self::from_name(text));
+                crs.ok_or("it must be an EPSG code such as EPSG:6668, a WKT or a PROJ string")?
+            }
+        };
+        if crs.kind().is_none() {
+            return Err("the built-in table does not list it as projected or in degrees; give its WKT".into());
+        }
+        Ok(crs)
+    }
+
     /// The well-known text: the system's own, or the built-in table's for its EPSG code.
     pub fn wkt(&self) -> Option<&str> {
         self.wkt.as_deref().or_else(|| self.epsg.and_then(definition).map(|d| d.wkt))

@@ -347,11 +347,24 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
 /// # Errors
 /// As [`write_layers`], and if a vertex has no coordinates in that system.
 pub fn write_layers_back(out: &StagedOutput, layers: &[Layer<'_>], back: &FromWorking) -> Result<Vec<PathBuf>> {
+    with_layers_back(layers, back, |layers| write_layers(out, layers, back.crs()))
+}
+
+/// Calls `take` with layers of features in the coordinates and the unit of heights that `back` converts to, as
+/// [`write_layers_back`] writes them.
+///
+/// # Errors
+/// If a vertex has no coordinates in that system, and as `take`.
+pub fn with_layers_back<T>(
+    layers: &[Layer<'_>],
+    back: &FromWorking,
+    take: impl FnOnce(&[Layer<'_>]) -> Result<T>,
+) -> Result<T> {
     if back.is_identity() && !back.unit().is_foot() {
-        return write_layers(out, layers, back.crs());
+        return take(layers);
     }
     let mut reprojected = ReprojectedShapes::new(layers, back)?;
-    write_layers(out, &reprojected.layers(layers), back.crs())
+    take(&reprojected.layers(layers))
 }
 
 /// The files that [`write_contours`] and [`write_layers`] write for layers of these names. The caller can check them

@@ -8,7 +8,7 @@ mod target;
 mod trace;
 
 pub use crate::subdomains::{ascends_right, signed_area};
-pub use labels::{Label, LabelParams, LabelledLines, STRAIGHT, label_text, place_labels};
+pub use labels::{Label, LabelParams, LabelledLines, STRAIGHT, label_layers, label_text, place_labels};
 pub(crate) use layer::is_index;
 pub use layer::{LayerParams, SIMPLIFIED, contour_layers};
 pub use simplify::Simplification;

@@ -391,6 +391,23 @@ fn quoted(names: &[String]) -> String {
 }
 
 impl Error {
+    /// The message with those of its causes. Some errors contain the text of their cause, some causes end with the text of
+    /// the error above; these are not repeated.
+    pub fn with_causes(&self) -> String {
+        let mut text = self.to_string();
+        let mut last = text.clone();
+        let mut cause = std::error::Error::source(self);
+        while let Some(inner) = cause {
+            let message = inner.to_string();
+            if !text.ends_with(&message) && !message.ends_with(&last) {
+                text.push_str(&format!(": {message}"));
+            }
+            last = message;
+            cause = inner.source();
+        }
+        text
+    }
+
     /// An operating system error on `path`.
     pub fn io(action: &'static str, path: &Path, source: std::io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }

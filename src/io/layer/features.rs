@@ -113,9 +113,11 @@ pub(in crate::io) fn joined(a: Bounds, b: Bounds) -> Bounds {
 }
 
 /// The direction of an outer ring; its holes have the opposite direction.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::io) enum Outer {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outer {
+    /// As in a shapefile.
     Clockwise,
+    /// As in a GeoPackage and in GeoJSON.
     Counterclockwise,
 }
 
@@ -152,10 +154,7 @@ impl Shape<'_> {
     }
 
     /// The rings of an area, in the direction that a format requires. A line has none.
-    pub(in crate::io) fn rings(
-        &self,
-        outer: Outer,
-    ) -> impl ExactSizeIterator<Item = impl ExactSizeIterator<Item = DVec2>> {
+    pub fn rings(&self, outer: Outer) -> impl ExactSizeIterator<Item = impl ExactSizeIterator<Item = DVec2>> {
         let rings: &[Vec<DVec2>] = if let Self::Area(rings) = self { rings } else { &[] };
         rings.iter().enumerate().map(move |(i, ring)| {
             let wants_left = (outer == Outer::Counterclockwise) == (i == 0);

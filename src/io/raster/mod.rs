@@ -45,7 +45,7 @@ use elevation_tile::ColourCode;
 use output::check;
 use quantity::Values;
 
-pub use picture::{write_picture, write_shade};
+pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
 pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
 

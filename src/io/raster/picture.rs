@@ -23,6 +23,17 @@ pub fn write_picture(path: &Path, picture: &RgbImage) -> Result<()> {
     encode(path, picture.dimensions(), ColorType::Rgb, picture.as_raw())
 }
 
+/// A picture as the bytes of a PNG file.
+///
+/// # Errors
+/// [`Error::Data`] if the picture has no pixels.
+pub fn picture_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
+    written.map_err(|e| Error::Data(format!("the picture cannot be written: {e}")))?;
+    Ok(bytes.into_inner())
+}
+
 /// Writes a hillshade as 8-bit grey PNG: brightness from 1 to 255, 0 for no data. `.pgw` and `.png.aux.xml` beside it
 /// give its placement. The name must end in `.png`.
 ///

@@ -16,6 +16,7 @@
 
 mod course;
 mod neighbours;
+mod of_layers;
 
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -26,6 +27,7 @@ use crate::contour::ContourLine;
 use crate::geometry::OrientedBox;
 use course::Course;
 use neighbours::Neighbours;
+pub use of_layers::label_layers;
 
 /// Largest distance between the line and its chord under the text, as a share of the text's height.
 pub const STRAIGHT: f64 = 0.25;

@@ -1,0 +1,242 @@
+//! The input of a terrain, from sources and keyword arguments.
+
+use pyo3::prelude::*;
+use tokosen::base::progress::Progress;
+use tokosen::contour::SoftSpot;
+use tokosen::crs::Crs;
+use tokosen::dem::Dem;
+use tokosen::io::VectorSource;
+use tokosen::subdomains::Frame;
+use tokosen::{Input, InputOptions, Result};
+
+use crate::error::{exception, parameter};
+use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap, one_of, unit};
+use crate::source::{Given as GivenSource, Source, crs, sources};
+
+/// All that an input is made of, without Python's objects: it is read while others use Python.
+pub struct Recipe {
+    contours: Contours,
+    options: InputOptions,
+    points: Option<Points>,
+    points_sigma: Option<f64>,
+    coast: Option<CoastRecipe>,
+    exclude: Vec<VectorSource>,
+    cliffs: Vec<VectorSource>,
+    water: Option<VectorSource>,
+    streams: Vec<VectorSource>,
+    breaklines: Vec<VectorSource>,
+    sinks: Vec<VectorSource>,
+    frame: FrameRecipe,
+    base: Option<BaseRecipe>,
+    extent: Option<([f64; 4], Option<Crs>)>,
+    clip: Option<VectorSource>,
+}
+
+enum Contours {
+    Vector(Vec<VectorSource>),
+    Arrays(std::sync::Arc<crate::source::Lines>),
+}
+
+enum Points {
+    Vector(VectorSource),
+    Array(std::sync::Arc<[glam::DVec3]>, Option<Crs>),
+}
+
+enum CoastRecipe {
+    Level(f64),
+    Lines(VectorSource),
+}
+
+enum FrameRecipe {
+    Named(Frame),
+    Area(VectorSource),
+}
+
+enum BaseRecipe {
+    InMemory(Dem),
+    File(std::path::PathBuf),
+}
+
+impl Recipe {
+    /// Takes what is needed out of Python's objects.
+    pub fn new(py: Python<'_>, contours: &[PyRef<'_, Source>], given: &Given) -> PyResult<Self> {
+        let vector = |source: &Py<Source>, what: &str| source.get().vector(py, what);
+        let all = |given: &[Py<Source>], what: &str| -> PyResult<Vec<VectorSource>> {
+            given.iter().map(|source| vector(source, what)).collect()
+        };
+        let one =
+            |given: &Option<Py<Source>>, what: &str| given.as_ref().map(|source| vector(source, what)).transpose();
+        if let Some(sigma) = given.points_sigma.filter(|sigma| !(sigma.is_finite() && *sigma >= 0.0)) {
+            return Err(parameter(py, format!("points_sigma is {sigma}: it must be 0 or more")));
+        }
+        let needs = [
+            (given.points_sigma.is_some() && given.points.is_none(), "points_sigma needs points"),
+            (given.stream_tolerance.is_some() && given.streams.is_empty(), "stream_tolerance needs streams"),
+            (given.base_fade.is_some() && given.base.is_none(), "base_fade needs base"),
+            (given.extent_crs.is_some() && given.extent.is_none(), "extent_crs needs extent"),
+            (given.extent.is_some() && given.clip.is_some(), "give either extent or clip"),
+        ];
+        if let Some((_, message)) = needs.into_iter().find(|(is_wrong, _)| *is_wrong) {
+            return Err(parameter(py, message));
+        }
+        let named = crs(py, given.crs.as_deref())?;
+        let contours = match contours {
+            [one] => match one.given() {
+                GivenSource::Lines(lines) => Contours::Arrays(lines.clone()),
+                GivenSource::Vector(_) => Contours::Vector(sources(py, contours)?),
+                GivenSource::Points(..) => return Err(parameter(py, "contours are lines, and these are points")),
+            },
+            _ => Contours::Vector(sources(py, contours)?),
+        };
+        let of_arrays = match &contours {
+            Contours::Arrays(lines) => lines.crs.clone(),
+            Contours::Vector(_) => None,
+        };
+        let options = InputOptions {
+            elevation_field: given.elevation.clone(),
+            layer: given.layer.clone(),
+            unit: given.unit.as_deref().map(|name| unit(py, name)).transpose()?,
+            crs: named.or(of_arrays),
+            work_crs: crs(py, given.work_crs.as_deref())?,
+            memory: tokosen::cli::available_memory(),
+        };
+        let points = match given.points.as_ref().map(|source| source.get().given()) {
+            None => None,
+            Some(GivenSource::Points(points, crs)) => Some(Points::Array(points.clone(), crs.clone())),
+            Some(GivenSource::Vector(source)) => Some(Points::Vector(source.clone())),
+            Some(GivenSource::Lines(_)) => return Err(parameter(py, "points are points, and these are lines")),
+        };
+        let coast = match &given.coast {
+            None => None,
+            Some(Coast::Level(level)) if !level.is_finite() => {
+                return Err(parameter(py, format!("coast is {level}, which is no elevation")));
+            }
+            Some(Coast::Level(level)) => Some(CoastRecipe::Level(*level)),
+            Some(Coast::Lines(source)) => Some(CoastRecipe::Lines(vector(source, "coast")?)),
+        };
+        let frame = match &given.frame {
+            GivenFrame::Area(source) => FrameRecipe::Area(vector(source, "frame")?),
+            GivenFrame::Named(name) => match name.as_str() {
+                "hull" => FrameRecipe::Named(Frame::Hull),
+                "bbox" => FrameRecipe::Named(Frame::Box),
+                other => return Err(one_of(py, "frame", other, "\"hull\", \"bbox\" or polygons")),
+            },
+        };
+        let base = match &given.base {
+            None => None,
+            Some(HeightMap::InMemory(raster)) => Some(BaseRecipe::InMemory(raster.get().dem(py)?)),
+            Some(HeightMap::File(path)) => Some(BaseRecipe::File(path.clone())),
+        };
+        let extent_crs = crs(py, given.extent_crs.as_deref())?;
+        Ok(Self {
+            contours,
+            options,
+            points,
+            points_sigma: given.points_sigma,
+            coast,
+            exclude: all(&given.exclude, "exclude")?,
+            cliffs: all(&given.cliffs, "cliffs")?,
+            water: one(&given.water, "water")?,
+            streams: all(&given.streams, "streams")?,
+            breaklines: all(&given.breaklines, "breaklines")?,
+            sinks: all(&given.sinks, "sinks")?,
+            frame,
+            base,
+            extent: given.extent.map(|extent| (extent, extent_crs)),
+            clip: one(&given.clip, "clip")?,
+        })
+    }
+
+    /// Reads the contours, and what belongs to them. Everything is read in the order in which the program reads it, so that
+    /// findings and results are the same.
+    pub fn contours(&self, progress: &dyn Progress) -> Result<Input> {
+        let mut input = match &self.contours {
+            Contours::Vector(sources) => Input::read_all(sources, &self.options, progress)?,
+            Contours::Arrays(lines) => {
+                Input::from_arrays(&lines.coords, &lines.offsets, &lines.elevations, &self.options)?
+            }
+        };
+        match &self.points {
+            None => {}
+            Some(Points::Vector(source)) => input.read_spots(source, self.points_sigma, progress)?,
+            Some(Points::Array(points, crs)) => match self.points_sigma {
+                Some(sigma) => {
+                    let spots = points.iter().map(|place| SoftSpot { place: *place, sigma });
+                    input.add_soft_spots(spots, crs.as_ref())?;
+                }
+                None => input.add_spots(points.iter().copied(), crs.as_ref())?,
+            },
+        }
+        match &self.coast {
+            None => {}
+            Some(CoastRecipe::Level(level)) => input.set_coast_level(*level)?,
+            Some(CoastRecipe::Lines(source)) => input.read_coast(source)?,
+        }
+        self.exclude.iter().try_for_each(|source| input.read_excluded(source))?;
+        self.cliffs.iter().try_for_each(|source| input.read_cliffs(source))?;
+        Ok(input)
+    }
+
+    /// Limits the results to the part that is asked for.
+    pub fn part(&self, input: &mut Input) -> Result<()> {
+        if let Some((extent, crs)) = &self.extent {
+            input.set_extent(*extent, crs.as_ref())?;
+        }
+        self.clip.iter().try_for_each(|source| input.read_part(source))
+    }
+
+    /// Adds the base.
+    pub fn base(&self, input: &mut Input, progress: &dyn Progress) -> Result<()> {
+        match &self.base {
+            None => Ok(()),
+            Some(BaseRecipe::InMemory(dem)) => input.set_base(dem.clone(), std::path::Path::new("base")),
+            Some(BaseRecipe::File(path)) => input.read_base(path, progress),
+        }
+    }
+
+    /// Adds the frame.
+    pub fn frame(&self, input: &mut Input) -> Result<()> {
+        match &self.frame {
+            FrameRecipe::Named(frame) => input.frame = frame.clone(),
+            FrameRecipe::Area(source) => input.read_boundary(source)?,
+        }
+        Ok(())
+    }
+
+    /// Adds the lakes.
+    pub fn water(&self, input: &mut Input) -> Result<()> {
+        self.water.iter().try_for_each(|source| input.read_lakes(source))
+    }
+
+    /// Adds the streams.
+    pub fn streams(&self, input: &mut Input) -> Result<()> {
+        self.streams.iter().try_for_each(|source| input.read_streams(source))
+    }
+
+    /// Adds the break lines.
+    pub fn breaklines(&self, input: &mut Input) -> Result<()> {
+        self.breaklines.iter().try_for_each(|source| input.read_break_lines(source))
+    }
+
+    /// Adds everything that a surface needs besides the contours.
+    pub fn surface(&self, input: &mut Input) -> Result<()> {
+        self.frame(input)?;
+        self.water(input)?;
+        self.streams(input)?;
+        self.breaklines(input)?;
+        self.sinks.iter().try_for_each(|source| input.read_sinks(source))
+    }
+
+    /// The name of the contours in messages.
+    pub fn name(&self) -> std::path::PathBuf {
+        match &self.contours {
+            Contours::Vector(sources) => sources.first().map(|source| source.path.clone()).unwrap_or_default(),
+            Contours::Arrays(_) => "contours".into(),
+        }
+    }
+}
+
+/// An error as an exception.
+pub fn failed<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
+    result.map_err(|error| exception(py, &error))
+}

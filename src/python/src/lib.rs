@@ -1,0 +1,58 @@
+//! The extension module of the Python package `tokosen`.
+//!
+//! It converts between Python's data and those of the library, and calls the library's facade. The package's Python files
+//! (`../tokosen`) have the public names, their documentation, and everything that needs other Python packages.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `source.rs`, `arrow_input.rs` | what is read: files, features and arrays in memory |
+//! | `options.rs` | the keyword arguments |
+//! | `input.rs` | the input of a terrain, from sources and options |
+//! | `terrain.rs`, `verbs.rs`, `comparison.rs` | the work |
+//! | `layer.rs`, `raster.rs`, `model.rs` | results |
+//! | `work.rs`, `error.rs` | threads, progress, Ctrl-C; exceptions |
+
+mod arrow_input;
+mod comparison;
+mod error;
+mod input;
+mod layer;
+mod model;
+mod options;
+mod raster;
+mod source;
+mod terrain;
+mod verbs;
+mod work;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs the program `tokosen` with these arguments, the first of which is its name. Returns its exit status; where the program
+/// ends early, as for `--help`, the process ends.
+#[pyfunction]
+fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let status = py.detach(|| tokosen::cli::main(arguments));
+    u8::from(status != std::process::ExitCode::SUCCESS) + u8::from(status == std::process::ExitCode::from(2))
+}
+
+/// What the package's Python files call.
+#[pymodule]
+fn _tokosen(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<source::Source>()?;
+    module.add_class::<layer::Layer>()?;
+    module.add_class::<raster::Raster>()?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<terrain::Terrain>()?;
+    module.add_class::<comparison::Comparison>()?;
+    module.add_function(wrap_pyfunction!(program, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::check, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::regions, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::skeleton, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::contour, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::derive, module)?)?;
+    module.add_function(wrap_pyfunction!(comparison::compare, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,210 @@
+//! The keyword arguments, and the library's options that they stand for.
+//!
+//! The package's Python files fill in the defaults, so every key is there.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use tokosen::base::ElevationUnit;
+use tokosen::drain::Drain;
+use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
+use tokosen::terrain::{Preparation, Repair};
+use tokosen::{GridSpec, Options};
+
+use crate::error::{exception, parameter};
+use crate::raster::Raster;
+use crate::source::{Source, crs};
+
+/// How contours are read and a surface is made. The names are those of the program's flags.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Given {
+    pub elevation: Option<String>,
+    pub layer: Option<String>,
+    pub unit: Option<String>,
+    pub crs: Option<String>,
+    pub work_crs: Option<String>,
+    pub snap: f64,
+    pub repair: Option<String>,
+    pub strict: bool,
+    pub fit: Option<f64>,
+    pub sample: Option<f64>,
+    pub points: Option<Py<Source>>,
+    pub points_sigma: Option<f64>,
+    pub water: Option<Py<Source>>,
+    pub sea: Option<f64>,
+    pub coast: Option<Coast>,
+    pub streams: Vec<Py<Source>>,
+    pub stream_tolerance: Option<f64>,
+    pub breaklines: Vec<Py<Source>>,
+    pub cliffs: Vec<Py<Source>>,
+    pub sinks: Vec<Py<Source>>,
+    pub drain: String,
+    pub exclude: Vec<Py<Source>>,
+    pub frame: Frame,
+    pub base: Option<HeightMap>,
+    pub base_fade: Option<f64>,
+    pub extent: Option<[f64; 4]>,
+    pub extent_crs: Option<String>,
+    pub clip: Option<Py<Source>>,
+    pub surface: String,
+    pub resolution: f64,
+    pub tension: Option<f64>,
+    pub noise: Option<f64>,
+    pub uncertainty: bool,
+}
+
+/// Where the coast is.
+#[derive(FromPyObject)]
+pub enum Coast {
+    Level(f64),
+    Lines(Py<Source>),
+}
+
+/// Where the ground ends.
+#[derive(FromPyObject)]
+pub enum Frame {
+    Named(String),
+    Area(Py<Source>),
+}
+
+/// A height map.
+#[derive(FromPyObject)]
+pub enum HeightMap {
+    InMemory(Py<Raster>),
+    File(PathBuf),
+}
+
+/// The cells of a height map.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Cells {
+    pub cell: Option<f64>,
+    pub cell_degrees: Option<f64>,
+    pub like: Option<HeightMap>,
+    pub to_crs: Option<String>,
+}
+
+/// A unit of heights by its name.
+pub fn unit(py: Python<'_>, name: &str) -> PyResult<ElevationUnit> {
+    match name {
+        "m" => Ok(ElevationUnit::Metre),
+        "ft" => Ok(ElevationUnit::Foot),
+        "us-ft" => Ok(ElevationUnit::UsSurveyFoot),
+        other => Err(parameter(py, format!("the unit is {other:?}; it must be \"m\", \"ft\" or \"us-ft\""))),
+    }
+}
+
+impl Cells {
+    /// The library's cells, if any are asked for.
+    pub fn spec(&self, py: Python<'_>) -> PyResult<Option<GridSpec>> {
+        let to_crs = crs(py, self.to_crs.as_deref())?;
+        let given = [self.cell.is_some(), self.cell_degrees.is_some(), self.like.is_some()];
+        if given.iter().filter(|is_given| **is_given).count() > 1 {
+            return Err(parameter(py, "give one of cell, cell_degrees and like"));
+        }
+        let name = || self.to_crs.as_deref().unwrap_or_default();
+        let spec = match (self.cell, self.cell_degrees, &self.like, to_crs) {
+            (_, _, Some(_), Some(_)) => return Err(parameter(py, "give either like or to_crs: the raster has a CRS")),
+            (_, _, Some(HeightMap::InMemory(raster)), None) => {
+                let (grid, crs) = raster.get().grid();
+                GridSpec::Cells { grid, crs, file: None }
+            }
+            (_, _, Some(HeightMap::File(path)), None) => GridSpec::like(path).map_err(|error| exception(py, &error))?,
+            (Some(_), _, _, Some(crs)) if crs.is_geographic() => {
+                return Err(parameter(py, format!("{} is in degrees: give the size of cells as cell_degrees", name())));
+            }
+            (None, Some(_), _, Some(crs)) if !crs.is_geographic() => {
+                return Err(parameter(py, format!("{} is not in degrees: give the size of cells as cell", name())));
+            }
+            (Some(size), _, _, Some(crs)) | (None, Some(size), _, Some(crs)) => GridSpec::CellIn { size, crs },
+            (Some(size), _, _, None) => GridSpec::Cell(size),
+            (None, Some(size), _, None) => GridSpec::Degrees(size),
+            (None, None, None, _) => return Ok(None),
+        };
+        spec.check().map_err(|error| exception(py, &error))?;
+        Ok(Some(spec))
+    }
+
+    /// The cells, which must be given.
+    pub fn needed(&self, py: Python<'_>) -> PyResult<GridSpec> {
+        self.spec(py)?.ok_or_else(|| parameter(py, "a height map needs cell, cell_degrees or like"))
+    }
+}
+
+impl Given {
+    /// How the lines are prepared.
+    pub fn preparation(&self, py: Python<'_>) -> PyResult<Preparation> {
+        let repair = match self.repair.as_deref() {
+            None | Some("safe") => Repair::Safe,
+            Some("none") => Repair::None,
+            Some("all") => Repair::All,
+            Some(other) => return Err(one_of(py, "repair", other, "none, safe or all")),
+        };
+        Ok(Preparation { snap: self.snap, repair, strict: self.strict, fit: self.fit, sample: self.sample })
+    }
+
+    /// The kind of the surface.
+    pub fn kind(&self, py: Python<'_>) -> PyResult<SurfaceKind> {
+        let kinds = [SurfaceKind::Linear, SurfaceKind::Skeleton, SurfaceKind::Spline];
+        let found = kinds.into_iter().find(|kind| kind.name() == self.surface);
+        let found = found.ok_or_else(|| one_of(py, "surface", &self.surface, "linear, skeleton or spline"))?;
+        let linear = found == SurfaceKind::Linear;
+        let smooth = found == SurfaceKind::Spline;
+        let unused = [
+            (linear && self.resolution != 1.0, "resolution"),
+            (linear && !self.streams.is_empty(), "streams"),
+            (linear && !self.breaklines.is_empty(), "breaklines"),
+            (!smooth && self.tension.is_some(), "tension"),
+            (!smooth && self.noise.is_some(), "noise"),
+            (!smooth && !self.sinks.is_empty(), "sinks"),
+            (!smooth && self.drain != "safe", "drain"),
+        ];
+        match unused.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, name)) => Err(parameter(py, format!("{name} has no meaning for surface={:?}", self.surface))),
+            None => Ok(found),
+        }
+    }
+
+    /// The options of a terrain. `to_unit` is the unit of heights in them.
+    pub fn options(
+        &self,
+        py: Python<'_>,
+        grid: Option<GridSpec>,
+        triangles: Triangles,
+        to_unit: ElevationUnit,
+    ) -> PyResult<Options> {
+        let drain = match self.drain.as_str() {
+            "none" => Drain::None,
+            "safe" => Drain::Safe,
+            "all" => Drain::All,
+            other => return Err(one_of(py, "drain", other, "none, safe or all")),
+        };
+        if let Some(sea) = self.sea.filter(|sea| !sea.is_finite()) {
+            return Err(parameter(py, format!("sea is {sea}, which is no elevation")));
+        }
+        let preparation = self.preparation(py)?;
+        preparation.check().map_err(|error| exception(py, &error))?;
+        Ok(Options {
+            preparation,
+            kind: self.kind(py)?,
+            resolution: self.resolution,
+            tension: self.tension,
+            noise: self.noise,
+            sea: self.sea.map(|level| to_unit.metres(level)),
+            stream_tolerance: self.stream_tolerance,
+            base_fade: self.base_fade,
+            drain,
+            grid,
+            triangles,
+            uncertainty: if self.uncertainty { Uncertainty::Learnt } else { Uncertainty::Unknown },
+            memory: tokosen::cli::available_memory(),
+            ..Options::default()
+        })
+    }
+}
+
+/// The exception for a word that is none of those known.
+pub fn one_of(py: Python<'_>, name: &str, given: &str, known: &str) -> PyErr {
+    parameter(py, format!("{name} is {given:?}; it must be {known}"))
+}

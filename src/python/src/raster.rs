@@ -1,0 +1,179 @@
+//! Values on a grid of cells, as a numpy array with its place.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec2;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use tokosen::base::Grid;
+use tokosen::base::error::Finding;
+use tokosen::dem::Dem;
+use tokosen::draw::preview::height_map_picture;
+use tokosen::io::raster::{
+    DEM_EXTENSIONS, PngEncoding, Quantity, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, picture_bytes, read_dem,
+    write_raster, write_shade, write_with_errors,
+};
+use tokosen::io::{StagedOutput, check_paths};
+
+use crate::error::{exception, parameter};
+use crate::layer::crs_text;
+use crate::options::unit;
+use crate::source::crs;
+use crate::work::work;
+
+/// Values on a grid.
+#[pyclass(frozen, module = "tokosen._tokosen")]
+pub struct Raster {
+    grid: Grid,
+    crs: Option<tokosen::crs::Crs>,
+    quantity: Quantity,
+    #[pyo3(get)]
+    values: Py<PyArray2<f32>>,
+    #[pyo3(get)]
+    error: Option<Py<PyArray2<f32>>>,
+    /// What was noticed when it was read or made.
+    #[pyo3(get)]
+    notes: Vec<String>,
+}
+
+impl Raster {
+    /// A raster; its values are moved into an array of numpy.
+    pub fn new(
+        py: Python<'_>,
+        dem: Dem,
+        errors: Option<Vec<f32>>,
+        quantity: Quantity,
+        findings: &[Finding],
+    ) -> PyResult<Self> {
+        let Dem { grid, values, crs } = dem;
+        let array = |values: Vec<f32>| -> PyResult<Py<PyArray2<f32>>> {
+            Ok(PyArray1::from_vec(py, values).reshape([grid.rows, grid.cols])?.unbind())
+        };
+        let notes = findings.iter().map(|finding| finding.with_place_in_words().message).collect();
+        Ok(Self { grid, crs, quantity, values: array(values)?, error: errors.map(array).transpose()?, notes })
+    }
+
+    /// The cells.
+    pub fn grid(&self) -> (Grid, Option<tokosen::crs::Crs>) {
+        (self.grid, self.crs.clone())
+    }
+
+    /// The values in the library's form. They are copied.
+    pub fn dem(&self, py: Python<'_>) -> PyResult<Dem> {
+        Ok(Dem { grid: self.grid, values: copied(py, &self.values)?, crs: self.crs.clone() })
+    }
+}
+
+/// The values of an array, row by row.
+fn copied(py: Python<'_>, array: &Py<PyArray2<f32>>) -> PyResult<Vec<f32>> {
+    Ok(array.bind(py).try_readonly()?.as_array().iter().copied().collect())
+}
+
+#[pymethods]
+impl Raster {
+    /// A height map from an array (rows, columns), metres, north up; the transform is that of rasterio: (a, b, c, d, e, f).
+    #[staticmethod]
+    #[pyo3(signature = (values, transform, crs))]
+    fn from_array(
+        py: Python<'_>,
+        values: Bound<'_, PyArray2<f32>>,
+        transform: [f64; 6],
+        crs: Option<&str>,
+    ) -> PyResult<Self> {
+        let [width, skew_x, west, skew_y, height, north] = transform;
+        if !transform.iter().all(|v| v.is_finite()) || skew_x != 0.0 || skew_y != 0.0 || width <= 0.0 || height >= 0.0 {
+            let shown = transform.map(|v| v.to_string()).join(", ");
+            return Err(parameter(py, format!("the transform ({shown}) is not that of a grid with north up")));
+        }
+        let crs = self::crs(py, crs)?;
+        let values = values.try_readonly()?;
+        let values = values.as_array();
+        let (rows, cols) = values.dim();
+        if rows == 0 || cols == 0 {
+            return Err(parameter(py, "the height map has no cells"));
+        }
+        let grid = Grid { corner: DVec2::new(west, north), cell: DVec2::new(width, -height), cols, rows };
+        let values = values.iter().map(|v| if v.is_finite() { *v } else { f32::NAN }).collect();
+        Self::new(py, Dem { grid, values, crs }, None, Quantity::Height, &[])
+    }
+
+    /// A height map from a file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = py.detach(|| read_dem(&path)).map_err(|error| exception(py, &error))?;
+        Self::new(py, read.value.dem, None, Quantity::Height, &read.findings)
+    }
+
+    #[getter]
+    fn transform(&self) -> [f64; 6] {
+        let Grid { corner, cell, .. } = self.grid;
+        [cell.x, 0.0, corner.x, 0.0, -cell.y, corner.y]
+    }
+
+    #[getter]
+    fn crs(&self) -> Option<String> {
+        self.crs.as_ref().and_then(crs_text)
+    }
+
+    #[getter]
+    fn quantity(&self) -> &'static str {
+        self.quantity.name()
+    }
+
+    /// A picture of a height map, as PNG.
+    fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let dem = self.dem(py)?;
+        work(py, None, |_| picture_bytes(&height_map_picture(&dem, &[])?))
+    }
+
+    /// Writes the raster.
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        to_unit: &str,
+        cog: bool,
+        png_encoding: &str,
+        overwrite: bool,
+    ) -> PyResult<()> {
+        let png = match png_encoding {
+            "gray16" => PngEncoding::Gray16,
+            "gsi" => PngEncoding::Gsi,
+            "terrarium" => PngEncoding::Terrarium,
+            "mapbox" => PngEncoding::Mapbox,
+            other => return Err(parameter(py, format!("png_encoding is {other:?}: gray16, gsi, terrarium or mapbox"))),
+        };
+        let tiff = if cog { TiffLayout::CloudOptimized } else { TiffLayout::Plain };
+        let params = RasterParams { quantity: self.quantity, png, tiff, unit: unit(py, to_unit)? };
+        let dem = self.dem(py)?;
+        let errors = self.error.as_ref().map(|error| copied(py, error)).transpose()?;
+        let known = if errors.is_some() { TWO_BAND_EXTENSIONS.as_slice() } else { DEM_EXTENSIONS.as_slice() };
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if !known.contains(&extension.as_str()) {
+            let known: Vec<String> = known.iter().map(|e| format!(".{e}")).collect();
+            let what = if errors.is_some() { "height maps with standard errors" } else { "height maps" };
+            return Err(parameter(py, format!("{}: {what} are written as {}", path.display(), known.join(", "))));
+        }
+        py.detach(|| write(&path, &dem, errors.as_deref(), &params, overwrite)).map_err(|error| exception(py, &error))
+    }
+}
+
+fn write(
+    path: &Path,
+    dem: &Dem,
+    errors: Option<&[f32]>,
+    params: &RasterParams,
+    overwrite: bool,
+) -> tokosen::Result<()> {
+    check_paths(&[], &[path.into()], overwrite)?;
+    let staged = StagedOutput::create(path)?;
+    let is_picture = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let written = match (errors, params.quantity) {
+        (Some(errors), _) => write_with_errors(&staged.path(), dem, errors, params),
+        (None, Quantity::Shade) if is_picture => write_shade(&staged.path(), dem),
+        (None, _) => write_raster(&staged.path(), dem, params),
+    };
+    written.map_err(|error| staged.with_final_name(error))?;
+    staged.commit()?;
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! The ground between contours.
+
+use glam::DVec2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tokosen::base::ElevationUnit;
+use tokosen::base::error::{Finding, Severity};
+use tokosen::contour::{ContourLayer, Interval, distinct_levels};
+use tokosen::crs::FromWorking;
+use tokosen::io::layer::{
+    break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
+};
+use tokosen::io::raster::Quantity;
+use tokosen::mesh::MeshParams;
+use tokosen::slice::{LayerParams, Target, label_layers};
+use tokosen::surface::{Triangles, working_pits};
+use tokosen::terrain::HeightMap;
+use tokosen::{Input, Options};
+
+use crate::error::parameter;
+use crate::input::{Recipe, failed};
+use crate::layer::{Layer, crs_text};
+use crate::model::Model;
+use crate::options::{Cells, Given, unit};
+use crate::raster::Raster;
+use crate::source::{Source, crs};
+use crate::work::work;
+
+/// The ground between contours, and the findings about them.
+#[pyclass(frozen, module = "tokosen._tokosen")]
+pub struct Terrain {
+    pub terrain: tokosen::Terrain,
+    /// The name of the contours in messages.
+    pub name: std::path::PathBuf,
+}
+
+/// A finding for a warning: severity, code, message.
+pub type Warned = (&'static str, &'static str, String);
+
+/// Findings that are errors or warnings, with their places in the input's coordinates in the message.
+pub fn warned<'a>(findings: impl IntoIterator<Item = &'a Finding>, back: &FromWorking) -> Vec<Warned> {
+    let told = findings.into_iter().filter(|finding| finding.kind.severity() > Severity::Note);
+    told.map(|finding| {
+        let placed = Finding { place: finding.place.and_then(|p| back.place(p)), ..finding.clone() };
+        (finding.kind.severity().name(), finding.kind.code(), placed.with_place_in_words().message)
+    })
+    .collect()
+}
+
+/// Reads and builds a terrain.
+pub fn built(
+    recipe: &Recipe,
+    options: &Options,
+    progress: &dyn tokosen::base::progress::Progress,
+) -> tokosen::Result<tokosen::Terrain> {
+    let mut input: Input = recipe.contours(progress)?;
+    recipe.part(&mut input)?;
+    input.prepare(&options.preparation, progress)?;
+    recipe.base(&mut input, progress)?;
+    recipe.surface(&mut input)?;
+    tokosen::Terrain::build_with(&mut input, options, progress)
+}
+
+#[pymethods]
+impl Terrain {
+    /// Builds the surface. `cells` are those of the height map that will be asked for; `only_dem` leaves out what only contours
+    /// and models need.
+    #[staticmethod]
+    #[pyo3(signature = (contours, given, cells, to_unit, only_dem, progress))]
+    fn build(
+        py: Python<'_>,
+        contours: Vec<PyRef<'_, Source>>,
+        given: Given,
+        cells: Cells,
+        to_unit: &str,
+        only_dem: bool,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let triangles = if only_dem { Triangles::Reference } else { Triangles::Smooth };
+        let options = given.options(py, cells.spec(py)?, triangles, unit(py, to_unit)?)?;
+        let recipe = Recipe::new(py, &contours, &given)?;
+        let terrain = work(py, progress, |progress| built(&recipe, &options, progress))?;
+        Ok(Self { terrain, name: recipe.name() })
+    }
+
+    /// Contours at intervals, or at levels: a layer each, and a layer of labels behind each if the height of their text is given (0 for
+    /// the usual one).
+    #[pyo3(signature = (intervals, base, levels, to_crs, to_unit, index, simplify, keep_input, labels, progress))]
+    #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+    fn contours(
+        &self,
+        py: Python<'_>,
+        intervals: Vec<f64>,
+        base: f64,
+        levels: Option<Vec<f64>>,
+        to_crs: Option<&str>,
+        to_unit: &str,
+        index: u32,
+        simplify: Option<f64>,
+        keep_input: bool,
+        labels: Option<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<Layer>> {
+        if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
+            return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
+        }
+        if let Some(bad) = simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
+            return Err(parameter(py, format!("simplify is {bad}, it must be 0 or more")));
+        }
+        let targets: Vec<Target> = match levels {
+            Some(levels) => vec![Target::Levels(levels)],
+            None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
+        };
+        let unit = unit(py, to_unit)?;
+        let to_crs = crs(py, to_crs)?;
+        let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);
+        let params = LayerParams { targets, unit, index_every: index, simplify, keep_input, memory: None };
+        work(py, progress, |progress| {
+            let layers = self.terrain.contours_with(params, progress)?;
+            with_labels(&layers, labels, self.terrain.surface.frame.extent(), unit, &back)
+        })
+    }
+
+    /// A height map, with standard errors if the terrain has them.
+    #[pyo3(signature = (cells, progress))]
+    fn dem(&self, py: Python<'_>, cells: Cells, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Raster> {
+        let grid = cells.needed(py)?;
+        let report = work(py, progress, |progress| self.terrain.height_map(&grid, progress))?;
+        let HeightMap { dem, errors, .. } = report.value;
+        Raster::new(py, dem, errors, Quantity::Height, &report.findings)
+    }
+
+    /// A 3-D model; a solid if the height of its bottom is given.
+    #[pyo3(signature = (base, progress))]
+    fn mesh(&self, py: Python<'_>, base: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Model> {
+        work(py, progress, |_| self.terrain.mesh(&MeshParams { base })).map(Model)
+    }
+
+    /// The pits that are left in the smooth surface or, if cells are given, in the height map of these cells.
+    #[pyo3(signature = (cells, progress))]
+    fn pits(&self, py: Python<'_>, cells: Cells, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Layer> {
+        let grid = cells.spec(py)?;
+        work(py, progress, |progress| {
+            let pits = match &grid {
+                Some(grid) => self.terrain.pits_of(&self.terrain.dem_with(grid, progress)?, grid)?,
+                None => working_pits(&self.terrain.surface).unwrap_or_default(),
+            };
+            one(Layer::all(&[pit_points(&pits)], &self.terrain.to_output(None)?))
+        })
+    }
+
+    /// The streams as they are used.
+    fn streams(&self, py: Python<'_>) -> PyResult<Layer> {
+        failed(py, self.layer(stream_lines(&self.terrain.surface.streams)))
+    }
+
+    /// The break lines as they are used.
+    fn breaklines(&self, py: Python<'_>) -> PyResult<Layer> {
+        failed(py, self.layer(break_lines(&self.terrain.surface.creases)))
+    }
+
+    /// The findings about the input.
+    fn findings(&self, py: Python<'_>) -> PyResult<Layer> {
+        failed(py, self.layer(of_findings(&self.terrain.findings)))
+    }
+
+    /// The findings about inputs that contradict each other.
+    fn conflicts(&self, py: Python<'_>) -> PyResult<Layer> {
+        failed(py, self.layer(of_conflicts(&self.terrain.findings)))
+    }
+
+    /// The errors and warnings among the findings.
+    fn warned(&self, py: Python<'_>) -> PyResult<Vec<Warned>> {
+        Ok(warned(&self.terrain.findings, &failed(py, self.terrain.to_output(None))?))
+    }
+
+    /// Figures about the contours and the surface.
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let surface = &self.terrain.surface;
+        let levels = distinct_levels(&surface.map.contours);
+        let figures = PyDict::new(py);
+        figures.set_item("lines", surface.map.contours.len())?;
+        figures.set_item("vertices", surface.map.vertex_count())?;
+        figures.set_item("levels", (levels.first(), levels.last(), levels.len()))?;
+        figures.set_item("interval", surface.interval.step)?;
+        figures.set_item("crs", self.terrain.reprojection.input_crs().and_then(crs_text))?;
+        figures.set_item("work_crs", self.terrain.reprojection.working_crs().and_then(crs_text))?;
+        let implied = surface.chosen.as_ref().and_then(|chosen| chosen.implied.as_ref());
+        figures.set_item("accuracy", implied.map(|accuracy| (accuracy.rmse, accuracy.le90)))?;
+        Ok(figures)
+    }
+
+    /// A picture of the terrain with its contours, as PNG.
+    fn picture(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        work(py, None, |_| {
+            let lines = self.terrain.input_contours()?.lines;
+            let picture = tokosen::draw::preview::picture(&self.terrain.surface, &lines, &self.terrain.reprojection)?;
+            tokosen::io::raster::picture_bytes(&picture)
+        })
+    }
+}
+
+impl Terrain {
+    fn layer(&self, layer: tokosen::io::layer::Layer<'_>) -> tokosen::Result<Layer> {
+        one(Layer::all(&[layer], &self.terrain.to_output(None)?))
+    }
+}
+
+/// Layers of contours, each followed by that of its labels if there are any. `labels` is the height of their text, map units;
+/// 0 for the usual one.
+pub fn with_labels(
+    layers: &[ContourLayer],
+    labels: Option<f64>,
+    extent: (DVec2, DVec2),
+    unit: ElevationUnit,
+    back: &FromWorking,
+) -> tokosen::Result<Vec<Layer>> {
+    let height = labels.map(|height| (height != 0.0).then_some(height));
+    let mut placed = height.map(|height| label_layers(layers, height, extent, unit)).transpose()?.map(Vec::into_iter);
+    let mut all = Vec::new();
+    for layer in layers {
+        all.extend(Layer::all(&[of_contours(layer)], back)?);
+        if let Some(labels) = placed.as_mut().and_then(Iterator::next) {
+            let name = labels_layer(&layer.name, layers.len() == 1);
+            all.extend(Layer::all(&[of_labels(&name, &labels, back)], back)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The only layer of several.
+pub fn one(layers: tokosen::Result<Vec<Layer>>) -> tokosen::Result<Layer> {
+    layers?.pop().ok_or_else(|| tokosen::Error::Data("there is no layer".into()))
+}

@@ -1,0 +1,259 @@
+//! What needs no surface: the check of contours, sub-domains, ridge and canyon lines, contours of a height map, and what is
+//! derived from one.
+
+use glam::DVec2;
+use pyo3::prelude::*;
+use tokosen::base::Grid;
+use tokosen::contour::Interval;
+use tokosen::crs::Reprojection;
+use tokosen::dem::GroundScale;
+use tokosen::dem::contour::{ContourParams, contours};
+use tokosen::dem::derive::{
+    HeightsFrom, SteepParams, aspect, catchment_parts, catchments, check as check_dem, flow_accumulation,
+    flow_directions, shade, slope, steep, steep_note,
+};
+use tokosen::dem::shade::{Light, ShadeParams};
+use tokosen::io::layer::{of_catchments, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
+use tokosen::io::raster::Quantity;
+use tokosen::skeleton::skeleton as skeleton_of;
+use tokosen::slice::Target;
+use tokosen::subdomains::landforms;
+use tokosen::surface::Triangles;
+use tokosen::terrain::{all_right, check_json};
+use tokosen::tuning::SkeletonTuning;
+
+use crate::error::parameter;
+use crate::input::{Recipe, failed};
+use crate::layer::Layer;
+use crate::options::{Given, unit};
+use crate::raster::Raster;
+use crate::source::{Source, crs};
+use crate::terrain::{Warned, one, warned, with_labels};
+use crate::work::work;
+
+/// A check: the findings, their description as JSON, the repaired contours and spot heights, what to warn of.
+type Checked = (Layer, String, Vec<Layer>, Vec<Warned>);
+
+/// Checks contours, and compares lakes, streams and break lines with them.
+#[pyfunction]
+#[pyo3(signature = (contours, given, to_crs, to_unit, progress))]
+pub fn check(
+    py: Python<'_>,
+    contours: Vec<PyRef<'_, Source>>,
+    given: Given,
+    to_crs: Option<&str>,
+    to_unit: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Checked> {
+    let unit = unit(py, to_unit)?;
+    let options = given.options(py, None, Triangles::Reference, unit)?;
+    let recipe = Recipe::new(py, &contours, &given)?;
+    let to_crs = crs(py, to_crs)?;
+    let strict = given.strict;
+    work(py, progress, |progress| {
+        let mut input = recipe.contours(progress)?;
+        input.clean(&options.preparation, progress)?;
+        let back = input.reprojection.from_working(to_crs.as_ref())?;
+        let map = input.map.clone();
+        recipe.water(&mut input)?;
+        recipe.streams(&mut input)?;
+        recipe.breaklines(&mut input)?;
+        let judged = input.judge(&options, progress)?;
+        input.findings.sort_by_key(|finding| (std::cmp::Reverse(finding.kind.severity()), finding.kind));
+        if strict {
+            all_right(&input.name(), &input.findings)?;
+        }
+        let findings = one(Layer::all(&[of_findings(&input.findings)], &back))?;
+        let json = check_json(&input, &judged).to_string();
+        let layers = [of_map(&map), of_spots(&map)];
+        let some = if map.spots.is_empty() { &layers[..1] } else { &layers[..] };
+        let repaired = Layer::all(some, &back.clone().with_heights_in(unit))?;
+        let warned = warned(&input.findings, &input.reprojection.from_working(None)?);
+        Ok((findings, json, repaired, warned))
+    })
+}
+
+/// The sub-domains between contours as areas, and what to warn of.
+#[pyfunction]
+#[pyo3(signature = (contours, given, to_crs, to_unit, progress))]
+pub fn regions(
+    py: Python<'_>,
+    contours: Vec<PyRef<'_, Source>>,
+    given: Given,
+    to_crs: Option<&str>,
+    to_unit: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Layer, Vec<Warned>)> {
+    let unit = unit(py, to_unit)?;
+    let options = given.options(py, None, Triangles::Reference, unit)?;
+    let recipe = Recipe::new(py, &contours, &given)?;
+    let to_crs = crs(py, to_crs)?;
+    work(py, progress, |progress| {
+        let mut input = recipe.contours(progress)?;
+        input.prepare(&options.preparation, progress)?;
+        recipe.frame(&mut input)?;
+        recipe.water(&mut input)?;
+        let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
+        let subdivision = input.subdivide(options.sea, progress)?;
+        let forms = landforms(&subdivision.tin, &subdivision.regions);
+        let layer = one(Layer::all(&[of_landforms(&forms, &subdivision.tin, &subdivision.regions)], &back))?;
+        Ok((layer, warned(&input.findings, &input.reprojection.from_working(None)?)))
+    })
+}
+
+/// Ridge and canyon lines, and what to warn of.
+#[pyfunction]
+#[pyo3(signature = (contours, given, to_crs, to_unit, progress))]
+pub fn skeleton(
+    py: Python<'_>,
+    contours: Vec<PyRef<'_, Source>>,
+    given: Given,
+    to_crs: Option<&str>,
+    to_unit: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Layer, Vec<Warned>)> {
+    let resolution = given.resolution;
+    if !resolution.is_finite() || resolution < 0.0 {
+        return Err(parameter(py, format!("resolution is {resolution}, it must be 0 or more")));
+    }
+    let unit = unit(py, to_unit)?;
+    let options = given.options(py, None, Triangles::Reference, unit)?;
+    let recipe = Recipe::new(py, &contours, &given)?;
+    let to_crs = crs(py, to_crs)?;
+    work(py, progress, |progress| {
+        let mut input = recipe.contours(progress)?;
+        input.prepare(&options.preparation, progress)?;
+        let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
+        recipe.frame(&mut input)?;
+        recipe.water(&mut input)?;
+        recipe.streams(&mut input)?;
+        let subdivision = input.subdivide(options.sea, progress)?;
+        let streams = input.settle_streams(&subdivision, options.stream_tolerance, progress)?;
+        progress.start("ridge and canyon lines", 0);
+        let found = skeleton_of(&subdivision.tin, &subdivision.regions, resolution, &SkeletonTuning::default());
+        progress.finish();
+        let layer = one(Layer::all(&[skeleton_lines(&found, &streams)], &back))?;
+        Ok((layer, warned(&input.findings, &input.reprojection.from_working(None)?)))
+    })
+}
+
+/// Contours of a height map, as those of a terrain.
+#[pyfunction]
+#[pyo3(signature = (dem, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, progress))]
+#[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
+pub fn contour(
+    py: Python<'_>,
+    dem: &Raster,
+    intervals: Vec<f64>,
+    base: f64,
+    levels: Option<Vec<f64>>,
+    to_crs: Option<&str>,
+    to_unit: &str,
+    index: u32,
+    tolerance: Option<f64>,
+    smooth: Option<f64>,
+    labels: Option<f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Layer>> {
+    if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
+        return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
+    }
+    for (name, value) in [("tolerance", tolerance), ("smooth", smooth)] {
+        if let Some(bad) = value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return Err(parameter(py, format!("{name} is {bad}, it must be 0 or more")));
+        }
+    }
+    let targets: Vec<Target> = match levels {
+        Some(levels) => vec![Target::Levels(levels)],
+        None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
+    };
+    let unit = unit(py, to_unit)?;
+    let to_crs = crs(py, to_crs)?;
+    let dem = dem.dem(py)?;
+    let memory = tokosen::cli::available_memory();
+    let params = ContourParams { targets, unit, index_every: index, tolerance, smooth, memory };
+    work(py, progress, |progress| {
+        let back = Reprojection::unmoved(dem.crs.clone()).from_working(to_crs.as_ref())?.with_heights_in(unit);
+        let found = contours(&dem, &params, progress)?;
+        let Grid { corner, cell, cols, rows } = dem.grid;
+        let opposite = corner + cell * DVec2::new(cols as f64, -(rows as f64));
+        with_labels(&found.layers, labels, (corner.min(opposite), corner.max(opposite)), unit, &back)
+    })
+}
+
+/// What is derived from a height map.
+#[derive(IntoPyObject)]
+pub enum Derived {
+    Raster(Raster),
+    Layer(Layer),
+}
+
+/// Derives a raster or areas from a height map. `numbers` are those of the light: azimuth, altitude, factor on heights; and
+/// those of steep places: angle, height.
+#[pyfunction]
+#[pyo3(signature = (dem, what, multidirectional, numbers, interval, progress))]
+pub fn derive(
+    py: Python<'_>,
+    dem: &Raster,
+    what: &str,
+    multidirectional: bool,
+    numbers: [f64; 5],
+    interval: Option<f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Derived> {
+    let [azimuth, altitude, z_factor, angle, height] = numbers;
+    let ranges = [
+        ("azimuth", azimuth, 0.0..=360.0),
+        ("altitude", altitude, 0.0..=90.0),
+        ("z_factor", z_factor, f64::MIN_POSITIVE..=f64::MAX),
+        ("steep_angle", angle, f64::MIN_POSITIVE..=90.0),
+        ("steep_height", height, 0.0..=10_000.0),
+    ];
+    if let Some((name, value, range)) = ranges.iter().find(|(_, value, range)| !range.contains(value)) {
+        return Err(parameter(py, format!("{name} is {value}, it must be from {} to {}", range.start(), range.end())));
+    }
+    let dem = dem.dem(py)?;
+    failed(py, check_dem(&dem))?;
+    let scale = GroundScale::of(&dem);
+    let light = match multidirectional {
+        true => ShadeParams::multidirectional(altitude),
+        false => ShadeParams { lights: vec![Light { azimuth, altitude, weight: 1.0 }], ..ShadeParams::default() },
+    };
+    let light = ShadeParams { exaggeration: z_factor, ..light };
+    let raster = |quantity, make: &(dyn Fn() -> tokosen::Result<tokosen::dem::Dem> + Sync)| {
+        let made = work(py, progress, |progress| {
+            progress.start("deriving", 0);
+            make()
+        })?;
+        Raster::new(py, made, None, quantity, &[]).map(Derived::Raster)
+    };
+    match what {
+        "slope" => raster(Quantity::Slope, &|| Ok(slope(&dem, &scale))),
+        "aspect" => raster(Quantity::Aspect, &|| Ok(aspect(&dem, &scale))),
+        "hillshade" => raster(Quantity::Shade, &|| Ok(shade(&dem, &light, &scale))),
+        "flow_direction" => raster(Quantity::FlowDirection, &|| Ok(flow_directions(&dem, &scale)?.raster())),
+        "flow_accumulation" => {
+            raster(Quantity::FlowAccumulation, &|| Ok(flow_accumulation(&flow_directions(&dem, &scale)?)))
+        }
+        "steep" => {
+            let source = interval.map_or(HeightsFrom::HeightMap, |step| HeightsFrom::Contours(Some(step)));
+            let note = steep_note(source, height);
+            let params = SteepParams { angle, height };
+            let layer = work(py, progress, |_| {
+                Layer::new(&steep_areas(&steep(&dem, &scale, &params)?, &note), dem.crs.as_ref())
+            })?;
+            Ok(Derived::Layer(layer))
+        }
+        "catchments" => {
+            let layer = work(py, progress, |_| {
+                let found = catchments(&flow_directions(&dem, &scale)?);
+                Layer::new(&of_catchments(&catchment_parts(&found, &scale)), dem.crs.as_ref())
+            })?;
+            Ok(Derived::Layer(layer))
+        }
+        other => {
+            let known = "slope, aspect, hillshade, flow_direction, flow_accumulation, steep or catchments";
+            Err(crate::options::one_of(py, "what", other, known))
+        }
+    }
+}

@@ -1,0 +1,90 @@
+"""The forms of results: Arrow, numpy, geopandas, xarray."""
+
+import geopandas
+import numpy as np
+import pyarrow
+import pytest
+
+import tokosen
+from conftest import SAMPLES
+
+REAL = SAMPLES / "caryville_20m.gpkg"
+
+
+def test_coordinates_are_shared_not_copied():
+    lines = tokosen.densify(REAL, 10)
+    table = pyarrow.table(lines)
+    vertices = table["geometry"].chunk(0).values.values
+    address = vertices.buffers()[1].address
+    assert lines.coords.__array_interface__["data"][0] == address == lines.coords.__array_interface__["data"][0]
+    assert not lines.coords.flags.writeable
+    assert lines.offsets[0][-1] == len(lines.coords) and len(lines.offsets[0]) == len(lines) + 1
+
+
+def test_arrow_tables_are_read_by_geopandas():
+    faulty = (tokosen.densify(REAL, 10).coords[:30, :2], [0, 10, 20, 30], [20.0, 60.0, 20.0], 6677)
+    findings = tokosen.check(faulty).findings
+    assert len(findings)
+    for layer in (tokosen.densify(REAL, 10), tokosen.regions(REAL), findings):
+        frame = geopandas.GeoDataFrame.from_arrow(pyarrow.table(layer))
+        own = layer.to_geopandas()
+        assert frame.geometry.to_wkb().equals(own.geometry.to_wkb())
+        assert [column for column in frame if column != "geometry"] == layer.columns
+        assert frame.crs == own.crs and (frame.crs is not None or layer.crs is None)
+
+
+def test_the_form_follows_the_contours_unless_it_is_named():
+    frame = geopandas.read_file(REAL)
+    assert isinstance(tokosen.densify(frame, 10), geopandas.GeoDataFrame)
+    assert isinstance(tokosen.densify(frame, 10, output="layer"), tokosen.Layer)
+    assert isinstance(tokosen.densify(REAL, 10), tokosen.Layer)
+    with pytest.raises(ValueError, match="output"):
+        tokosen.densify(frame, 10, output="table")
+    back = tokosen.densify(tokosen.densify(frame, 10), 5)
+    assert len(back) > len(frame) and back.crs == frame.crs
+
+
+def test_heights_are_the_array_itself():
+    dem = tokosen.dem(REAL, 60, uncertainty=True)
+    assert dem.values is dem.values and dem.values.flags.c_contiguous and dem.values.dtype == np.float32
+    assert np.shares_memory(np.asarray(dem), dem.values) and np.shares_memory(dem.to_xarray().values, dem.values)
+    assert dem.error.shape == dem.values.shape and np.nanmin(dem.error) >= 0
+    rows, columns = dem.shape
+    west, south, east, north = dem.bounds
+    assert np.isclose(east - west, 60 * columns) and np.isclose(north - south, 60 * rows)
+
+
+def test_xarray_goes_both_ways():
+    dem = tokosen.dem(REAL, 60)
+    array = dem.to_xarray()
+    again = tokosen.derive(array, "slope")
+    assert again.transform == dem.transform and again.crs == dem.crs
+    turned = array.sortby("y")
+    assert np.array_equal(tokosen.derive(turned, "slope").values, again.values, equal_nan=True)
+
+
+def test_files_of_rasterio_and_pyogrio_agree(tmp_path):
+    rasterio = pytest.importorskip("rasterio")
+    dem = tokosen.dem(REAL, 60, uncertainty=True)
+    dem.to_file(tmp_path / "d.tif", cog=True)
+    with rasterio.open(tmp_path / "d.tif") as file:
+        assert tuple(file.transform)[:6] == dem.transform
+        assert np.array_equal(file.read(1, masked=True).filled(np.nan), dem.values, equal_nan=True)
+        assert file.crs.to_epsg() == dem.crs.to_epsg()
+        assert file.count == 2
+    tokosen.densify(REAL, 10).to_file(tmp_path / "l.gpkg")
+    assert len(geopandas.read_file(tmp_path / "l.gpkg")) == len(tokosen.densify(REAL, 10))
+
+
+def test_units_and_systems_of_results():
+    metres = tokosen.densify(tokosen.example(), 5)
+    feet = tokosen.densify(tokosen.example(), 20, to_unit="ft")
+    assert np.allclose(np.asarray(feet["elev"])[np.asarray(feet["source"]) == "interpolated"] % 20, 0)
+    degrees = tokosen.densify(tokosen.example(), 5, to_crs=6668)
+    assert degrees.crs.to_epsg() == 6668 and np.all(np.abs(degrees.coords[:, 1]) < 90) and len(degrees) == len(metres)
+
+
+def test_a_base_in_memory_fills_around_the_contours():
+    base = (np.full((100, 100), 5, dtype=np.float32), (20, 0, -1000, 0, -20, 1000), "EPSG:6677")
+    dem = tokosen.dem(tokosen.example(), 20, base=base)
+    assert dem.shape == (100, 100) and np.isfinite(dem.values).all()

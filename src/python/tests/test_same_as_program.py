@@ -1,0 +1,155 @@
+"""Results are those of the program, bit for bit: from files, from frames, from arrays, from Arrow, from GeoJSON."""
+
+import geopandas
+import numpy as np
+import pyarrow
+import pyogrio
+import pytest
+import shapely
+
+import tokosen
+from conftest import SAMPLES
+
+# Sample, interval, cell.
+REAL = ("caryville_20m.gpkg", 10, 30)
+
+
+def cases():
+    drawn = [(path.name, 2.5, 3) for path in sorted(SAMPLES.glob("*.geojson"))]
+    assert len(drawn) >= 10
+    return [REAL, *drawn]
+
+
+def read(path):
+    frame = geopandas.read_file(path)
+    return frame[frame.geometry.geom_type.isin(["LineString", "MultiLineString"])].reset_index(drop=True)
+
+
+def elevations_of(frame):
+    name = next(name for name in ("elev", "ELEV", "elevation", "z") if name in frame)
+    return frame[name].to_numpy(dtype=float)
+
+
+def arrays(frame):
+    lines = frame.geometry.array
+    _, coords, offsets = shapely.to_ragged_array(shapely.force_2d(lines))
+    return coords, offsets[0], elevations_of(frame), frame.crs
+
+
+def forms(path):
+    """The same contours in all forms."""
+    frame = read(path)
+    yield "file", path
+    yield "frame", frame
+    if (frame.geometry.geom_type == "LineString").all():
+        yield "arrays", arrays(frame)
+    yield "arrow", pyarrow.table(frame.to_arrow(geometry_encoding="geoarrow"))
+    yield "arrow with WKB", pyarrow.table(frame.to_arrow(geometry_encoding="WKB"))
+
+
+def numbers(layer):
+    """All coordinates and elevations of lines."""
+    if isinstance(layer, tokosen.Layer):
+        return layer.coords, np.asarray(layer["elev"])
+    _, coords, _ = shapely.to_ragged_array(layer.geometry.array)
+    return coords, layer["elev"].to_numpy()
+
+
+@pytest.mark.parametrize(("name", "interval", "cell"), cases())
+def test_contours_and_heights_are_those_of_the_program(name, interval, cell, program, tmp_path):
+    path = SAMPLES / name
+    program("densify", path, "-i", interval, "-o", "lines.gpkg", "-q")
+    program("dem", path, "--cell", cell, "-o", "dem.tif", "-q")
+    wanted = numbers(pyogrio.read_dataframe(tmp_path / "lines.gpkg"))
+    heights = tokosen.Dem.read(tmp_path / "dem.tif")
+    count = 0
+    for form, contours in forms(path):
+        found = numbers(tokosen.densify(contours, interval, output="layer"))
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(found, wanted)), form
+        dem = tokosen.dem(contours, cell)
+        assert dem.values.tobytes() == heights.values.tobytes() and dem.transform == heights.transform, form
+        count += 1
+    assert count >= 4
+
+
+def test_files_have_the_bytes_of_the_program(program, tmp_path):
+    path = SAMPLES / REAL[0]
+    program("dem", path, "--cell", 60, "--uncertainty", "-o", "a.tif", "-q")
+    tokosen.dem(path, 60, uncertainty=True).to_file(tmp_path / "b.tif")
+    assert (tmp_path / "a.tif").read_bytes() == (tmp_path / "b.tif").read_bytes()
+    program("densify", path, "-i", 10, "-o", "a.geojson", "-q")
+    tokosen.densify(path, 10).to_file(tmp_path / "b.geojson")
+    assert (tmp_path / "a.geojson").read_text() == (tmp_path / "b.geojson").read_text()
+
+
+def test_other_layers_are_those_of_the_program(program, tmp_path):
+    path = SAMPLES / REAL[0]
+    for verb, make in (("regions", tokosen.regions), ("skeleton", tokosen.skeleton)):
+        program(verb, path, "-o", f"{verb}.gpkg", "-q")
+        wanted = geopandas.read_file(tmp_path / f"{verb}.gpkg")
+        found = make(path, output="geopandas")
+        assert list(found.columns) == list(wanted.columns) and len(found) == len(wanted) > 10
+        assert found.geometry.to_wkb().equals(wanted.geometry.to_wkb())
+        for column in wanted.columns.drop("geometry"):
+            assert found[column].astype(object).where(found[column].notna(), None).equals(
+                wanted[column].astype(object).where(wanted[column].notna(), None)
+            ), (verb, column)
+
+
+def test_a_terrain_that_is_asked_twice_gives_what_functions_give():
+    path = SAMPLES / REAL[0]
+    terrain = tokosen.Terrain(path)
+    ten, five = terrain.contours([10, 5])
+    assert numbers(ten)[0].tobytes() == numbers(tokosen.densify(path, 10))[0].tobytes()
+    assert len(five) > len(ten)
+    assert terrain.skeleton().coords.tobytes() == tokosen.skeleton(path).coords.tobytes()
+    assert terrain.regions().coords.tobytes() == tokosen.regions(path).coords.tobytes()
+
+
+def test_contours_of_a_height_map_and_what_is_derived_are_those_of_the_program(program, tmp_path):
+    truth = SAMPLES / "caryville_20m_truth.tif"
+    program("contour", truth, "-i", 20, "-o", "c.gpkg", "-q")
+    wanted = numbers(pyogrio.read_dataframe(tmp_path / "c.gpkg"))
+    dem = tokosen.Dem.read(truth)
+    for given in (truth, dem, dem.to_xarray(), (dem.values, dem.transform, dem.crs)):
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(numbers(tokosen.contour(given, 20)), wanted))
+    flags = "slope aspect hillshade flow-direction flow-accumulation".split()
+    outputs = [part for flag in flags for part in (f"--{flag}", f"{flag}.tif")]
+    program("derive", truth, *outputs, "--steep", "steep.gpkg", "-q")
+    for flag in flags:
+        made = tokosen.derive(dem, flag.replace("-", "_"))
+        made.to_file(tmp_path / f"own_{flag}.tif")
+        assert (tmp_path / f"own_{flag}.tif").read_bytes() == (tmp_path / f"{flag}.tif").read_bytes(), flag
+    steep = tokosen.derive(dem, "steep", output="geopandas")
+    assert steep.geometry.to_wkb().equals(geopandas.read_file(tmp_path / "steep.gpkg").geometry.to_wkb())
+
+
+def test_a_comparison_has_the_figures_of_the_program(program):
+    import json
+
+    path, truth = SAMPLES / REAL[0], SAMPLES / "caryville_20m_truth.tif"
+    wanted = json.loads(program("compare", path, truth, "--json", "-q").stdout)
+    found = tokosen.compare(path, truth).figures
+    assert found["overall"] == wanted["overall"] and found["size"] == wanted["size"]
+
+
+def test_other_inputs_count_as_in_the_program(program, tmp_path):
+    path = SAMPLES / REAL[0]
+    frame = read(path)
+    lake = frame.geometry.iloc[len(frame) // 2].centroid.buffer(60)
+    lakes = geopandas.GeoDataFrame(geometry=[lake], crs=frame.crs)
+    lakes.to_file(tmp_path / "lakes.gpkg")
+    west, south, east, north = frame.total_bounds
+    line = shapely.LineString([(west, south), (east, north)])
+    streams = geopandas.GeoDataFrame(geometry=[line], crs=frame.crs)
+    streams.to_file(tmp_path / "streams.gpkg")
+    middle = shapely.Point((west + east) / 2, (south + north) / 2).buffer(300)
+    clip = geopandas.GeoSeries([middle], crs=frame.crs)
+    geopandas.GeoDataFrame(geometry=clip).to_file(tmp_path / "clip.gpkg")
+    flags = "--water lakes.gpkg --streams streams.gpkg --clip clip.gpkg --drain all".split()
+    program("dem", path, "--cell", 30, "-o", "d.tif", "-q", *flags)
+    wanted = tokosen.Dem.read(tmp_path / "d.tif")
+    found = tokosen.dem(frame, 30, water=lakes, streams=streams, clip=clip, drain="all")
+    assert found.values.tobytes() == wanted.values.tobytes()
+    plain = tokosen.dem(frame, 30, clip=clip)
+    assert plain.values.tobytes() != wanted.values.tobytes()

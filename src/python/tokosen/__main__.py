@@ -1,0 +1,5 @@
+"""`python -m tokosen`: the program."""
+
+from tokosen._program import main
+
+main()

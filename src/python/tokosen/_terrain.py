@@ -1,0 +1,349 @@
+"""The ground between contours."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, Unpack
+
+import numpy as np
+
+from tokosen import _tokosen
+from tokosen._crs import crs_text
+from tokosen._dem import Dem
+from tokosen._html import page
+from tokosen._layers import Layer, Output, shaped
+from tokosen._options import RegionOptions, SkeletonOptions, SurfaceOptions, Unit, cells, options
+from tokosen._sources import is_frame, sources
+from tokosen._work import Progress, reporting, warn_of
+
+
+class Mesh:
+    """A 3-D model: triangles in space.
+
+    >>> model = tokosen.Terrain(tokosen.example()).mesh(0)
+    >>> model.is_solid, model.vertices.shape[1], model.triangles.shape[1]
+    (True, 3, 3)
+    """
+
+    def __init__(self, model: _tokosen.Model) -> None:
+        self._model = model
+
+    @property
+    def vertices(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """The vertices (n, 3): x, y and height, map coordinates. A new array each time."""
+        return self._model.vertices()
+
+    @property
+    def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
+        """The triangles (n, 3): indices of vertices, counter-clockwise seen from above. A new array each time."""
+        return self._model.triangles()
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether it is closed by a flat bottom."""
+        return self._model.is_solid
+
+    def to_file(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+        """Writes the model: .ply, .obj or .glb.
+
+        >>> tokosen.Terrain(tokosen.example()).mesh(0).to_file(folder / "hill.ply")
+        """
+        self._model.write(os.fspath(path), overwrite)
+
+    def __repr__(self) -> str:
+        kind = "solid" if self.is_solid else "shell"
+        return f"<Mesh {kind}, {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
+
+
+class Terrain:
+    """The surface between contours: built once, asked often.
+
+    `contours` are a path or a list of paths, a GeoDataFrame, an Arrow table with GeoArrow geometries, an object with
+    `__geo_interface__`, or ragged arrays `(coords, offsets, elevations, crs)`: line k has the coordinates from `offsets[k]` to
+    before `offsets[k + 1]`.
+
+    `cell`, `cell_degrees` or `like` are the cells of the height map that will be asked for. Then the smooth surface has its nodes
+    at their centres, as that of the program. With `uncertainty`, standard errors are estimated. `to_unit` is the unit of heights
+    in arguments. `progress` is a function (step, share), or True for bars of tqdm. All other arguments are in `SurfaceOptions`.
+
+    Findings about the input that may make the result wrong are warnings (`FindingWarning`); all are in `findings`.
+
+    >>> terrain = tokosen.Terrain(tokosen.example())
+    >>> terrain
+    <Terrain of 4 lines at 4 levels from 10 to 40 m, interval 10 m>
+    >>> [len(layer) for layer in terrain.contours([5, 2])]
+    [7, 18]
+    >>> terrain.dem(cell=10).shape
+    (60, 60)
+    """
+
+    def __init__(
+        self,
+        contours: Any,
+        *,
+        cell: float | None = None,
+        cell_degrees: float | None = None,
+        like: Any = None,
+        uncertainty: bool = False,
+        to_unit: Unit = "m",
+        progress: Progress = None,
+        **given: Unpack[SurfaceOptions],
+    ) -> None:
+        grid = cells(cell, cell_degrees, like, None)
+        self._build(contours, grid, uncertainty, to_unit, False, progress, given)
+
+    def _build(
+        self,
+        contours: Any,
+        grid: dict[str, Any],
+        uncertainty: bool,
+        to_unit: Unit,
+        only_dem: bool,
+        progress: Progress,
+        given: Any,
+    ) -> None:
+        self._of_frame = is_frame(contours)
+        self._given = dict(given)
+        self._contours = sources("contours", contours)
+        self._to_unit: Unit = to_unit
+        found = options(given, SurfaceOptions, uncertainty)
+        with reporting(progress) as report:
+            self._terrain = _tokosen.Terrain.build(self._contours, found, grid, to_unit, only_dem, report)
+        warn_of(self._terrain.warned(), stacklevel=5)
+
+    def contours(
+        self,
+        interval: float | Sequence[float] | None = None,
+        *,
+        levels: Sequence[float] | None = None,
+        base_level: float = 0.0,
+        to_crs: Any = None,
+        to_unit: Unit | None = None,
+        index: int = 5,
+        simplify: float | None = None,
+        keep_input: bool = False,
+        output: Output = None,
+        progress: Progress = None,
+    ) -> Any:
+        """The contours of the input, unchanged, with new ones between them.
+
+        `interval` is one interval, or several: then the result is a list. `levels` are single elevations instead. `base_level` is the
+        offset of the levels. One level in `index` is an index contour. `simplify` is the largest distance between a new contour
+        and its course with fewer vertices (1 % of the mean spacing of the contours); 0 keeps all. The attributes are elev, source
+        (input or interpolated), is_index, depression and closed; with `uncertainty` also err_v, err_h and inferred.
+
+        >>> lines = tokosen.Terrain(tokosen.example()).contours(5)
+        >>> sorted(set(lines["source"]))
+        ['input', 'interpolated']
+        """
+        found = self._lines(interval, levels, base_level, to_crs, to_unit, index, simplify, keep_input, None, progress)
+        layers = [shaped(layer, output, self._of_frame) for layer in found]
+        return layers if isinstance(interval, Sequence) else layers[0]
+
+    def labels(
+        self,
+        interval: float,
+        *,
+        height: float | None = None,
+        base_level: float = 0.0,
+        to_crs: Any = None,
+        to_unit: Unit | None = None,
+        index: int = 5,
+        output: Output = None,
+        progress: Progress = None,
+    ) -> Any:
+        """Labels of the index contours of an interval: points with text, elev, angle (degrees counter-clockwise) and height.
+
+        `height` is that of the text, map units (a 250th of the map's longer side).
+
+        >>> tokosen.Terrain(tokosen.example()).labels(2)["text"][0]
+        '10'
+        """
+        size = 0.0 if height is None else float(height)
+        if height is not None and not size > 0:
+            raise _parameter_error(f"height is {height}, it must be more than 0")
+        found = self._lines(interval, None, base_level, to_crs, to_unit, index, None, False, size, progress)
+        return shaped(found[1], output, self._of_frame)
+
+    def _lines(
+        self,
+        interval: float | Sequence[float] | None,
+        levels: Sequence[float] | None,
+        base_level: float,
+        to_crs: Any,
+        to_unit: Unit | None,
+        index: int,
+        simplify: float | None,
+        keep_input: bool,
+        labels: float | None,
+        progress: Progress,
+    ) -> list[_tokosen.Layer]:
+        intervals = intervals_of(interval, levels)
+        unit = to_unit or self._to_unit
+        elevations = None if levels is None else [float(level) for level in levels]
+        with reporting(progress) as report:
+            return self._terrain.contours(
+                intervals, base_level, elevations, crs_text(to_crs), unit, index, simplify, keep_input, labels, report
+            )
+
+    def dem(
+        self,
+        *,
+        cell: float | None = None,
+        cell_degrees: float | None = None,
+        like: Any = None,
+        to_crs: Any = None,
+        progress: Progress = None,
+    ) -> Dem:
+        """The height map at the centres of cells, metres; with standard errors if the terrain was built with `uncertainty`.
+
+        `cell` is the size of cells in units of the working CRS or of `to_crs`, `cell_degrees` in degrees. `like` is a raster whose
+        cells are taken: a path, a Dem, a DataArray, or (values, transform, crs).
+
+        >>> tokosen.Terrain(tokosen.example(), uncertainty=True).dem(cell=10).error.shape
+        (60, 60)
+        """
+        with reporting(progress) as report:
+            return Dem(self._terrain.dem(cells(cell, cell_degrees, like, to_crs), report))
+
+    def skeleton(self, *, output: Output = None, progress: Progress = None) -> Any:
+        """Ridge and canyon lines with heights, as the function `skeleton` with the same input.
+
+        >>> tokosen.Terrain(tokosen.example()).skeleton().geometry_type
+        'LineString'
+        """
+        found = self._apart(SkeletonOptions)
+        with reporting(progress) as report:
+            layer, _ = _tokosen.skeleton(self._contours, found, None, self._to_unit, report)
+        return shaped(layer, output, self._of_frame)
+
+    def regions(self, *, output: Output = None, progress: Progress = None) -> Any:
+        """The sub-domains between contours with their landforms, as the function `regions` with the same input.
+
+        >>> tokosen.Terrain(tokosen.example()).regions()["class"]
+        ['slope', 'slope', 'slope', 'top']
+        """
+        found = self._apart(RegionOptions)
+        with reporting(progress) as report:
+            layer, _ = _tokosen.regions(self._contours, found, None, self._to_unit, report)
+        return shaped(layer, output, self._of_frame)
+
+    def _apart(self, known: type) -> dict[str, Any]:
+        """The options of a step that needs no surface."""
+        names = known.__optional_keys__  # type: ignore[attr-defined]
+        return options({name: value for name, value in self._given.items() if name in names}, known)
+
+    def mesh(self, base_height: float | None = None, *, progress: Progress = None) -> Mesh:
+        """A 3-D model of the surface; a closed solid if the height of its flat bottom is given, metres.
+
+        >>> tokosen.Terrain(tokosen.example()).mesh().is_solid
+        False
+        """
+        with reporting(progress) as report:
+            return Mesh(self._terrain.mesh(base_height, report))
+
+    def pits(
+        self, *, cell: float | None = None, like: Any = None, output: Output = None, progress: Progress = None
+    ) -> Any:
+        """The pits that are left in the smooth surface or, if cells are given, in the height map: points with depth, area, reason.
+
+        >>> len(tokosen.Terrain(tokosen.example()).pits())
+        0
+        """
+        with reporting(progress) as report:
+            return shaped(self._terrain.pits(cells(cell, None, like, None), report), output, self._of_frame)
+
+    def streams(self, *, output: Output = None) -> Any:
+        """The streams as they are used: with direction, heights, Strahler order, and how far they were moved.
+
+        >>> len(tokosen.Terrain(tokosen.example()).streams())
+        0
+        """
+        return shaped(self._terrain.streams(), output, self._of_frame)
+
+    def breaklines(self, *, output: Output = None) -> Any:
+        """The break lines as they are used.
+
+        >>> len(tokosen.Terrain(tokosen.example()).breaklines())
+        0
+        """
+        return shaped(self._terrain.breaklines(), output, self._of_frame)
+
+    @property
+    def findings(self) -> Layer:
+        """What was noticed about the input: points with code, severity, message, elevations and features.
+
+        >>> tokosen.Terrain(tokosen.example()).findings["code"]
+        []
+        """
+        return Layer(self._terrain.findings())
+
+    @property
+    def conflicts(self) -> Layer:
+        """The findings about inputs that contradict each other."""
+        return Layer(self._terrain.conflicts())
+
+    @property
+    def accuracy(self) -> tuple[float, float] | None:
+        """The expected error of heights, metres: root mean square, and the error that 90 % are within. None if unknown.
+
+        It is estimated by hiding contours. A small map has too few of them.
+
+        >>> tokosen.Terrain(tokosen.example()).accuracy is None
+        True
+        """
+        accuracy: tuple[float, float] | None = self._terrain.figures()["accuracy"]
+        return accuracy
+
+    @property
+    def interval(self) -> float:
+        """The vertical interval of the contours, metres."""
+        return float(self._terrain.figures()["interval"])
+
+    def __repr__(self) -> str:
+        figures = self._terrain.figures()
+        low, high, count = figures["levels"]
+        span = f"{count} levels from {low:g} to {high:g} m"
+        return f"<Terrain of {figures['lines']} lines at {span}, interval {figures['interval']:g} m>"
+
+    def _repr_html_(self) -> str:
+        figures = self._terrain.figures()
+        low, high, count = figures["levels"]
+        accuracy = figures["accuracy"]
+        rows = [
+            ("contours", f"{figures['lines']} lines, {figures['vertices']} vertices"),
+            ("levels", f"{count} from {low:g} to {high:g} m, interval {figures['interval']:g} m"),
+            ("CRS", figures["crs"] or "unknown"),
+            ("expected error", "unknown" if accuracy is None else f"{accuracy[0]:.2g} m (RMSE), 90 % within {accuracy[1]:.2g} m"),
+            ("findings", len(self.findings)),
+        ]
+        notes = [f"{row['severity']}: {row['message']}" for row in self.findings]
+        more = [f"and {len(notes) - 10} more"] if len(notes) > 10 else []
+        return page("Terrain", rows, notes[:10] + more, self._terrain.picture())
+
+
+def intervals_of(interval: float | Sequence[float] | None, levels: Sequence[float] | None) -> list[float]:
+    """The intervals as a list. Either they or levels must be given."""
+    if (interval is None) == (levels is None):
+        raise _parameter_error("give either interval or levels")
+    if interval is None:
+        return []
+    if isinstance(interval, Sequence) and not len(interval):
+        raise _parameter_error("interval is an empty list")
+    return [float(step) for step in interval] if isinstance(interval, Sequence) else [float(interval)]
+
+
+def _parameter_error(message: str) -> Exception:
+    from tokosen._errors import ParameterError
+
+    return ParameterError(message)
+
+
+def terrain_for_dem(
+    contours: Any, grid: dict[str, Any], uncertainty: bool, to_unit: Unit, progress: Progress, given: Any
+) -> Terrain:
+    """A terrain that is asked for height maps alone, which is quicker."""
+    terrain = Terrain.__new__(Terrain)
+    terrain._build(contours, grid, uncertainty, to_unit, True, progress, given)
+    return terrain
