@@ -8,7 +8,7 @@ use super::input::Input;
 use super::options::Options;
 use super::part::{clip_lines, drop_outside};
 use crate::base::ElevationUnit;
-use crate::base::error::{Finding, FindingKind, Result};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
 use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
@@ -61,6 +61,9 @@ impl Terrain {
         }
         let cells = options.cells(&input.reprojection)?;
         options.check()?;
+        if input.map.contours.is_empty() {
+            return Err(Error::NoContours { in_polygon: false });
+        }
         let part = input.part.take();
         if let Some(part) = &part {
             input.frame = part.frame(std::mem::take(&mut input.frame));

@@ -133,7 +133,8 @@ pub fn compare(
                         None => spec.clone(),
                     };
                     let mut terrain =
-                        built(&recipe, &tokosen::Options { grid: grid.clone(), ..options.clone() }, progress)?;
+                        built(&recipe, &tokosen::Options { grid: grid.clone(), ..options.clone() }, progress)
+                            .map_err(|unbuilt| unbuilt.0)?;
                     for finding in &mut terrain.findings {
                         finding.place = finding.place.and_then(|p| terrain.reprojection.in_input(p));
                     }

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, Severity};
+use tokosen::base::progress::Progress;
 use tokosen::contour::{ContourLayer, Interval, distinct_levels};
 use tokosen::crs::FromWorking;
 use tokosen::io::layer::{
@@ -17,7 +18,7 @@ use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::HeightMap;
 use tokosen::{Input, Options};
 
-use crate::error::parameter;
+use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
@@ -47,18 +48,46 @@ pub fn warned<'a>(findings: impl IntoIterator<Item = &'a Finding>, back: &FromWo
     .collect()
 }
 
+/// Why a terrain was not built, and what was found about the input until then: lines that were left out may be the cause.
+pub struct Unbuilt(pub tokosen::Error, pub Vec<Warned>);
+
 /// Reads and builds a terrain.
-pub fn built(
+pub fn built(recipe: &Recipe, options: &Options, progress: &dyn Progress) -> Result<tokosen::Terrain, Unbuilt> {
+    let mut input = recipe.contours(progress).map_err(|error| Unbuilt(error, Vec::new()))?;
+    let built = built_of(recipe, &mut input, options, progress);
+    built.map_err(|error| {
+        let back = input.reprojection.from_working(None);
+        Unbuilt(error, back.map(|back| warned(&input.findings, &back)).unwrap_or_default())
+    })
+}
+
+fn built_of(
     recipe: &Recipe,
+    input: &mut Input,
     options: &Options,
-    progress: &dyn tokosen::base::progress::Progress,
+    progress: &dyn Progress,
 ) -> tokosen::Result<tokosen::Terrain> {
-    let mut input: Input = recipe.contours(progress)?;
-    recipe.part(&mut input)?;
+    recipe.part(input)?;
     input.prepare(&options.preparation, progress)?;
-    recipe.base(&mut input, progress)?;
-    recipe.surface(&mut input)?;
-    tokosen::Terrain::build_with(&mut input, options, progress)
+    recipe.base(input, progress)?;
+    recipe.surface(input)?;
+    tokosen::Terrain::build_with(input, options, progress)
+}
+
+/// Findings that are told with an error.
+const TOLD: usize = 10;
+
+impl Unbuilt {
+    /// The exception, with the findings as notes.
+    fn exception(self, py: Python<'_>) -> PyErr {
+        let Self(error, findings) = self;
+        let raised = exception(py, &error);
+        for (severity, _, message) in findings.iter().take(TOLD) {
+            // The exception is told without it, if there is no room for a note.
+            let _ = raised.add_note(py, format!("{severity}: {message}"));
+        }
+        raised
+    }
 }
 
 #[pymethods]
@@ -79,7 +108,8 @@ impl Terrain {
         let triangles = if only_dem { Triangles::Reference } else { Triangles::Smooth };
         let options = given.options(py, cells.spec(py)?, triangles, unit(py, to_unit)?)?;
         let recipe = Recipe::new(py, &contours, &given)?;
-        let terrain = work(py, progress, |progress| built(&recipe, &options, progress))?;
+        let terrain = work(py, progress, |progress| Ok(built(&recipe, &options, progress)))?;
+        let terrain = terrain.map_err(|unbuilt| unbuilt.exception(py))?;
         Ok(Self { terrain, name: recipe.name() })
     }
 

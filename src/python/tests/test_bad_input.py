@@ -57,8 +57,16 @@ def test_nan_in_coordinates_and_elevations():
     coords[3] = np.nan
     with pytest.warns(tokosen.FindingWarning, match="coordinates"):
         assert np.isfinite(tokosen.dem((coords, offsets, elevations), 20).values).any()
-    with pytest.raises(tokosen.InputError):
+    with pytest.raises(tokosen.InputError, match="no contour line"):
         tokosen.dem((coords, offsets, np.full(2, np.nan)), 20)
+
+
+def test_an_error_has_the_findings_that_explain_it():
+    coords, offsets, elevations = hill()
+    coords[40:] = np.nan
+    with pytest.raises(tokosen.InputError) as told:
+        tokosen.dem((coords, offsets, elevations), 20)
+    assert any("no valid coordinates" in note or "left out" in note for note in told.value.__notes__)
 
 
 def test_a_missing_crs_is_no_error_but_degrees_are():

@@ -136,13 +136,16 @@ def test_a_comparison_has_the_figures_of_the_program(program):
 def test_other_inputs_count_as_in_the_program(program, tmp_path):
     path = SAMPLES / REAL[0]
     frame = read(path)
-    lake = frame.geometry.iloc[len(frame) // 2].centroid.buffer(60)
+    top = frame.loc[elevations_of(frame).argmax()].geometry
+    lake = top.centroid.buffer(10)
     lakes = geopandas.GeoDataFrame(geometry=[lake], crs=frame.crs)
     lakes.to_file(tmp_path / "lakes.gpkg")
     west, south, east, north = frame.total_bounds
     line = shapely.LineString([(west, south), (east, north)])
     streams = geopandas.GeoDataFrame(geometry=[line], crs=frame.crs)
     streams.to_file(tmp_path / "streams.gpkg")
+    spots = geopandas.GeoDataFrame({"elev": [elevations_of(frame).max() + 5]}, geometry=[top.centroid.buffer(40).exterior.interpolate(1)], crs=frame.crs)
+    spots.to_file(tmp_path / "spots.gpkg")
     middle = shapely.Point((west + east) / 2, (south + north) / 2).buffer(300)
     clip = geopandas.GeoSeries([middle], crs=frame.crs)
     geopandas.GeoDataFrame(geometry=clip).to_file(tmp_path / "clip.gpkg")

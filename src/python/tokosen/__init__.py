@@ -50,3 +50,8 @@ __all__ = [
     "regions",
     "skeleton",
 ]
+
+# Their place is here, not in the files that hold them.
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = __name__

@@ -105,8 +105,8 @@ class Layer:
         else:
             offsets = tuple(part.astype(np.int64) for part in self.offsets) or None
             geometry = shapely.from_ragged_array(kind, self.coords, offsets)
-        if self.geometry_type == "Point":
-            geometry = np.where(np.isnan(self.coords[:, 0]), None, geometry) if len(self) else geometry
+            if self.geometry_type == "Point":
+                geometry[np.isnan(self.coords[:, 0])] = None
         columns = {name: self[name] for name in self.columns}
         return geopandas.GeoDataFrame(columns, geometry=list(geometry), crs=self._layer.crs)
 

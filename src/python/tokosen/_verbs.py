@@ -309,11 +309,11 @@ class Comparison:
 
     def __repr__(self) -> str:
         overall = self.figures["overall"]
-        return f"<Comparison of {overall['cells']} cells: mean {overall['mean']:.2f} m, RMSE {overall['rmse']:.2f} m>"
+        return f"<Comparison of {overall['cells']} cells: bias {overall['bias']:.2f} m, RMSE {overall['rmse']:.2f} m>"
 
     def _repr_html_(self) -> str:
         overall = self.figures["overall"]
-        names = ("cells", "mean", "rmse", "le90")
+        names = ("cells", "bias", "rmse", "le90")
         rows = [(name, overall[name]) for name in names if name in overall]
         return page("Comparison (A minus B)", rows, self._comparison.text()[:2])
 
@@ -337,13 +337,13 @@ def compare(
     at whose levels terraces are searched for.
 
     >>> tokosen.compare(tokosen.example(), tokosen.dem(tokosen.example(), cell=10))
-    <Comparison of 2684 cells: mean 0.00 m, RMSE 0.00 m>
+    <Comparison of 2350 cells: bias 0.00 m, RMSE 0.00 m>
     """
     found = options(given, SideOptions)
-    sides = [_side(name, side) for name, side in (("a", a), ("b", b))]
+    side_a, side_b = _side("a", a), _side("b", b)
     checks = None if points is None else source("points", points)
     with reporting(progress) as report:
-        made = _tokosen.compare(*sides, found, cells(cell, None, like, None), [sigma, interval], checks, report)
+        made = _tokosen.compare(side_a, side_b, found, cells(cell, None, like, None), [sigma, interval], checks, report)
     return Comparison(made)
 
 
