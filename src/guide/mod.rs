@@ -39,5 +39,6 @@ pages! {
     speed = "speed.md",
     limits = "limits.md",
     library = "library.md",
+    python = "python.md",
     tuning = "tuning.md",
 }

@@ -9,10 +9,11 @@ import tokosen
 from conftest import SAMPLES
 
 REAL = SAMPLES / "caryville_20m.gpkg"
+DRAWN = SAMPLES / "fig1f_nested.geojson"
 
 
 def test_coordinates_are_shared_not_copied():
-    lines = tokosen.densify(REAL, 10)
+    lines = tokosen.densify(DRAWN, 5)
     table = pyarrow.table(lines)
     vertices = table["geometry"].chunk(0).values.values
     address = vertices.buffers()[1].address
@@ -22,10 +23,11 @@ def test_coordinates_are_shared_not_copied():
 
 
 def test_arrow_tables_are_read_by_geopandas():
-    faulty = (tokosen.densify(REAL, 10).coords[:30, :2], [0, 10, 20, 30], [20.0, 60.0, 20.0], 6677)
-    findings = tokosen.check(faulty).findings
+    hill = tokosen.example()
+    hill["features"][2]["properties"]["elev"] = 70
+    findings = tokosen.check(hill).findings
     assert len(findings)
-    for layer in (tokosen.densify(REAL, 10), tokosen.regions(REAL), findings):
+    for layer in (tokosen.densify(DRAWN, 5), tokosen.regions(DRAWN), findings):
         frame = geopandas.GeoDataFrame.from_arrow(pyarrow.table(layer))
         own = layer.to_geopandas()
         assert frame.geometry.to_wkb().equals(own.geometry.to_wkb())
@@ -34,14 +36,15 @@ def test_arrow_tables_are_read_by_geopandas():
 
 
 def test_the_form_follows_the_contours_unless_it_is_named():
-    frame = geopandas.read_file(REAL)
-    assert isinstance(tokosen.densify(frame, 10), geopandas.GeoDataFrame)
-    assert isinstance(tokosen.densify(frame, 10, output="layer"), tokosen.Layer)
-    assert isinstance(tokosen.densify(REAL, 10), tokosen.Layer)
+    frame = geopandas.read_file(DRAWN)
+    assert isinstance(tokosen.densify(frame, 5), geopandas.GeoDataFrame)
+    assert isinstance(tokosen.densify(frame, 5, output="layer"), tokosen.Layer)
+    assert isinstance(tokosen.densify(DRAWN, 5), tokosen.Layer)
     with pytest.raises(ValueError, match="output"):
-        tokosen.densify(frame, 10, output="table")
-    back = tokosen.densify(tokosen.densify(frame, 10), 5)
-    assert len(back) > len(frame) and back.crs == frame.crs
+        tokosen.densify(frame, 5, output="table")
+    example = tokosen.densify(tokosen.example(), 5, output="geopandas")
+    back = tokosen.densify(example, 2.5)
+    assert len(back) > len(example) and back.crs == example.crs
 
 
 def test_heights_are_the_array_itself():
@@ -72,8 +75,9 @@ def test_files_of_rasterio_and_pyogrio_agree(tmp_path):
         assert np.array_equal(file.read(1, masked=True).filled(np.nan), dem.values, equal_nan=True)
         assert file.crs.to_epsg() == dem.crs.to_epsg()
         assert file.count == 2
-    tokosen.densify(REAL, 10).to_file(tmp_path / "l.gpkg")
-    assert len(geopandas.read_file(tmp_path / "l.gpkg")) == len(tokosen.densify(REAL, 10))
+    lines = tokosen.densify(DRAWN, 5)
+    lines.to_file(tmp_path / "l.gpkg")
+    assert len(geopandas.read_file(tmp_path / "l.gpkg")) == len(lines)
 
 
 def test_units_and_systems_of_results():
