@@ -16,7 +16,7 @@ SETTING = "TOKOSEN_PROGRAM"
 NAME = "tokosen.exe" if os.name == "nt" else "tokosen"
 BUNDLED = pathlib.Path(__file__).parent / "bin" / NAME
 NOT_FOUND = (
-    "The program tokosen was not found. Install it ('pip install tokosen' or 'cargo install'), or name it in "
+    "The program tokosen was not found. Install it with pip or cargo, or name it in "
     "Settings > Options > Processing > Providers > tokosen."
 )
 # Time between two looks at the cancel button, and how long a cancelled program may take to remove its files [s].

@@ -98,9 +98,10 @@ FIT = distance(
 )
 SAMPLE = number(
     "--sample",
-    "Add vertices to the contours, up to this share of the distance to the next contour",
+    "Add vertices to the contours: spacing by distance",
     advanced=True,
-    help="A number below 1. The vertices of the contours stay.",
+    help="Vertices are added until their spacing is at most this share of the distance to the nearest other contour. It is "
+    "below 1. The vertices of the contours stay.",
 )
 
 WATER = layer(
@@ -190,7 +191,6 @@ CLIP = layer(
     help="Only the part inside is written. The contours around it still count.",
 )
 
-CELL_TEXT = "Cell size"
 CELL_DEGREES = text(
     "--cell-degrees",
     "Cell size in degrees, instead of metres",

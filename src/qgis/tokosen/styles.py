@@ -1,9 +1,6 @@
-"""The look of results in QGIS, in the colours of the program's own pictures.
-
-QGIS does not own the processors. So they are made once and kept.
-"""
+"""The look of results in QGIS, in the colours of the program's own pictures."""
 from qgis.core import (
-    QgsBilinearRasterResampler,
+    Qgis,
     QgsCategorizedSymbolRenderer,
     QgsColorRampShader,
     QgsFillSymbol,
@@ -14,6 +11,7 @@ from qgis.core import (
     QgsPalLayerSettings,
     QgsProcessingLayerPostProcessorInterface,
     QgsRasterBandStats,
+    QgsRasterDataProvider,
     QgsRasterShader,
     QgsRendererCategory,
     QgsRuleBasedLabeling,
@@ -24,6 +22,7 @@ from qgis.core import (
     QgsTextFormat,
     QgsUnitTypes,
 )
+from qgis.PyQt import sip
 from qgis.PyQt.QtGui import QColor
 
 INPUT = "84,48,22"
@@ -134,22 +133,27 @@ def categories(field, symbols):
 def hillshade(layer):
     """Light from the north-west; heights count in metres, whatever the unit of the map is."""
     renderer = QgsHillshadeRenderer(layer.dataProvider(), 1, 315, 45)
-    renderer.setMultiDirectional(True)
     metres = QgsUnitTypes.fromUnitToUnitFactor(QgsUnitTypes.DistanceMeters, layer.crs().mapUnits())
     renderer.setZFactor(metres if layer.crs().isValid() else 1.0)
-    smooth(layer)
     layer.setRenderer(renderer)
+    # Resampled before it is shaded. Shades that are resampled later show the edges of the blocks in which QGIS works.
+    layer.setResamplingStage(Qgis.RasterResamplingStage.Provider)
+    layer.dataProvider().setZoomedInResamplingMethod(QgsRasterDataProvider.ResamplingMethod.Bilinear)
+    layer.dataProvider().enableProviderResampling(True)
 
 
 def slope(layer):
-    ramp(layer, [(0, "255,255,245"), (10, "254,227,145"), (20, "254,153,41"), (30, "204,76,2"), (45, "120,20,60"), (90, "40,0,40")])
+    """Degrees."""
+    colors = {0: "255,255,245", 10: "254,227,145", 20: "254,153,41", 30: "204,76,2", 45: "120,20,60", 90: "40,0,40"}
+    ramp(layer, list(colors.items()))
 
 
 def difference(layer):
     """Blue where A is lower, red where A is higher; white is no difference."""
     stats = layer.dataProvider().bandStatistics(1, QgsRasterBandStats.Mean | QgsRasterBandStats.StdDev)
     limit = abs(stats.mean) + 2 * stats.stdDev or 1.0
-    ramp(layer, [(-limit, "33,102,172"), (-limit / 3, "146,197,222"), (0, "247,247,247"), (limit / 3, "244,165,130"), (limit, "178,24,43")])
+    colors = {-1: "33,102,172", -1 / 3: "146,197,222", 0: "247,247,247", 1 / 3: "244,165,130", 1: "178,24,43"}
+    ramp(layer, [(share * limit, color) for share, color in colors.items()])
 
 
 def ramp(layer, stops):
@@ -161,10 +165,6 @@ def ramp(layer, stops):
     function = QgsRasterShader()
     function.setRasterShaderFunction(shader)
     layer.setRenderer(QgsSingleBandPseudoColorRenderer(layer.dataProvider(), 1, function))
-
-
-def smooth(layer):
-    layer.resampleFilter().setZoomedInResampler(QgsBilinearRasterResampler())
 
 
 def color_of(text):
@@ -183,7 +183,18 @@ class Processor(QgsProcessingLayerPostProcessorInterface):
         layer.triggerRepaint()
 
 
-PROCESSORS = {
-    paint.__name__: Processor(paint)
+STYLES = {
+    paint.__name__: paint
     for paint in (contours, repaired, findings, regions, skeleton, steep, outlines, hillshade, slope, difference)
 }
+
+
+# QGIS deletes a processor with the context of its run. Until then Python must hold it, too.
+HELD = []
+
+
+def processor(style):
+    """What gives a layer a style after it is loaded."""
+    made = Processor(STYLES[style])
+    HELD[:] = [made, *(held for held in HELD if not sip.isdeleted(held))]
+    return made

@@ -1,6 +1,4 @@
 """What all tools have in common: a tool is a command of the program, its parameters are options of the command."""
-import html
-import os
 import re
 import tempfile
 
@@ -49,7 +47,7 @@ class Verb(QgsProcessingAlgorithm):
         return self.provider().svgIconPath() if self.provider() else ""
 
     def shortHelpString(self):
-        return "".join(f"<p>{html.escape(paragraph)}</p>" for paragraph in self.about.strip().split("\n\n"))
+        return self.about.strip()
 
     def createInstance(self):
         return type(self)()
@@ -167,6 +165,6 @@ def dress(output, path, value, algorithm, context):
         return
     details = waiting.pop(path)
     if output.style and not RenderingStyles.getStyle(algorithm, output.name):
-        details.setPostProcessor(styles.PROCESSORS[output.style])
+        details.setPostProcessor(styles.processor(output.style))
     waiting[value] = details
     context.setLayersToLoadOnCompletion(waiting)

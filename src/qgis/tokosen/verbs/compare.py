@@ -1,6 +1,6 @@
 """Differences between two height maps or surfaces of contours."""
 from .. import shared
-from ..options import distance, field, file_output, map_layer, number, raster_output
+from ..options import distance, field, file_output, map_layer, number, raster, raster_output
 from ..verb import CHECKS, Verb
 
 
@@ -24,7 +24,7 @@ cell size or a height map with the same grid.
         map_layer("", "B: reference height map or contour lines", name="B"),
         field("--elevation-field", "Elevation field of contours", "A"),
         distance("--cell", "For contours alone: cell size", unless=["LIKE", "CELL_DEGREES"], advanced=True),
-        shared.LIKE._replace(advanced=True, help="Where both A and B are contours."),
+        raster("--like", "For contours alone: height map with the same grid", advanced=True),
         shared.CELL_DEGREES,
         number(
             "--sigma",

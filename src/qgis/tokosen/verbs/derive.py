@@ -1,6 +1,6 @@
 """Slope, aspect, hillshade, steep places, flow of water and catchments."""
 from .. import shared
-from ..options import POLYGONS, distance, field, map_layer, number, raster_output, vector_output, yes
+from ..options import POLYGONS, distance, field, map_layer, number, raster, raster_output, vector_output, yes
 from ..verb import HEIGHT_MAPS, Verb
 
 FOR_CONTOURS = "Only for contours: a height map has its own cells."
@@ -13,7 +13,7 @@ class Derive(Verb):
     keywords = ("slope", "aspect", "hillshade", "steep", "flow", "accumulation", "watershed", "catchment", "dem")
     about = """
 Makes maps of slope, aspect, hillshade, flow of water, catchments and steep places. The input is a height map, or contour \
-lines with a cell size. Choose the results that you want; only the slope is made otherwise.
+lines with a cell size. Choose the results that you want; by default, only the slope is made.
 
 Slope and aspect are in degrees (Horn's method). Water flows to one of the eight cells around (D8); pits are flooded, so that \
 all water reaches an outlet at the border.
@@ -25,7 +25,7 @@ cannot show a slope of 5 m height.
         map_layer("", "Height map or contour lines", name="INPUT"),
         field("--elevation-field", "For contours: elevation field", "INPUT"),
         distance("--cell", "For contours: cell size", unless=["LIKE", "CELL_DEGREES"], help=FOR_CONTOURS),
-        shared.LIKE._replace(help=FOR_CONTOURS),
+        raster("--like", "For contours: height map with the same grid", help=FOR_CONTOURS),
         number("--steep-angle", "Minimum slope of a steep place [degrees]", default=30),
         number("--steep-height", "Minimum height of a steep place [m]", default=5),
         number("--azimuth", "Hillshade: azimuth of the light [degrees]", default=315, advanced=True),
