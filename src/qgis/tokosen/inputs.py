@@ -70,7 +70,7 @@ def vector(layer, selection):
         path = vector_path(layer)
         if path:
             return path
-    name, fields, crs, wkb_type = layer.name(), layer.fields(), layer.crs(), layer.wkbType()
+    name, fields, crs, wkb_type = layer.name(), layer.fields(), layer.crs(), type_with_z(layer)
     source, request = QgsVectorLayerFeatureSource(layer), selection.request(layer)
 
     def copy(folder, feedback):
@@ -102,6 +102,14 @@ def vector_path(layer):
     # Without a name, QGIS shows the first layer.
     name = parts.get("layerName") or layer.dataProvider().subLayers()[0].split("!!::!!")[1]
     return f"{path}|layername={name}"
+
+
+def type_with_z(layer):
+    """The type of the geometries. Lines of a drawing have heights even where the layer states none."""
+    for feature in layer.getFeatures(QgsFeatureRequest().setLimit(1)):
+        if QgsWkbTypes.hasZ(feature.geometry().wkbType()):
+            return QgsWkbTypes.addZ(layer.wkbType())
+    return layer.wkbType()
 
 
 def write_features(path, name, fields, crs, wkb_type, features, feedback):

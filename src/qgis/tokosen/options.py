@@ -7,7 +7,6 @@ from typing import Any, Callable, NamedTuple
 
 from qgis.core import (
     QgsProcessing,
-    QgsProcessingException,
     QgsProcessingFeatureSourceDefinition,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterCrs,
@@ -62,6 +61,7 @@ class Option(NamedTuple):
     """
 
     name: str
+    flag: str
     define: Callable[[], QgsProcessingParameterDefinition]
     pairs: Callable[[Asked], list]
     help: str = ""
@@ -77,7 +77,11 @@ class Option(NamedTuple):
 
 
 class Output(NamedTuple):
-    """A file that the program writes. `style` names its look in QGIS. `layer` is its layer in a GeoPackage, if this is known."""
+    """A file that the program writes.
+
+    `style` names its look in QGIS. `layer` is its layer in a GeoPackage, if this is known. `others` are further layers there,
+    which QGIS loads too, unless they are empty.
+    """
 
     name: str
     flag: str
@@ -85,6 +89,7 @@ class Output(NamedTuple):
     help: str = ""
     style: str = ""
     layer: str = ""
+    others: tuple = ()
     is_layer: bool = True
     advanced: bool = False
 
@@ -113,7 +118,7 @@ def number(flag, label, default=None, proposed=None, name=None, whole=False, unl
     shown = default if proposed is None else proposed
     kind = QgsProcessingParameterNumber.Integer if whole else QgsProcessingParameterNumber.Double
     define = lambda: QgsProcessingParameterNumber(name, label, kind, shown, optional=shown is None)
-    return Option(name, define, lambda asked: number_pairs(asked, flag, name, default, shown, unless), **more)
+    return Option(name, flag, define, lambda asked: number_pairs(asked, flag, name, default, shown, unless), **more)
 
 
 def distance(flag, label, default=None, proposed=None, unless=(), parent="", **more):
@@ -127,7 +132,7 @@ def distance(flag, label, default=None, proposed=None, unless=(), parent="", **m
             definition.setDefaultUnit(QgsUnitTypes.DistanceMeters)
         return definition
 
-    return Option(name, define, lambda asked: number_pairs(asked, flag, name, default, shown, unless), **more)
+    return Option(name, flag, define, lambda asked: number_pairs(asked, flag, name, default, shown, unless), **more)
 
 
 def number_pairs(asked, flag, name, default, shown, unless):
@@ -140,7 +145,7 @@ def number_pairs(asked, flag, name, default, shown, unless):
 def text(flag, label, **more):
     name = name_of(flag)
     define = lambda: QgsProcessingParameterString(name, label, optional=True)
-    return Option(name, define, lambda asked: [(flag, asked.text(name))] if asked.has(name) else [], **more)
+    return Option(name, flag, define, lambda asked: [(flag, asked.text(name))] if asked.has(name) else [], **more)
 
 
 def yes(flag, label, **more):
@@ -149,7 +154,7 @@ def yes(flag, label, **more):
     def pairs(asked):
         return [(flag, None)] if asked.algorithm.parameterAsBool(asked.parameters, name, asked.context) else []
 
-    return Option(name, lambda: QgsProcessingParameterBoolean(name, label, False), pairs, **more)
+    return Option(name, flag, lambda: QgsProcessingParameterBoolean(name, label, False), pairs, **more)
 
 
 def choice(flag, label, values, unless=(), always=False, **more):
@@ -163,7 +168,7 @@ def choice(flag, label, values, unless=(), always=False, **more):
         return [(flag, values[chosen][0])]
 
     define = lambda: QgsProcessingParameterEnum(name, label, [shown for _, shown in values], defaultValue=0)
-    return Option(name, define, pairs, **more)
+    return Option(name, flag, define, pairs, **more)
 
 
 def crs(flag, label, **more):
@@ -174,7 +179,7 @@ def crs(flag, label, **more):
             return []
         return [(flag, crs_text(asked.algorithm.parameterAsCrs(asked.parameters, name, asked.context)))]
 
-    return Option(name, lambda: QgsProcessingParameterCrs(name, label, optional=True), pairs, **more)
+    return Option(name, flag, lambda: QgsProcessingParameterCrs(name, label, optional=True), pairs, **more)
 
 
 def crs_text(system):
@@ -194,13 +199,13 @@ def extent(flag, label, **more):
         found = [(flag, ",".join(map(number_text, corners)))]
         return found + ([(f"{flag}-crs", crs_text(system))] if system.isValid() else [])
 
-    return Option(name, lambda: QgsProcessingParameterExtent(name, label, optional=True), pairs, **more)
+    return Option(name, flag, lambda: QgsProcessingParameterExtent(name, label, optional=True), pairs, **more)
 
 
 def field(flag, label, parent, **more):
     name = name_of(flag)
     define = lambda: QgsProcessingParameterField(name, label, parentLayerParameterName=parent, optional=True)
-    return Option(name, define, lambda asked: [(flag, asked.text(name))] if asked.has(name) else [], **more)
+    return Option(name, flag, define, lambda asked: [(flag, asked.text(name))] if asked.has(name) else [], **more)
 
 
 # Layers that the program reads.
@@ -210,19 +215,19 @@ def layer(flag, label, kind, name=None, optional=True, **more):
     """A vector layer; the user can take its selected features alone."""
     name = name or name_of(flag)
     define = lambda: QgsProcessingParameterFeatureSource(name, label, [kind], optional=optional)
-    return Option(name, define, lambda asked: layer_pairs(asked, flag, name), **more)
+    return Option(name, flag, define, lambda asked: layer_pairs(asked, flag, name), **more)
 
 
 def raster(flag, label, name=None, optional=True, **more):
     name = name or name_of(flag)
     define = lambda: QgsProcessingParameterRasterLayer(name, label, optional=optional)
-    return Option(name, define, lambda asked: layer_pairs(asked, flag, name), **more)
+    return Option(name, flag, define, lambda asked: layer_pairs(asked, flag, name), **more)
 
 
 def map_layer(flag, label, name, **more):
     """A height map or contour lines."""
     define = lambda: QgsProcessingParameterMapLayer(name, label, types=[RASTER, LINES])
-    return Option(name, define, lambda asked: layer_pairs(asked, flag, name), **more)
+    return Option(name, flag, define, lambda asked: layer_pairs(asked, flag, name), **more)
 
 
 def layers(flag, label, kind, **more):
@@ -234,12 +239,14 @@ def layers(flag, label, kind, **more):
             return []
         wanted = asked.parameters[name]
         named = wanted if isinstance(wanted, (list, tuple)) else [wanted]
-        found = asked.algorithm.parameterAsLayerList(asked.parameters, name, asked.context)
-        if len(found) != len(named):
-            raise QgsProcessingException(f"{label}: {len(named) - len(found)} of {len(named)} layers cannot be read")
-        return [(flag, inputs.path_or_copy(each)) for each in found]
+        found = []
+        for each in named:
+            read = asked.algorithm.parameterAsLayerList({name: [each]}, name, asked.context)
+            # The program says what is wrong with a file that QGIS cannot read.
+            found += [(flag, inputs.path_or_copy(layer)) for layer in read] or [(flag, str(each))]
+        return found
 
-    return Option(name, lambda: QgsProcessingParameterMultipleLayers(name, label, kind, optional=True), pairs, **more)
+    return Option(name, flag, lambda: QgsProcessingParameterMultipleLayers(name, label, kind, optional=True), pairs, **more)
 
 
 def layer_pairs(asked, flag, name):

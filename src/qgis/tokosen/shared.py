@@ -261,6 +261,7 @@ DIAGNOSTICS = vector_output(
     optional=True,
     advanced=True,
     layer="conflicts",
+    others=("streams", "breaklines", "sinks"),
     style="findings",
     help="A GeoPackage with the streams and break lines as they are used, the pits that stay, and the places where lines, "
     "lakes and spot heights contradict the contours.",

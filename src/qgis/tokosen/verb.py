@@ -3,7 +3,13 @@ import re
 import tempfile
 
 from processing.gui.RenderingStyles import RenderingStyles
-from qgis.core import QgsProcessingAlgorithm, QgsProcessingException, QgsProcessingUtils
+from qgis.core import (
+    QgsProcessingAlgorithm,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingUtils,
+    QgsVectorLayer,
+)
 from qgis.PyQt.QtGui import QIcon
 
 from . import program, styles
@@ -159,11 +165,15 @@ def layer_in(summary):
 
 
 def dress(output, path, value, algorithm, context):
-    """Names the layer to load, and gives it the style of the output if the user has set none for it in Processing."""
+    """Names the layers to load, and gives the result its style if the user has set none for it in Processing."""
     waiting = context.layersToLoadOnCompletion()
     if path not in waiting:
         return
     details = waiting.pop(path)
+    for other in output.others:
+        source = f"{path}|layername={other}"
+        if QgsVectorLayer(source, other, "ogr").featureCount() > 0:
+            waiting[source] = QgsProcessingContext.LayerDetails(other, details.project, f"{output.name}_{other}")
     if output.style and not RenderingStyles.getStyle(algorithm, output.name):
         details.setPostProcessor(styles.processor(output.style))
     waiting[value] = details
