@@ -17,10 +17,17 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsFeatureRequest,
     QgsHillshadeRenderer,
+    QgsProcessingAlgRunnerTask,
     QgsProcessingContext,
     QgsProcessingFeatureSourceDefinition,
     QgsProcessingFeedback,
+    QgsProcessingModelAlgorithm,
+    QgsProcessingModelChildAlgorithm,
+    QgsProcessingModelChildParameterSource,
+    QgsProcessingModelOutput,
+    QgsProcessingModelParameter,
     QgsProcessingOutputLayerDefinition,
+    QgsProcessingParameterVectorLayer,
     QgsProcessingUtils,
     QgsProject,
     QgsRasterLayer,
@@ -66,10 +73,10 @@ class Log(QgsProcessingFeedback):
 
     def __init__(self):
         super().__init__(False)
-        self.said = {"info": [], "warning": [], "error": [], "command": [], "step": []}
+        self.said = {"summary": [], "warning": [], "error": [], "command": [], "step": []}
 
-    def pushInfo(self, text):
-        self.said["info"].append(text)
+    def pushConsoleInfo(self, text):
+        self.said["summary"].append(text)
 
     def pushWarning(self, text):
         self.said["warning"].append(text)
@@ -314,7 +321,7 @@ class Running(Case):
         self.assertEqual(steps, sorted(steps))
         self.assertEqual(steps[-1], 100)
         self.assertIn("Smooth surface", self.log.said["step"])
-        self.assertIn("220 lines", self.log.said["info"][0])
+        self.assertIn("220 lines", self.log.said["summary"][0])
         self.assertEqual(self.log.said["warning"], [])
 
     def test_diagnostics_are_loaded_unless_they_are_empty(self):
@@ -330,6 +337,64 @@ class Running(Case):
         self.assertNotIn("breaklines", with_features)
         loaded = {source.split("=")[1] for source in self.context.layersToLoadOnCompletion()}
         self.assertEqual(loaded, with_features | {"conflicts"})
+
+    def test_in_the_background(self):
+        """As QGIS runs tools from its toolbox: the work is done in another thread."""
+        memory = QgsVectorLayer(str(NESTED), "nested").materialize(QgsFeatureRequest())
+        QgsProject.instance().addMapLayer(memory)
+        made = self.folder / "made.gpkg"
+        algorithm = QgsApplication.processingRegistry().createAlgorithmById("tokosen:densify")
+        context, done = QgsProcessingContext(), []
+        context.setProject(QgsProject.instance())
+        wanted = QgsProcessingOutputLayerDefinition(str(made), QgsProject.instance())
+        parameters = {"INPUT": memory.id(), "INTERVAL": 5, "OUTPUT": wanted}
+        task = QgsProcessingAlgRunnerTask(algorithm, parameters, context, self.log)
+        task.executed.connect(lambda *results: done.append(results))
+        QgsApplication.taskManager().addTask(task)
+        limit = time.monotonic() + 30
+        while not done and time.monotonic() < limit:
+            APPLICATION.processEvents()
+        ((is_done, results),) = done
+        self.assertTrue(is_done, self.log.said)
+        command("densify", NESTED, "-i", "5", "-o", self.folder / "expected.gpkg")
+        self.assertEqual(content(made), content(self.folder / "expected.gpkg"))
+        ((source, details),) = context.layersToLoadOnCompletion().items()
+        self.assertEqual(source, results["OUTPUT"])
+        layer = QgsVectorLayer(source, "made", "ogr")
+        details.postProcessor().postProcessLayer(layer, context, self.log)
+        self.assertTrue(layer.labelsEnabled())
+        # The task belongs to QGIS, and is over before its context.
+        APPLICATION.processEvents()
+
+    def test_in_a_model(self):
+        model = QgsProcessingModelAlgorithm("chain", "tests")
+        model.addModelParameter(QgsProcessingParameterVectorLayer("lines"), QgsProcessingModelParameter("lines"))
+        first, second = QgsProcessingModelChildAlgorithm("tokosen:densify"), QgsProcessingModelChildAlgorithm("tokosen:dem")
+        static, source = QgsProcessingModelChildParameterSource.fromStaticValue, QgsProcessingModelChildParameterSource
+        first.setChildId("first")
+        first.addParameterSources("INPUT", [source.fromModelParameter("lines")])
+        first.addParameterSources("INTERVAL", [static(5)])
+        second.setChildId("second")
+        second.addParameterSources("INPUT", [source.fromChildOutput("first", "OUTPUT")])
+        second.addParameterSources("CELL", [static(20)])
+        output = QgsProcessingModelOutput("heights")
+        output.setChildId("second")
+        output.setChildOutputName("OUTPUT")
+        second.setModelOutputs({"heights": output})
+        for child in (first, second):
+            model.addChildAlgorithm(child)
+        model.updateDestinationParameters()
+        context = QgsProcessingContext()
+        made = self.folder / "made.tif"
+        ((destination,),) = [[p.name() for p in model.destinationParameterDefinitions()]]
+        wanted = QgsProcessingOutputLayerDefinition(str(made), QgsProject.instance())
+        results, is_done = model.run({"lines": str(NESTED), destination: wanted}, context, self.log)
+        self.assertTrue(is_done, self.log.said)
+        self.assertEqual(list(context.layersToLoadOnCompletion()), [str(made)])
+        lines, expected = self.folder / "lines.gpkg", self.folder / "expected.tif"
+        command("densify", NESTED, "-i", "5", "-o", lines)
+        command("dem", lines, "--cell", "20", "-o", expected)
+        self.assertEqual(made.read_bytes(), expected.read_bytes())
 
     def test_findings_are_warnings(self):
         map_ = json.loads(NESTED.read_text())

@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import queue
+import shlex
 import shutil
 import subprocess
 import sys
@@ -60,6 +61,12 @@ def folders():
     ]
 
 
+def command_line(arguments):
+    """The command as it could be typed into a shell."""
+    line = ["tokosen", *arguments]
+    return subprocess.list2cmdline(line) if os.name == "nt" else " ".join(map(shlex.quote, line))
+
+
 def run(program, arguments, feedback):
     """Runs the program to its end, and returns its summary; None if the user cancelled.
 
@@ -95,6 +102,8 @@ def run(program, arguments, feedback):
     findings, error = split(lines)
     for finding in findings:
         feedback.pushWarning(finding)
+    if "unexpected argument '--progress'" in error:
+        raise QgsProcessingException(f"The program {program} is too old for this plugin. Install a newer one.")
     if status != 0:
         raise QgsProcessingException(error or f"The program tokosen ended with status {status} and said nothing.")
     return "".join(summary).rstrip()

@@ -85,7 +85,7 @@ def elevation_label():
     settings = QgsPalLayerSettings()
     settings.fieldName = "elev"
     settings.placement = QgsPalLayerSettings.Line
-    settings.lineSettings().setPlacementFlags(QgsLabeling.LinePlacementFlags(QgsLabeling.LinePlacementFlag.OnLine))
+    settings.lineSettings().setPlacementFlags(QgsLabeling.LinePlacementFlag.OnLine)
     settings.repeatDistance = 80
     settings.repeatDistanceUnit = QgsUnitTypes.RenderMillimeters
     settings.setFormat(text)

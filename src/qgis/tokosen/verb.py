@@ -117,10 +117,10 @@ class Verb(QgsProcessingAlgorithm):
             arguments += [argument(output.flag, path) for output, path in outputs.items()]
             # The user has agreed to replace files when choosing them.
             arguments.append("--overwrite")
-            feedback.pushCommandInfo(" ".join(map(quoted, [program.NAME, *arguments])))
+            feedback.pushCommandInfo(program.command_line(arguments))
             summary = program.run(executable, arguments, feedback)
         if summary is not None:
-            feedback.pushInfo(aligned(summary))
+            feedback.pushConsoleInfo(aligned(summary))
         return summary
 
     def cancelled(self, outputs, context):
@@ -148,10 +148,6 @@ def argument(flag, value):
     if value is None or not flag:
         return value if value is not None else flag
     return f"{flag}={value}"
-
-
-def quoted(argument):
-    return argument if re.fullmatch(r"[\w@%+=:,./\\|-]+", argument) and "|" not in argument else f'"{argument}"'
 
 
 def aligned(summary):
