@@ -7,9 +7,8 @@ import shutil
 import subprocess
 import tempfile
 import unittest
-import zipfile
 
-from installed import CONTOURS, HEIGHTS, NESTED, PLUGINS, PROGRAMS, ROOT, TOKOSEN, command, install, make_zip
+from installed import CONTOURS, HEIGHTS, NESTED, PLUGINS, PROGRAMS, TOKOSEN, command, install, make_zip
 from outputs import content, count
 
 PROCESS = os.environ["TEST_QGIS_PROCESS"]
@@ -224,17 +223,6 @@ class Errors(Case):
 
 
 class Zip(Case):
-    def test_same_bytes_and_nothing_but_the_plugin(self):
-        one, two = make_zip(self.folder / "one.zip"), make_zip(self.folder / "two.zip")
-        self.assertEqual(one.read_bytes(), two.read_bytes())
-        with zipfile.ZipFile(one) as archive:
-            names = archive.namelist()
-            metadata = archive.read("tokosen/metadata.txt").decode()
-        self.assertIn("tokosen/verbs/densify.py", names)
-        self.assertEqual([name for name in names if "__pycache__" in name or not name.startswith("tokosen/")], [])
-        version = re.search(r'^version = "(.+)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE).group(1)
-        self.assertIn(f"\nversion={version}\n", metadata)
-
     def test_program_in_the_plugin(self):
         install(make_zip(self.folder / "plugin.zip", "--program", TOKOSEN))
         self.addCleanup(shutil.rmtree, PLUGINS / "tokosen" / "bin")

@@ -15,7 +15,9 @@ from qgis.core import (
     QgsApplication,
     QgsCategorizedSymbolRenderer,
     QgsCoordinateReferenceSystem,
+    QgsFeature,
     QgsFeatureRequest,
+    QgsGeometry,
     QgsHillshadeRenderer,
     QgsProcessingAlgRunnerTask,
     QgsProcessingContext,
@@ -50,7 +52,7 @@ from processing.core.ProcessingConfig import ProcessingConfig  # noqa: E402
 Processing.initialize()
 
 import tokosen  # noqa: E402
-from tokosen import program  # noqa: E402
+from tokosen import inputs, program  # noqa: E402
 from tokosen.verbs import VERBS  # noqa: E402
 
 PLUGIN = tokosen.classFactory(None)
@@ -73,10 +75,13 @@ class Log(QgsProcessingFeedback):
 
     def __init__(self):
         super().__init__(False)
+        self.is_cancelled_by_summary = False
         self.said = {"summary": [], "warning": [], "error": [], "command": [], "step": []}
 
     def pushConsoleInfo(self, text):
         self.said["summary"].append(text)
+        if self.is_cancelled_by_summary:
+            self.cancel()
 
     def pushWarning(self, text):
         self.said["warning"].append(text)
@@ -159,6 +164,36 @@ class Layers(Case):
         self.assertSameAs(made, self.part_of_nested(lambda elev: elev >= 110))
         # The selection does not count unless the user says so.
         self.assertSameAs(self.densify(layer), NESTED)
+
+    def test_selected_features_that_fulfil_an_expression(self):
+        layer = QgsVectorLayer(str(NESTED), "nested")
+        layer.selectByExpression('"elev" >= 110')
+        selection = inputs.Selection()
+        selection.selected_only, selection.expression = True, '"elev" < 120'
+        found = [feature["elev"] for feature in layer.getFeatures(selection.request(layer))]
+        self.assertTrue(found)
+        self.assertEqual(set(found), {110})
+        selection.limit = 1
+        self.assertEqual(len(list(layer.getFeatures(selection.request(layer)))), 1)
+
+    def test_curves_become_lines(self):
+        layer = QgsVectorLayer("CompoundCurve?crs=EPSG:6678&field=elev:double", "curves", "memory")
+        for elev, radius in ((10, 90), (20, 60), (30, 30)):
+            feature = QgsFeature(layer.fields())
+            feature["elev"] = elev
+            arcs = f"(0 -{radius}, {radius} 0, 0 {radius}, -{radius} 0, 0 -{radius})"
+            feature.setGeometry(QgsGeometry.fromWkt(f"CompoundCurve(CircularString{arcs})"))
+            self.assertTrue(layer.dataProvider().addFeature(feature))
+        made = self.densify(layer)
+        self.assertEqual({row[2] for row in rows(made)["contours_5m"][2]} & {10, 15, 20, 25, 30}, {10, 15, 20, 25, 30})
+
+    def test_cancelled_copy(self):
+        layer = QgsVectorLayer(str(NESTED), "nested").materialize(QgsFeatureRequest())
+        QgsProject.instance().addMapLayer(layer)
+        self.log.cancel()
+        self.assertEqual(self.run_tool("densify", INPUT=layer, INTERVAL=5, OUTPUT=self.folder / "made.gpkg"), {})
+        self.assertEqual(os.listdir(self.folder), [])
+        self.assertNothingLeft()
 
     def test_unsaved_edits(self):
         layer = QgsVectorLayer(str(CONTOURS), "contours")
@@ -434,10 +469,19 @@ class Running(Case):
         self.assertEqual(made.read_bytes(), HEIGHTS.read_bytes())
         self.assertEqual(os.listdir(self.folder), ["made.tif"])
 
+    def test_cancelling_between_two_outputs_leaves_nothing(self):
+        self.log.is_cancelled_by_summary = True
+        findings, repaired = self.folder / "findings.gpkg", self.folder / "repaired.gpkg"
+        self.assertEqual(self.run_tool("check", INPUT=NESTED, FINDINGS=findings, REPAIRED=repaired), {})
+        self.assertEqual(os.listdir(self.folder), [])
+
     def test_program_that_is_set(self):
         self.addCleanup(ProcessingConfig.setSettingValue, program.SETTING, "")
         ProcessingConfig.setSettingValue(program.SETTING, TOKOSEN)
         self.assertEqual(program.find(), TOKOSEN)
+        ProcessingConfig.setSettingValue(program.SETTING, str(NESTED))
+        self.assertIsNone(self.run_tool("regions", INPUT=NESTED, OUTPUT=self.folder / "made.gpkg"))
+        self.assertIn(f"The program {NESTED} cannot be started", self.log.said["error"][-1])
         gone = self.folder / "gone"
         gone.touch()
         ProcessingConfig.setSettingValue(program.SETTING, str(gone))

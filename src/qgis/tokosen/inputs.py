@@ -44,10 +44,14 @@ class Selection:
 
     def request(self, layer):
         request = QgsFeatureRequest()
-        if self.selected_only:
-            request.setFilterFids(layer.selectedFeatureIds())
         if self.expression:
-            request.combineFilterExpression(self.expression)
+            request.setFilterExpression(self.expression)
+        if self.selected_only:
+            # A request has one filter: an expression becomes the features that fulfil it.
+            chosen = set(layer.selectedFeatureIds())
+            if self.expression:
+                chosen &= {feature.id() for feature in layer.getFeatures(request)}
+            request.setFilterFids(sorted(chosen))
         if self.limit >= 0:
             request.setLimit(self.limit)
         return request
@@ -121,17 +125,19 @@ def write_features(path, name, fields, crs, wkb_type, features, feedback):
     if has_curves:
         wkb_type = QgsWkbTypes.linearType(wkb_type)
     writer = QgsVectorFileWriter.create(path, fields, wkb_type, crs, QgsCoordinateTransformContext(), options)
-    if writer.hasError() != QgsVectorFileWriter.NoError:
-        raise QgsProcessingException(f"The layer {name} cannot be passed: {writer.errorMessage()}")
-    for feature in features:
-        if feedback.isCanceled():
-            break
-        if has_curves and feature.hasGeometry():
-            feature.setGeometry(QgsGeometry(feature.geometry().constGet().segmentize()))
-        if not writer.addFeature(feature, QgsFeatureSink.FastInsert):
+    try:
+        is_whole = writer.hasError() == QgsVectorFileWriter.NoError
+        for feature in features if is_whole else ():
+            if feedback.isCanceled():
+                return
+            if has_curves and feature.hasGeometry():
+                feature.setGeometry(QgsGeometry(feature.geometry().constGet().segmentize()))
+            is_whole = is_whole and writer.addFeature(feature, QgsFeatureSink.FastInsert)
+        if not (is_whole and writer.flushBuffer()):
             raise QgsProcessingException(f"The layer {name} cannot be passed: {writer.errorMessage()}")
-    # The file is complete when its writer is gone.
-    del writer
+    finally:
+        # The file is closed when its writer is gone.
+        del writer
 
 
 def raster(layer):
@@ -144,12 +150,12 @@ def raster(layer):
 
     def copy(folder, feedback):
         path = free_path(folder, "tif")
-        go_on = lambda share, message, data: not feedback.isCanceled()
         options = {} if own_crs else {"outputSRS": wkt}
         try:
-            copied = gdal.Translate(path, source, callback=go_on, **options)
-        except RuntimeError as error:
-            raise QgsProcessingException(f"The layer {name} cannot be passed: {error}")
+            copied = gdal.Translate(path, source, callback=lambda *progress: not feedback.isCanceled(), **options)
+        except RuntimeError:
+            # GDAL raises errors only if it was told to.
+            copied = None
         if copied is None and not feedback.isCanceled():
             raise QgsProcessingException(f"The layer {name} cannot be passed: {gdal.GetLastErrorMsg()}")
         return path

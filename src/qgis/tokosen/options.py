@@ -6,6 +6,7 @@ is not passed, so that the program decides.
 from typing import Any, Callable, NamedTuple
 
 from qgis.core import (
+    NULL,
     QgsProcessing,
     QgsProcessingFeatureSourceDefinition,
     QgsProcessingParameterBoolean,
@@ -44,7 +45,8 @@ class Asked(NamedTuple):
     context: Any
 
     def has(self, name):
-        return self.parameters.get(name) not in (None, "")
+        value = self.parameters.get(name)
+        return not (value is None or value == "" or value == NULL)
 
     def text(self, name):
         return self.algorithm.parameterAsString(self.parameters, name, self.context)

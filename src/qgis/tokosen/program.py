@@ -72,15 +72,7 @@ def run(program, arguments, feedback):
 
     Raises a QgsProcessingException with the program's own sentence if it fails.
     """
-    process = subprocess.Popen(
-        [program, *arguments, "--progress", "json"],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-        errors="replace",
-        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
-    )
+    process = start([program, *arguments, "--progress", "json"])
     summary, told = [], queue.Queue()
     readers = [
         threading.Thread(target=lambda: summary.append(process.stdout.read()), daemon=True),
@@ -107,6 +99,22 @@ def run(program, arguments, feedback):
     if status != 0:
         raise QgsProcessingException(error or f"The program tokosen ended with status {status} and said nothing.")
     return "".join(summary).rstrip()
+
+
+def start(line):
+    try:
+        return subprocess.Popen(
+            line,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            encoding="utf-8",
+            errors="replace",
+            # On Windows, no console window opens.
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+        )
+    except OSError as error:
+        raise QgsProcessingException(f"The program {line[0]} cannot be started: {error}")
 
 
 def pass_on(stream, told):

@@ -1,4 +1,6 @@
 """Faults in contour lines, their places and proposed repairs."""
+import os
+
 from .. import shared
 from ..options import LINES, POINTS, choice, vector_output
 from ..verb import CHECKS, Verb
@@ -68,6 +70,7 @@ The repaired contours are an output of their own.
     def processAlgorithm(self, parameters, context, feedback):
         """Runs the program once for each output: it writes the findings or the repaired contours."""
         outputs = self.paths(parameters, context)
+        new = [path for path in outputs.values() if not os.path.exists(path)]
         values = {}
         for wanted in outputs or [None]:
             pairs = [pair for pair in self.pairs if wanted == REPAIRED or pair[0] not in OF_REPAIRED]
@@ -76,6 +79,9 @@ The repaired contours are an output of their own.
                 pairs = [pair for pair in pairs if pair[0] != "--to-crs"]
             summary = self.run_program(pairs, these, feedback)
             if summary is None:
+                # The first output may be there already.
+                for path in filter(os.path.exists, new):
+                    os.remove(path)
                 return self.cancelled(outputs, context)
             values.update(self.results(these, summary, context))
         return values
