@@ -222,10 +222,22 @@ class Errors(Case):
         self.assertFalse(pathlib.Path(arguments[-1]).exists())
 
 
-class Zip(Case):
+class Program(Case):
+    """Where the plugin finds the program."""
+
+    def test_program_that_pip_has_installed_for_the_user(self):
+        installed = pathlib.Path(os.environ["HOME"], ".local", "bin", "tokosen")
+        installed.parent.mkdir(parents=True)
+        self.addCleanup(shutil.rmtree, installed.parent)
+        installed.symlink_to(TOKOSEN)
+        self.assertFound()
+
     def test_program_in_the_plugin(self):
         install(make_zip(self.folder / "plugin.zip", "--program", TOKOSEN))
         self.addCleanup(shutil.rmtree, PLUGINS / "tokosen" / "bin")
+        self.assertFound()
+
+    def assertFound(self):
         made = self.folder / "made.gpkg"
         done = self.run_tool("regions", path=str(self.folder), INPUT=NESTED, OUTPUT=made)
         self.assertEqual(done.returncode, 0, done.stderr)

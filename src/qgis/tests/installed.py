@@ -6,7 +6,7 @@ import sys
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
-SAMPLES = ROOT / "samples"
+SAMPLES = pathlib.Path(os.environ["TEST_SAMPLES"])
 CONTOURS = SAMPLES / "caryville_20m.gpkg"
 HEIGHTS = SAMPLES / "caryville_20m_truth.tif"
 NESTED = SAMPLES / "fig1f_nested.geojson"

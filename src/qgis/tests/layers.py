@@ -52,7 +52,7 @@ from processing.core.ProcessingConfig import ProcessingConfig  # noqa: E402
 Processing.initialize()
 
 import tokosen  # noqa: E402
-from tokosen import inputs, program  # noqa: E402
+from tokosen import inputs, program, styles  # noqa: E402
 from tokosen.verbs import VERBS  # noqa: E402
 
 PLUGIN = tokosen.classFactory(None)
@@ -521,6 +521,13 @@ class Styles(Case):
             widths = [width_of(layer, rule) for rule in rules]
             self.assertGreater(min(widths[:2]), max(widths[2:]))
             self.assertTrue(layer.labelsEnabled())
+
+    def test_drawing_without_fields_stays_visible(self):
+        layer = QgsVectorLayer("LineString?field=Layer:string", "drawing", "memory")
+        before = layer.renderer().type()
+        for style in styles.FIELDS:
+            styles.processor(style).postProcessLayer(layer, QgsProcessingContext(), self.log)
+        self.assertEqual(layer.renderer().type(), before)
 
     def test_height_map(self):
         self.assertIsInstance(self.loaded("dem", "OUTPUT", INPUT=NESTED, CELL=10).renderer(), QgsHillshadeRenderer)

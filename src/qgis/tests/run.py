@@ -53,6 +53,8 @@ def prepared(folder, process, python, program):
     for made in (home, runtime, programs, work):
         made.mkdir(mode=0o700)
     (programs / "tokosen").symlink_to(program)
+    # QGIS may write to a GeoPackage that it only reads.
+    samples = shutil.copytree(ROOT / "samples", folder / "samples", ignore=shutil.ignore_patterns("*.png"))
     outside = [part for part in os.environ["PATH"].split(os.pathsep) if not (pathlib.Path(part) / "tokosen").is_file()]
     return {
         **os.environ,
@@ -67,6 +69,7 @@ def prepared(folder, process, python, program):
         # QGIS takes the modules of the first python3 there.
         "PATH": os.pathsep.join([os.path.dirname(python), *outside]),
         "TEST_PROGRAMS": str(programs),
+        "TEST_SAMPLES": str(samples),
         "TEST_QGIS_PROCESS": process,
     }
 

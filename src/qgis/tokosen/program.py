@@ -1,4 +1,5 @@
 """Finds the program tokosen and runs it: its progress, findings and errors become those of Processing."""
+import contextlib
 import json
 import os
 import pathlib
@@ -35,7 +36,8 @@ def find():
     if BUNDLED.is_file():
         # The plugin manager unpacks files without their permission to run.
         if not os.access(BUNDLED, os.X_OK):
-            BUNDLED.chmod(0o755)
+            with contextlib.suppress(OSError):
+                BUNDLED.chmod(0o755)
         return str(BUNDLED)
     found = shutil.which("tokosen", path=os.pathsep.join(folders()))
     if not found:

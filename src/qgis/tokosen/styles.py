@@ -100,7 +100,7 @@ def findings(layer):
     """A colour for each severity; the map tip is the message."""
     symbols = {
         severity: QgsMarkerSymbol.createSimple(
-            {"name": "circle", "color": color, "outline_color": "255,255,255", "size": "3.2" if severity == "error" else "2.6"}
+            {"name": "circle", "color": color, "outline_color": "255,255,255", "size": "2.8"}
         )
         for severity, color in SEVERITIES.items()
     }
@@ -131,10 +131,10 @@ def categories(field, symbols):
 
 
 def hillshade(layer):
-    """Light from the north-west; heights count in metres, whatever the unit of the map is."""
+    """Light from the north-west. Heights are taken as metres, and converted to the unit of the map, for instance degrees."""
     renderer = QgsHillshadeRenderer(layer.dataProvider(), 1, 315, 45)
-    metres = QgsUnitTypes.fromUnitToUnitFactor(QgsUnitTypes.DistanceMeters, layer.crs().mapUnits())
-    renderer.setZFactor(metres if layer.crs().isValid() else 1.0)
+    if layer.crs().isValid():
+        renderer.setZFactor(QgsUnitTypes.fromUnitToUnitFactor(QgsUnitTypes.DistanceMeters, layer.crs().mapUnits()))
     layer.setRenderer(renderer)
     # Resampled before it is shaded. Shades that are resampled later show the edges of the blocks in which QGIS works.
     layer.setResamplingStage(Qgis.RasterResamplingStage.Provider)
@@ -171,22 +171,25 @@ def color_of(text):
     return QColor(*map(int, text.split(",")))
 
 
-class Processor(QgsProcessingLayerPostProcessorInterface):
-    """Gives a layer its look after it is loaded."""
-
-    def __init__(self, paint):
-        super().__init__()
-        self.paint = paint
-
-    def postProcessLayer(self, layer, context, feedback):
-        self.paint(layer)
-        layer.triggerRepaint()
-
-
 STYLES = {
     paint.__name__: paint
     for paint in (contours, repaired, findings, regions, skeleton, steep, outlines, hillshade, slope, difference)
 }
+# The field that a style needs. A DXF has no fields; then the look stays that of QGIS.
+FIELDS = {"contours": "is_index", "findings": "severity", "regions": "class", "skeleton": "kind"}
+
+
+class Processor(QgsProcessingLayerPostProcessorInterface):
+    """Gives a layer its look after it is loaded."""
+
+    def __init__(self, style):
+        super().__init__()
+        self.style = style
+
+    def postProcessLayer(self, layer, context, feedback):
+        if self.style not in FIELDS or layer.fields().indexOf(FIELDS[self.style]) >= 0:
+            STYLES[self.style](layer)
+            layer.triggerRepaint()
 
 
 # QGIS deletes a processor with the context of its run. Until then Python must hold it, too.
@@ -195,6 +198,6 @@ HELD = []
 
 def processor(style):
     """What gives a layer a style after it is loaded."""
-    made = Processor(STYLES[style])
+    made = Processor(style)
     HELD[:] = [made, *(held for held in HELD if not sip.isdeleted(held))]
     return made
