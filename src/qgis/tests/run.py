@@ -16,6 +16,8 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
+# The modules of tests, by process. The first installs the plugin for all.
+PARTS = [["commands"], ["parameters", "layers", "running", "looks"]]
 BUILDS = [ROOT / "target" / build / "tokosen" for build in ("release", "debug")]
 
 
@@ -34,7 +36,7 @@ def main():
         sys.exit("the program tokosen is not built; name it with --program")
     with tempfile.TemporaryDirectory(prefix="qgis_test_") as folder:
         environment = prepared(pathlib.Path(folder), process, python, program.resolve())
-        runs = [[python, "-m", "unittest", "-v", part] for part in ("commands", "layers")]
+        runs = [[python, "-m", "unittest", "-v", *part] for part in PARTS]
         failed = [run for run in runs if subprocess.run(run, cwd=HERE, env=environment).returncode != 0]
     return 1 if failed else 0
 
