@@ -32,6 +32,7 @@ pages! {
     break_lines = "break_lines.md",
     pits = "pits.md",
     pictures = "pictures.md",
+    qgis = "qgis.md",
     formats = "formats.md",
     options = "options.md",
     method = "method.md",

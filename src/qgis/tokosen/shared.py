@@ -1,0 +1,277 @@
+"""Options that several tools have."""
+from .options import (
+    ANY,
+    LINES,
+    POINTS,
+    POLYGONS,
+    choice,
+    crs,
+    distance,
+    extent,
+    field,
+    file_output,
+    layer,
+    layers,
+    number,
+    raster,
+    text,
+    vector_output,
+    yes,
+)
+
+PICTURE = "PNG files (*.png)"
+PAGE = "HTML files (*.html)"
+
+INPUT = layer("", "Contour lines", LINES, name="INPUT", optional=False)
+ELEVATION = field(
+    "--elevation-field",
+    "Elevation field",
+    "INPUT",
+    help="The field that holds the elevation. If it is empty, a field with a usual name is used (elev, height, ...), "
+    "otherwise the z coordinate.",
+)
+CONTOURS = [INPUT, ELEVATION]
+
+POINTS_WITH_HEIGHT = layer(
+    "--points", "Spot heights", POINTS, help="The surface passes through these points. They have a height field, or z."
+)
+SIGMA = number(
+    "--points-sigma",
+    "Standard error of the spot heights",
+    advanced=True,
+    help="The surface then comes near the points instead of passing through them. A field named sigma gives each point its own.",
+)
+EXCLUDE = layers(
+    "--exclude",
+    "Leave out contours inside these polygons",
+    POLYGONS,
+    advanced=True,
+    help="Contours and spot heights inside the polygons do not count, for instance of a quarry. The surface bridges the hole.",
+)
+CLIFFS = layers("--cliffs", "Cliffs", LINES, advanced=True, help="Lines across which the surface may jump.")
+COAST = layer(
+    "--coast",
+    "Coast",
+    ANY,
+    advanced=True,
+    help="Lines of the coast, or polygons of land or sea. The sea becomes level.",
+)
+COAST_LEVEL = number(
+    "--coast",
+    "Elevation of the contours that are the coast",
+    name="COAST_LEVEL",
+    unless=["COAST"],
+    advanced=True,
+    help="Use it where contours are the coast, for instance those at 0.",
+)
+UNIT = choice(
+    "--unit",
+    "Unit of the elevations",
+    [("", "That of the layer, otherwise metres"), ("m", "Metres"), ("ft", "International feet"), ("us-ft", "US survey feet")],
+    advanced=True,
+)
+WORK_CRS = crs(
+    "--work-crs",
+    "Projected system to work in",
+    advanced=True,
+    help="A system in metres. If it is empty, that of the contours is used; for degrees and feet, the zone of the map.",
+)
+SNAP = distance(
+    "--snap", "Join line ends up to this distance", default=0.01, advanced=True, help="Ends of lines of one elevation are joined."
+)
+REPAIR = choice(
+    "--repair",
+    "Repair of the contours",
+    [
+        ("safe", "Safe: what cannot change the meaning of the map"),
+        ("none", "None: stop if anything needs repair"),
+        ("all", "All: also elevations, gaps and stray vertices"),
+    ],
+    advanced=True,
+)
+STRICT = yes("--strict", "Stop if there is an error or a warning about the contours", advanced=True)
+FIT = distance(
+    "--fit",
+    "Smooth the contours within this tolerance",
+    advanced=True,
+    help="The vertices of the contours are then not kept.",
+)
+SAMPLE = number(
+    "--sample",
+    "Add vertices to the contours: spacing by distance",
+    advanced=True,
+    help="Vertices are added until their spacing is at most this share of the distance to the nearest other contour. It is "
+    "below 1. The vertices of the contours stay.",
+)
+
+WATER = layer(
+    "--water",
+    "Lakes",
+    POLYGONS,
+    help="Polygons that are level, at their elevation field or z, otherwise at the height of their shore. Holes are islands.",
+)
+SEA = number(
+    "--sea",
+    "Level of the sea",
+    advanced=True,
+    help="Ground that reaches down only to contours of this level becomes level sea.",
+)
+STREAMS = layers(
+    "--streams",
+    "Streams",
+    ANY,
+    help="Lines of rivers and streams, or polygons of wide rivers. The surface falls along them. Contours count more.",
+)
+STREAM_TOLERANCE = distance(
+    "--stream-tolerance",
+    "Move streams up to this distance into the bends of contours",
+    advanced=True,
+    help="If it is empty, a quarter of the mean spacing of the contours.",
+)
+BREAK_LINES = layers(
+    "--breaklines",
+    "Break lines",
+    ANY,
+    help="Lines along which the ground bends sharply, such as edges of ditches. Lines with z give heights. A field kind = "
+    "ridge, valley or edge says how the ground bends.",
+)
+SINKS = layers(
+    "--sinks",
+    "Sinks, where water may stay",
+    ANY,
+    advanced=True,
+    help="Points or polygons, for instance in karst or quarries. A point keeps the pit that holds it, a polygon all inside.",
+)
+DRAIN = choice(
+    "--drain",
+    "Pits that get a way out",
+    [("safe", "Pits that no contour speaks for"), ("none", "None: pits stay"), ("all", "All, except in sinks and in water")],
+    advanced=True,
+)
+FRAME = choice(
+    "--frame",
+    "Outer border",
+    [("hull", "Convex hull of the contours"), ("bbox", "Bounding box of the contours")],
+    unless=["FRAME_LAYER"],
+    advanced=True,
+)
+FRAME_LAYER = layer("--frame", "Polygon as outer border", POLYGONS, name="FRAME_LAYER", advanced=True)
+SURFACE_KIND = choice(
+    "--surface",
+    "Surface",
+    [
+        ("spline", "Smooth"),
+        ("skeleton", "Plane triangles with ridge and canyon lines"),
+        ("linear", "Plane triangles of the contours alone"),
+    ],
+    advanced=True,
+)
+RESOLUTION = number(
+    "--resolution", "Resolution w: a larger value gives fewer ridge and canyon lines", default=1, advanced=True
+)
+TENSION = number(
+    "--tension",
+    "Tension of the smooth surface",
+    advanced=True,
+    help="0 is minimum curvature; 10 and more is nearly plane triangles. If it is empty, it is chosen from the contours.",
+)
+NOISE = number(
+    "--noise",
+    "Noise of the contours",
+    advanced=True,
+    help="0 for smooth contours, 1 for those with jitter. If it is empty, it is chosen from the contours.",
+)
+
+EXTENT = extent("--extent", "Extent", help="Only this part of the map is written. The contours around it still count.")
+CLIP = layer(
+    "--clip",
+    "Clip to polygons",
+    POLYGONS,
+    advanced=True,
+    help="Only the part inside is written. The contours around it still count.",
+)
+
+CELL_DEGREES = text(
+    "--cell-degrees",
+    "Cell size in degrees, instead of metres",
+    advanced=True,
+    help="The height map is then in degrees. Seconds have an s: 0.4s.",
+)
+LIKE = raster(
+    "--like",
+    "Height map with the same grid",
+    help="Extent, cells and coordinate reference system are those of this height map. The cell size is then not used.",
+)
+BASE = raster(
+    "--base",
+    "Height map for the ground around the contours",
+    advanced=True,
+    help="Heights outside the contours come from it, without a step at the border.",
+)
+BASE_FADE = distance(
+    "--base-fade",
+    "Distance at which the correction of that height map fades out",
+    advanced=True,
+    help="If it is empty, 12 times the mean spacing of the contours. With 0 that height map stays as it is.",
+)
+COG = yes("--cog", "Write GeoTIFF as Cloud Optimized GeoTIFF", advanced=True)
+UNCERTAINTY = yes(
+    "--uncertainty",
+    "Estimate standard errors",
+    help="The errors are learnt on hidden contours. A height map gets them as a second band; new contours get the fields "
+    "err_v, err_h and inferred.",
+)
+
+INDEX = number(
+    "--index", "Every Nth level is an index contour", default=5, whole=True, advanced=True, help="0 for no index contours."
+)
+INTERVAL = number("--interval", "Contour interval", proposed=5, unless=["LEVELS"])
+LEVELS = text(
+    "--levels", "Elevations instead of an interval", advanced=True, help="Separated by commas, for instance 12.5,13."
+)
+LEVEL_BASE = number(
+    "--base", "Elevation from which the levels count", default=0, unless=["LEVELS"], advanced=True
+)
+LABELS = yes(
+    "--labels",
+    "Also write labels of index contours",
+    advanced=True,
+    help="A GeoPackage gets a layer labels, a DXF gets texts. The style of the result has labels without this option.",
+)
+TO_CRS = crs(
+    "--to-crs",
+    "Coordinate reference system of the result",
+    advanced=True,
+    help="If it is empty, that of the input. The vertices of the input then keep their coordinates exactly.",
+)
+TO_UNIT = choice(
+    "--to-unit",
+    "Unit of the heights in the result",
+    [("m", "Metres"), ("ft", "International feet"), ("us-ft", "US survey feet")],
+    advanced=True,
+    help="Heights in other options of this tool are then in this unit too.",
+)
+
+PREVIEW = file_output("--preview", "Picture of the result", PICTURE, advanced=True)
+DIAGNOSTICS = vector_output(
+    "--diagnostics",
+    "Diagnostics",
+    ANY,
+    name="DIAGNOSTICS",
+    optional=True,
+    advanced=True,
+    layer="conflicts",
+    others=("streams", "breaklines", "sinks"),
+    style="findings",
+    help="A GeoPackage with the streams and break lines as they are used, the pits that stay, and the places where lines, "
+    "lakes and spot heights contradict the contours.",
+)
+
+CLEANING = [UNIT, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
+PART = [EXTENT, CLIP]
+# What shapes the surface, first the lines and areas of a map.
+TERRAIN = [
+    POINTS_WITH_HEIGHT, STREAMS, WATER, BREAK_LINES,
+    SIGMA, CLIFFS, COAST, COAST_LEVEL, SEA, EXCLUDE, STREAM_TOLERANCE, SINKS, DRAIN,
+]
+SURFACE = [SURFACE_KIND, FRAME, FRAME_LAYER, RESOLUTION, TENSION, NOISE]

@@ -1,0 +1,12 @@
+"""The tools, one file each."""
+from .check import Check
+from .compare import Compare
+from .contour import Contour
+from .dem import Dem
+from .densify import Densify
+from .derive import Derive
+from .mesh import Mesh
+from .regions import Regions
+from .skeleton import Skeleton
+
+VERBS = [Densify, Contour, Dem, Derive, Check, Compare, Regions, Skeleton, Mesh]
