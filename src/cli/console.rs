@@ -58,6 +58,8 @@ struct State {
     times: Vec<(&'static str, Duration)>,
     /// When progress was printed last as a line of JSON.
     told: Option<Instant>,
+    /// The share that was printed.
+    share: f64,
     /// Why text could not be printed.
     unprinted: Option<std::io::Error>,
 }
@@ -221,10 +223,13 @@ impl Console {
         }
         let track = locked(&self.track);
         let Some(share) = track.share() else { return };
-        let line = progress_json(track.step(), share);
+        let step = track.step();
         drop(track);
-        self.state().told = Some(Instant::now());
-        let _ = writeln!(std::io::stderr(), "{line}");
+        let mut state = self.state();
+        // A step that runs once more may lower the share.
+        state.share = state.share.max(share);
+        state.told = Some(Instant::now());
+        let _ = writeln!(std::io::stderr(), "{}", progress_json(step, state.share));
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
