@@ -51,7 +51,6 @@ __all__ = [
     "skeleton",
 ]
 
-# Their place is here, not in the files that hold them.
-for _name in __all__:
-    if isinstance(globals()[_name], type):
-        globals()[_name].__module__ = __name__
+# So messages of uncaught exceptions have the names that users catch.
+for _exception in (Error, FileError, FindingWarning, InputError, OutOfMemoryError, ParameterError):
+    _exception.__module__ = __name__

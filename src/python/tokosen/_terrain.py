@@ -75,7 +75,7 @@ class Terrain:
     >>> [len(layer) for layer in terrain.contours([5, 2])]
     [7, 18]
     >>> terrain.dem(cell=10).shape
-    (60, 60)
+    (58, 55)
     """
 
     def __init__(
@@ -202,7 +202,7 @@ class Terrain:
         cells are taken: a path, a Dem, a DataArray, or (values, transform, crs).
 
         >>> tokosen.Terrain(tokosen.example(), uncertainty=True).dem(cell=10).error.shape
-        (60, 60)
+        (58, 55)
         """
         with reporting(progress) as report:
             return Dem(self._terrain.dem(cells(cell, cell_degrees, like, to_crs), report))
@@ -222,7 +222,7 @@ class Terrain:
         """The sub-domains between contours with their landforms, as the function `regions` with the same input.
 
         >>> tokosen.Terrain(tokosen.example()).regions()["class"]
-        ['slope', 'slope', 'slope', 'top']
+        ['tableland', 'tableland', 'tableland', 'peak']
         """
         found = self._apart(RegionOptions)
         with reporting(progress) as report:

@@ -2,17 +2,34 @@
 
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
+__all__ = [
+    "Comparison",
+    "Layer",
+    "Model",
+    "Raster",
+    "Source",
+    "Terrain",
+    "__version__",
+    "check",
+    "compare",
+    "contour",
+    "derive",
+    "program",
+    "regions",
+    "skeleton",
+]
 __version__: str
 
-Report = Callable[[str, float | None], object] | None
-Warned = list[tuple[str, str, str]]
-Options = dict[str, Any]
-Cells = dict[str, Any]
+_Report = Callable[[str, float | None], object] | None
+_Warned = list[tuple[str, str, str]]
+_Options = dict[str, Any]
+_Cells = dict[str, Any]
 
+@final
 class Source:
     @staticmethod
     def file(path: str | os.PathLike[str]) -> Source: ...
@@ -29,6 +46,7 @@ class Source:
     @staticmethod
     def points(points: np.ndarray[Any, Any], crs: str | None) -> Source: ...
 
+@final
 class Layer:
     @property
     def name(self) -> str: ...
@@ -45,6 +63,7 @@ class Layer:
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any: ...
     def write(self, path: str | os.PathLike[str], overwrite: bool) -> None: ...
 
+@final
 class Raster:
     @staticmethod
     def from_array(values: np.ndarray[Any, Any], transform: list[float], crs: str | None) -> Raster: ...
@@ -67,6 +86,7 @@ class Raster:
         self, path: str | os.PathLike[str], to_unit: str, cog: bool, png_encoding: str, overwrite: bool
     ) -> None: ...
 
+@final
 class Model:
     def vertices(self) -> np.ndarray[Any, np.dtype[np.float64]]: ...
     def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]: ...
@@ -74,10 +94,11 @@ class Model:
     def is_solid(self) -> bool: ...
     def write(self, path: str | os.PathLike[str], overwrite: bool) -> None: ...
 
+@final
 class Terrain:
     @staticmethod
     def build(
-        contours: list[Source], given: Options, cells: Cells, to_unit: str, only_dem: bool, progress: Report
+        contours: list[Source], given: _Options, cells: _Cells, to_unit: str, only_dem: bool, progress: _Report
     ) -> Terrain: ...
     def contours(
         self,
@@ -90,19 +111,20 @@ class Terrain:
         simplify: float | None,
         keep_input: bool,
         labels: float | None,
-        progress: Report,
+        progress: _Report,
     ) -> list[Layer]: ...
-    def dem(self, cells: Cells, progress: Report) -> Raster: ...
-    def mesh(self, base: float | None, progress: Report) -> Model: ...
-    def pits(self, cells: Cells, progress: Report) -> Layer: ...
+    def dem(self, cells: _Cells, progress: _Report) -> Raster: ...
+    def mesh(self, base: float | None, progress: _Report) -> Model: ...
+    def pits(self, cells: _Cells, progress: _Report) -> Layer: ...
     def streams(self) -> Layer: ...
     def breaklines(self) -> Layer: ...
     def findings(self) -> Layer: ...
     def conflicts(self) -> Layer: ...
-    def warned(self) -> Warned: ...
+    def warned(self) -> _Warned: ...
     def figures(self) -> dict[str, Any]: ...
     def picture(self) -> bytes: ...
 
+@final
 class Comparison:
     def json(self) -> str: ...
     def text(self) -> list[str]: ...
@@ -112,14 +134,14 @@ class Comparison:
 
 def program(arguments: list[str]) -> int: ...
 def check(
-    contours: list[Source], given: Options, to_crs: str | None, to_unit: str, progress: Report
-) -> tuple[Layer, str, list[Layer], Warned]: ...
+    contours: list[Source], given: _Options, to_crs: str | None, to_unit: str, progress: _Report
+) -> tuple[Layer, str, list[Layer], _Warned]: ...
 def regions(
-    contours: list[Source], given: Options, to_crs: str | None, to_unit: str, progress: Report
-) -> tuple[Layer, Warned]: ...
+    contours: list[Source], given: _Options, to_crs: str | None, to_unit: str, progress: _Report
+) -> tuple[Layer, _Warned]: ...
 def skeleton(
-    contours: list[Source], given: Options, to_crs: str | None, to_unit: str, progress: Report
-) -> tuple[Layer, Warned]: ...
+    contours: list[Source], given: _Options, to_crs: str | None, to_unit: str, progress: _Report
+) -> tuple[Layer, _Warned]: ...
 def contour(
     dem: Raster,
     intervals: list[float],
@@ -131,11 +153,11 @@ def contour(
     tolerance: float | None,
     smooth: float | None,
     labels: float | None,
-    progress: Report,
+    progress: _Report,
 ) -> list[Layer]: ...
 def derive(
-    dem: Raster, what: str, multidirectional: bool, numbers: list[float], interval: float | None, progress: Report
+    dem: Raster, what: str, multidirectional: bool, numbers: list[float], interval: float | None, progress: _Report
 ) -> Raster | Layer: ...
 def compare(
-    a: Any, b: Any, given: Options, cells: Cells, numbers: list[float | None], points: Source | None, progress: Report
+    a: Any, b: Any, given: _Options, cells: _Cells, numbers: list[float | None], points: Source | None, progress: _Report
 ) -> Comparison: ...
