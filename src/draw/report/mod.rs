@@ -12,7 +12,7 @@ mod table;
 mod view;
 mod words;
 
-pub use page::{ComparisonPage, comparison_page};
+pub use page::{ComparisonPage, comparison_page, difference_map};
 pub use pair::{page, sentences, table};
 pub use table::{Group, Row, decimals_for, groups};
 pub use words::{HeightSource, remarks};

@@ -36,6 +36,17 @@ pub struct ComparisonPage<'a> {
     pub metres_per_unit: DVec2,
 }
 
+/// The map of the differences A − B over the relief of B, as PNG in a data URI.
+///
+/// # Errors
+/// If the picture cannot be made.
+pub fn difference_map(a: &Dem, b: &Dem, found: &Comparison, metres_per_unit: DVec2) -> Result<String> {
+    let d = difference(a, b);
+    let window = Window::around_data(&d);
+    let ground = maps::reduced(b, &window);
+    maps::differences(&maps::reduced(&d, &window), &ground, round_limit(&found.overall), metres_per_unit)
+}
+
 /// The page as HTML: one file that needs no other file.
 ///
 /// Long because the template of the page is one piece.
@@ -49,7 +60,7 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let window = Window::around_data(&d);
     let (small_a, small_b) = (maps::reduced(a, &window), maps::reduced(b, &window));
     let limit = round_limit(&found.overall);
-    let map = maps::differences(&maps::reduced(&d, &window), &small_b, limit, metres_per_unit)?;
+    let map = difference_map(a, b, found, metres_per_unit)?;
     let shown = window.of(&b.grid);
     let [view, half] = [Width::Page, Width::Half].map(|width| View::new(&shown, b, metres_per_unit, width));
     let levels = match (&found.a.levels, &found.b.levels) {

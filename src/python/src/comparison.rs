@@ -8,7 +8,7 @@ use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::dem::Dem;
 use tokosen::dem::compare::difference;
-use tokosen::draw::report::{page, sentences, table};
+use tokosen::draw::report::{difference_map, page, sentences, table};
 use tokosen::io::raster::Quantity;
 use tokosen::io::{StagedOutput, VectorSource, check_paths};
 use tokosen::surface::Triangles;
@@ -189,6 +189,12 @@ impl Comparison {
     fn difference(&self, py: Python<'_>) -> PyResult<Raster> {
         let found = py.detach(|| difference(&self.pair.a_heights, &self.pair.b_heights));
         Raster::new(py, found, None, Quantity::Difference, &[])
+    }
+
+    /// The map of the differences, as PNG in a data URI.
+    fn picture(&self, py: Python<'_>) -> PyResult<String> {
+        let Pair { a_heights, b_heights, .. } = &self.pair;
+        work(py, None, |_| difference_map(a_heights, b_heights, &self.found, self.pair.metres_per_unit()))
     }
 
     /// The report: a page of HTML.

@@ -97,7 +97,8 @@ def test_objects_show_themselves_in_notebooks():
         text = shown._repr_html_()
         assert text.startswith("<div>") and text.count("<tr>") >= 3
         assert repr(shown).startswith("<")
-    assert "data:image/png;base64" in terrain._repr_html_() and "data:image/png;base64" in dem._repr_html_()
+    pictured = (terrain, dem, tokosen.compare(terrain, dem))
+    assert all("data:image/png;base64" in shown._repr_html_() for shown in pictured)
 
 
 def test_the_command_is_the_program(program):

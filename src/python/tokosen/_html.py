@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from html import escape
 
 
-def page(title: str, figures: Iterable[tuple[str, object]], notes: Iterable[str] = (), picture: bytes | None = None) -> str:
-    """A piece of HTML: a picture, a table of figures, and sentences below."""
+def page(title: str, figures: Iterable[tuple[str, object]], notes: Iterable[str] = (), picture: bytes | str | None = None) -> str:
+    """A piece of HTML: a picture (PNG, or a data URI), a table of figures, and sentences below."""
     image = ""
     if picture is not None:
-        data = base64.b64encode(picture).decode()
-        image = f'<img alt="{escape(title)}" src="data:image/png;base64,{data}" style="max-width:480px;max-height:480px">'
+        uri = picture if isinstance(picture, str) else f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+        image = f'<img alt="{escape(title)}" src="{uri}" style="max-width:480px;max-height:480px">'
     rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in figures)
     items = "".join(f"<li>{escape(note)}</li>" for note in notes)
     below = f"<ul>{items}</ul>" if items else ""

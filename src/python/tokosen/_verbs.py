@@ -313,9 +313,9 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         overall = self.figures["overall"]
-        names = ("cells", "bias", "rmse", "le90")
-        rows = [(name, overall[name]) for name in names if name in overall]
-        return page("Comparison (A minus B)", rows, self._comparison.text()[:2])
+        names = {"bias": "bias", "RMSE": "rmse", "90 % within": "le90"}
+        rows = [("cells", str(overall["cells"])), *((shown, f"{overall[name]:.2f} m") for shown, name in names.items())]
+        return page("Comparison: A minus B", rows, self._comparison.text()[:2], self._comparison.picture())
 
 
 def compare(
@@ -357,9 +357,9 @@ def _side(what: str, given: Any) -> Any:
     if isinstance(given, str | os.PathLike):
         path = os.fspath(given)
         is_raster = str(path).lower().endswith(RASTERS)
-        return path if is_raster else sources(what, given)
+        return path if is_raster else sources("contours", given)
     is_array = isinstance(given, tuple) and len(given) in (2, 3) and getattr(given[0], "ndim", 0) == 2 and len(tuple(given[1])) >= 6
     is_data_array = all(hasattr(given, name) for name in ("dims", "coords", "values"))
     if isinstance(given, Dem) or is_data_array or (is_array and len(tuple(given[1])) in (6, 9)):
         return height_map(what, given)
-    return sources(what, given)
+    return sources("contours", given)
