@@ -14,8 +14,8 @@ use crate::crs::Crs;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
-/// ten seconds. A view that joins itself can go on for ever.
-const FREE_STEPS: u64 = 1_000_000_000;
+/// three seconds. A view that joins itself can go on for ever.
+const FREE_STEPS: u64 = 300_000_000;
 /// Further steps for each byte of the file.
 const STEPS_PER_BYTE: u64 = 1_000;
 /// Steps between two looks at their number.
