@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    tokosen::cli::main(std::env::args_os())
+    ExitCode::from(tokosen::cli::main(std::env::args_os()))
 }

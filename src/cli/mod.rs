@@ -45,7 +45,6 @@ mod unit;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
@@ -122,12 +121,17 @@ struct Common {
     save_run: Option<PathBuf>,
 }
 
+/// The exit statuses.
+const DONE: u8 = 0;
+const FAILED: u8 = 1;
+const WRONG_USAGE: u8 = 2;
+
 /// Parses the arguments, of which the first is the name of the program, runs the verb, and turns its outcome into an exit
 /// status. It installs signal handlers, and ends the process if the arguments are wrong or ask for help.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
-        return ExitCode::from(1);
+        return FAILED;
     }
     let outcome = parsed(arguments.into_iter().collect()).and_then(|run| {
         if let Some(threads) = run.cli.common.threads
@@ -139,14 +143,14 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         run.run()
     });
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => DONE,
         Err(Failure::Usage(message)) => {
             console::error(&format!("{message}\n\nFor more information, try '--help'."));
-            ExitCode::from(2)
+            WRONG_USAGE
         }
         Err(Failure::Work(error)) => {
             console::error(&hints::with_causes(&error));
-            ExitCode::from(1)
+            FAILED
         }
     }
 }

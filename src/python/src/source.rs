@@ -106,7 +106,7 @@ impl Source {
             features.offsets.push(features.wkb.len());
         }
         for (attribute, values) in attributes {
-            features.attributes.push((attribute, values.attribute(py)?));
+            features.attributes.push((attribute, values.attribute()?));
         }
         Ok(Self(Given::Vector(VectorSource::in_memory(name, features.into()))))
     }
@@ -171,13 +171,12 @@ enum Values<'py> {
 }
 
 impl Values<'_> {
-    fn attribute(self, py: Python<'_>) -> PyResult<Attribute> {
+    fn attribute(self) -> PyResult<Attribute> {
         Ok(match self {
             Self::Numbers(array) => {
                 let array: PyReadonlyArray1<'_, f64> = array.extract().map_err(|_| {
                     PyTypeError::new_err("the values of an attribute must be an array of one dimension")
                 })?;
-                let _ = py;
                 Attribute::Numbers(array.as_array().iter().copied().collect())
             }
             Self::Texts(values) => Attribute::Texts(values),

@@ -13,7 +13,11 @@ from tokosen._html import page
 
 
 class Transform(NamedTuple):
-    """From cells to coordinates, as in rasterio: x = a * column + b * row + c, y = d * column + e * row + f."""
+    """From cells to coordinates, as in rasterio: x = a * column + b * row + c, y = d * column + e * row + f.
+
+    >>> tokosen.dem(tokosen.example(), cell=10).transform
+    Transform(a=10.0, b=0.0, c=-250.0, d=0.0, e=-10.0, f=290.0)
+    """
 
     a: float
     b: float

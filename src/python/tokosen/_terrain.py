@@ -139,7 +139,7 @@ class Terrain:
         """
         found = self._lines(interval, levels, base_level, to_crs, to_unit, index, simplify, keep_input, None, progress)
         layers = [shaped(layer, output, self._of_frame) for layer in found]
-        return layers if isinstance(interval, Sequence) else layers[0]
+        return layers if is_several(interval) else layers[0]
 
     def labels(
         self,
@@ -329,9 +329,15 @@ def intervals_of(interval: float | Sequence[float] | None, levels: Sequence[floa
         raise _parameter_error("give either interval or levels")
     if interval is None:
         return []
-    if isinstance(interval, Sequence) and not len(interval):
+    steps = [float(step) for step in np.atleast_1d(np.asarray(interval, dtype=np.float64))]
+    if not steps:
         raise _parameter_error("interval is an empty list")
-    return [float(step) for step in interval] if isinstance(interval, Sequence) else [float(interval)]
+    return steps
+
+
+def is_several(interval: Any) -> bool:
+    """Whether it is a list of intervals, which gives a list of results."""
+    return np.ndim(interval) > 0
 
 
 def _parameter_error(message: str) -> Exception:

@@ -14,7 +14,7 @@ from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
 from tokosen._options import CheckOptions, RegionOptions, SideOptions, SkeletonOptions, SurfaceOptions, Unit, cells, height_map, options
 from tokosen._sources import is_frame, source, sources
-from tokosen._terrain import Mesh, Terrain, intervals_of, terrain_for_dem
+from tokosen._terrain import Mesh, Terrain, intervals_of, is_several, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
 
 
@@ -172,7 +172,7 @@ def contour(
             report,
         )
     layers = [shaped(layer, output, False) for layer in found]
-    return layers if isinstance(interval, Sequence) else layers[0]
+    return layers if is_several(interval) else layers[0]
 
 
 Derived = Literal["slope", "aspect", "hillshade", "flow_direction", "flow_accumulation", "steep", "catchments"]
@@ -229,11 +229,19 @@ class Check:
         return not (self.figures["counts"]["error"] or self.figures["counts"]["warning"])
 
     def repaired(self, *, output: Output = None) -> Any:
-        """The contours, repaired as far as `repair` allowed."""
+        """The contours, repaired as far as `repair` allowed.
+
+        >>> tokosen.check(tokosen.example()).repaired().columns
+        ['elev', 'feature', 'depression']
+        """
         return shaped(self._repaired[0], output, self._of_frame)
 
     def spots(self, *, output: Output = None) -> Any:
-        """The spot heights that come with the contours or were given; None if there are none."""
+        """The spot heights that come with the contours or were given; None if there are none.
+
+        >>> len(tokosen.check(tokosen.example(), points=np.array([[0.0, 0.0, 45.0]])).spots())
+        1
+        """
         return shaped(self._repaired[1], output, self._of_frame) if len(self._repaired) > 1 else None
 
     def __repr__(self) -> str:
@@ -294,7 +302,12 @@ class Comparison:
 
     @property
     def difference(self) -> Dem:
-        """A minus B, metres, as a raster."""
+        """A minus B, metres, as a raster.
+
+        >>> hill = tokosen.dem(tokosen.example(), cell=10)
+        >>> tokosen.compare(tokosen.example(), hill).difference.quantity
+        'difference in height'
+        """
         return Dem(self._comparison.difference())
 
     def to_html(self, path: str | os.PathLike[str] | None = None, *, overwrite: bool = False) -> str | None:
