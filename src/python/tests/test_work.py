@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import tokosen
-from conftest import SAMPLES
+from conftest import ROOT, SAMPLES
 
 REAL = SAMPLES / "caryville_20m.gpkg"
 
@@ -106,6 +106,14 @@ def test_the_command_is_the_program(program):
     assert tokosen.__version__ in program("--version").stdout
     assert "error: " in program("dem", "missing.gpkg", "--cell", 10, "-o", "d.tif", status=1).stderr
     program("dem", status=2)
+
+
+def test_the_lines_of_the_readme_run(tmp_path):
+    block = (ROOT / "README.md").read_text().split("```python\n")[1].split("```")[0]
+    (tmp_path / "target").mkdir()
+    (tmp_path / "samples").symlink_to(SAMPLES)
+    done = subprocess.run([sys.executable, "-c", block], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and (tmp_path / "target/caryville_dem.tif").exists(), done.stderr
 
 
 def test_the_import_is_quick_and_needs_numpy_only():
