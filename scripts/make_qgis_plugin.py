@@ -8,6 +8,7 @@ import argparse
 import pathlib
 import re
 import sys
+import tomllib
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -52,8 +53,7 @@ def add(archive, name, content, mode):
 
 def version():
     """The version in Cargo.toml."""
-    text = (ROOT / "Cargo.toml").read_text(encoding="utf-8")
-    return re.search(r'^\[package\][^\[]*?^version = "([^"]+)"', text, re.MULTILINE | re.DOTALL).group(1)
+    return tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]["version"]
 
 
 def with_version(metadata, version):
