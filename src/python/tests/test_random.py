@@ -69,7 +69,7 @@ options = st.fixed_dictionaries(
 EXPECTED = (tokosen.Error, TypeError, ValueError, OverflowError)
 
 
-@settings(max_examples=CALLS, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=CALLS, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 @given(contours, options, st.sampled_from(["dem", "densify", "check", "regions", "skeleton"]), st.floats(2, 100) | numbers)
 def test_random_contours_and_options(given_contours, given_options, verb, size):
     assume(not isinstance(given_contours, str))
@@ -92,7 +92,7 @@ rasters = hnp.arrays(np.float32, hnp.array_shapes(min_dims=2, max_dims=2, min_si
 verbs = st.sampled_from(["slope", "aspect", "hillshade", "flow_direction", "flow_accumulation", "steep", "catchments", "contour"])
 
 
-@settings(max_examples=CALLS, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=CALLS, deadline=None, database=None, suppress_health_check=list(HealthCheck))
 @given(rasters | any_arrays, st.floats(0.5, 20) | numbers, st.sampled_from([None, 6677, 4326]), verbs, numbers)
 def test_random_height_maps(values, cell, crs, verb, number):
     dem = (values, (cell, 0, 0, 0, -cell, 100), crs)
