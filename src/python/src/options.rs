@@ -6,7 +6,9 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
+use tokosen::contour::Interval;
 use tokosen::drain::Drain;
+use tokosen::slice::Target;
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{GridSpec, Options};
@@ -202,6 +204,17 @@ impl Given {
             ..Options::default()
         })
     }
+}
+
+/// The levels of new contours: at each interval, or those that are given.
+pub fn targets(py: Python<'_>, intervals: &[f64], base: f64, levels: Option<Vec<f64>>) -> PyResult<Vec<Target>> {
+    if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
+        return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
+    }
+    Ok(match levels {
+        Some(levels) => vec![Target::Levels(levels)],
+        None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
+    })
 }
 
 /// The exception for a word that is none of those known.

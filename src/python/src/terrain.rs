@@ -6,14 +6,14 @@ use pyo3::types::PyDict;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, Severity};
 use tokosen::base::progress::Progress;
-use tokosen::contour::{ContourLayer, Interval, distinct_levels};
+use tokosen::contour::{ContourLayer, distinct_levels};
 use tokosen::crs::FromWorking;
 use tokosen::io::layer::{
     break_lines, labels_layer, of_conflicts, of_contours, of_findings, of_labels, pit_points, stream_lines,
 };
 use tokosen::io::raster::Quantity;
 use tokosen::mesh::MeshParams;
-use tokosen::slice::{LayerParams, Target, label_layers};
+use tokosen::slice::{LayerParams, label_layers};
 use tokosen::surface::{Triangles, working_pits};
 use tokosen::terrain::HeightMap;
 use tokosen::{Input, Options};
@@ -22,7 +22,7 @@ use crate::error::{exception, parameter};
 use crate::input::{Recipe, failed};
 use crate::layer::{Layer, crs_text};
 use crate::model::Model;
-use crate::options::{Cells, Given, unit};
+use crate::options::{Cells, Given, targets, unit};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::work::work;
@@ -131,16 +131,10 @@ impl Terrain {
         labels: Option<f64>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<Layer>> {
-        if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
-            return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
-        }
         if let Some(bad) = simplify.filter(|t| !(t.is_finite() && *t >= 0.0)) {
             return Err(parameter(py, format!("simplify is {bad}, it must be 0 or more")));
         }
-        let targets: Vec<Target> = match levels {
-            Some(levels) => vec![Target::Levels(levels)],
-            None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
-        };
+        let targets = targets(py, &intervals, base, levels)?;
         let unit = unit(py, to_unit)?;
         let to_crs = crs(py, to_crs)?;
         let back = failed(py, self.terrain.to_output(to_crs.as_ref()))?.with_heights_in(unit);

@@ -3,9 +3,8 @@
 
 use glam::DVec2;
 use pyo3::prelude::*;
-use tokosen::base::Grid;
-use tokosen::contour::Interval;
-use tokosen::crs::Reprojection;
+use tokosen::base::{ElevationUnit, Grid};
+use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::GroundScale;
 use tokosen::dem::contour::{ContourParams, contours};
 use tokosen::dem::derive::{
@@ -16,7 +15,6 @@ use tokosen::dem::shade::{Light, ShadeParams};
 use tokosen::io::layer::{of_catchments, of_findings, of_landforms, of_map, of_spots, skeleton_lines, steep_areas};
 use tokosen::io::raster::Quantity;
 use tokosen::skeleton::skeleton as skeleton_of;
-use tokosen::slice::Target;
 use tokosen::subdomains::landforms;
 use tokosen::surface::Triangles;
 use tokosen::terrain::{all_right, check_json};
@@ -25,7 +23,7 @@ use tokosen::tuning::SkeletonTuning;
 use crate::error::parameter;
 use crate::input::{Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Given, unit};
+use crate::options::{Given, targets, unit};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
@@ -33,6 +31,28 @@ use crate::work::work;
 
 /// A check: the findings, their description as JSON, the repaired contours and spot heights, what to warn of.
 type Checked = (Layer, String, Vec<Layer>, Vec<Warned>);
+
+/// What is read and how, for work that needs no surface. Without Python's objects.
+struct Plan {
+    recipe: Recipe,
+    options: tokosen::Options,
+    unit: ElevationUnit,
+    to_crs: Option<Crs>,
+}
+
+impl Plan {
+    fn new(
+        py: Python<'_>,
+        contours: &[PyRef<'_, Source>],
+        given: &Given,
+        to_crs: Option<&str>,
+        to_unit: &str,
+    ) -> PyResult<Self> {
+        let unit = unit(py, to_unit)?;
+        let options = given.options(py, None, Triangles::Reference, unit)?;
+        Ok(Self { recipe: Recipe::new(py, contours, given)?, options, unit, to_crs: crs(py, to_crs)? })
+    }
+}
 
 /// Checks contours, and compares lakes, streams and break lines with them.
 #[pyfunction]
@@ -45,10 +65,7 @@ pub fn check(
     to_unit: &str,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Checked> {
-    let unit = unit(py, to_unit)?;
-    let options = given.options(py, None, Triangles::Reference, unit)?;
-    let recipe = Recipe::new(py, &contours, &given)?;
-    let to_crs = crs(py, to_crs)?;
+    let Plan { recipe, options, unit, to_crs } = Plan::new(py, &contours, &given, to_crs, to_unit)?;
     let strict = given.strict;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
@@ -84,10 +101,7 @@ pub fn regions(
     to_unit: &str,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Layer, Vec<Warned>)> {
-    let unit = unit(py, to_unit)?;
-    let options = given.options(py, None, Triangles::Reference, unit)?;
-    let recipe = Recipe::new(py, &contours, &given)?;
-    let to_crs = crs(py, to_crs)?;
+    let Plan { recipe, options, unit, to_crs } = Plan::new(py, &contours, &given, to_crs, to_unit)?;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
         input.prepare(&options.preparation, progress)?;
@@ -116,10 +130,7 @@ pub fn skeleton(
     if !resolution.is_finite() || resolution < 0.0 {
         return Err(parameter(py, format!("resolution is {resolution}, it must be 0 or more")));
     }
-    let unit = unit(py, to_unit)?;
-    let options = given.options(py, None, Triangles::Reference, unit)?;
-    let recipe = Recipe::new(py, &contours, &given)?;
-    let to_crs = crs(py, to_crs)?;
+    let Plan { recipe, options, unit, to_crs } = Plan::new(py, &contours, &given, to_crs, to_unit)?;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
         input.prepare(&options.preparation, progress)?;
@@ -155,18 +166,12 @@ pub fn contour(
     labels: Option<f64>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Layer>> {
-    if let Some(bad) = intervals.iter().find(|step| !(step.is_finite() && **step > 0.0)) {
-        return Err(parameter(py, format!("the interval is {bad}, it must be more than 0")));
-    }
     for (name, value) in [("tolerance", tolerance), ("smooth", smooth)] {
         if let Some(bad) = value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
             return Err(parameter(py, format!("{name} is {bad}, it must be 0 or more")));
         }
     }
-    let targets: Vec<Target> = match levels {
-        Some(levels) => vec![Target::Levels(levels)],
-        None => intervals.iter().map(|&step| Interval { step, base }.into()).collect(),
-    };
+    let targets = targets(py, &intervals, base, levels)?;
     let unit = unit(py, to_unit)?;
     let to_crs = crs(py, to_crs)?;
     let dem = dem.dem(py)?;
