@@ -44,6 +44,6 @@ impl LabelArgs {
         unit: ElevationUnit,
     ) -> Result<Option<Vec<Vec<Label>>>, Failure> {
         let placed = self.labels.map(|height| label_layers(layers, height, extent, unit));
-        Ok(placed.transpose()?)
+        placed.transpose().map_err(|error| Failure::Usage(format!("--labels: {error}")))
     }
 }

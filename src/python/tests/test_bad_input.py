@@ -34,6 +34,11 @@ def test_a_wrong_type_is_told(wrong):
     assert str(told.value)
 
 
+def test_contours_that_are_missing_are_named():
+    with pytest.raises(TypeError, match="contours is None; it must be a path, a GeoDataFrame"):
+        tokosen.dem(None, 5)
+
+
 def test_empty_frames_and_frames_without_lines():
     with pytest.raises(tokosen.InputError, match="no contour|no line|there is no"):
         tokosen.dem(frame().iloc[:0], 10)

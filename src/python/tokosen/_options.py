@@ -203,7 +203,7 @@ def options(given: Mapping[str, Any], known: type, uncertainty: bool = False) ->
             raise TypeError(f"there is no argument {name!r}{hint}")
     found = {**_DEFAULTS, **given, "uncertainty": uncertainty}
     for name in _LISTS:
-        found[name] = sources(name, found[name])
+        found[name] = [] if found[name] is None else sources(name, found[name])
     for name in _SINGLE:
         found[name] = None if found[name] is None else source(name, found[name])
     for name in _SYSTEMS:

@@ -42,8 +42,6 @@ def source(what: str, given: Any) -> _tokosen.Source:
 
 def sources(what: str, given: Any) -> list[_tokosen.Source]:
     """One source, or a list of them."""
-    if given is None:
-        return []
     is_several = isinstance(given, list) and given and all(isinstance(part, str | os.PathLike) or is_frame(part) for part in given)
     return [source(what, part) for part in given] if is_several else [source(what, given)]
 
