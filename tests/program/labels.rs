@@ -93,6 +93,8 @@ fn a_drawing_has_texts_in_the_file_of_its_lines() {
         ["-o out.shp", "-o out.geojson", "-o out.gpkg --index 0", "-o out.gpkg --labels=0", "-o out.gpkg --labels=1e-9"]
     {
         let flag = if wrong.contains("--labels") { "" } else { "--labels" };
-        folder.ends(&format!("densify in.gpkg -i 10 {flag} {wrong} --overwrite"), 2);
+        let told = folder.ends(&format!("densify in.gpkg -i 10 {flag} {wrong} --overwrite"), 2);
+        assert!(told.contains("labels"), "{told}");
+        assert!(!wrong.contains("--labels") || told.contains("--labels"), "{told}");
     }
 }
