@@ -7,6 +7,7 @@ mod feature;
 mod grid;
 mod known_line;
 pub(crate) mod memory;
+pub(crate) mod parallel;
 pub mod progress;
 pub(crate) mod rows;
 pub(crate) mod union_find;

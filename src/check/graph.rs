@@ -104,24 +104,20 @@ fn add(labels: &mut Vec<(Label, f64)>, (label, share): (Label, f64)) {
 
 fn stretches(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<Stretch> {
     let start = line_starts(map);
-    let mut pieces: Vec<(u32, [u32; 2], u32, f64)> = (0..tin.len() as u32)
-        .into_par_iter()
-        .filter(|&t| tin.is_inside(t))
-        .flat_map_iter(|t| {
-            let start = &start;
-            (0..3).filter_map(move |i| {
-                tin.contour_level(t, i)?;
-                let other = tin.inner_neighbour(t, i);
-                if other.is_some_and(|n| n < t) {
-                    return None;
-                }
-                let [u, v] = tin.edge(t, i);
-                let (line, _) = piece_of(map, tin, start, u, v)?;
-                let (a, b) = (regions.of_triangle[t as usize], other.map_or(NONE, |n| regions.of_triangle[n as usize]));
-                Some((line, [a.min(b), a.max(b)], t, tin.edge_length(t, i)))
-            })
+    let mut pieces: Vec<(u32, [u32; 2], u32, f64)> = tin.flat_map_inside(|t| {
+        let start = &start;
+        (0..3).filter_map(move |i| {
+            tin.contour_level(t, i)?;
+            let other = tin.inner_neighbour(t, i);
+            if other.is_some_and(|n| n < t) {
+                return None;
+            }
+            let [u, v] = tin.edge(t, i);
+            let (line, _) = piece_of(map, tin, start, u, v)?;
+            let (a, b) = (regions.of_triangle[t as usize], other.map_or(NONE, |n| regions.of_triangle[n as usize]));
+            Some((line, [a.min(b), a.max(b)], t, tin.edge_length(t, i)))
         })
-        .collect();
+    });
     pieces.par_sort_unstable_by(|a, b| (a.0, a.1, a.2).cmp(&(b.0, b.1, b.2)).then(a.3.total_cmp(&b.3)));
     let mut stretches: Vec<Stretch> = Vec::new();
     for (line, sides, _, length) in pieces {

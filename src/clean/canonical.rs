@@ -6,6 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::base::error::{Finding, FindingKind};
+use crate::base::parallel;
 use crate::contour::Contour;
 use crate::geometry::compare_points;
 
@@ -103,7 +104,7 @@ fn least_rotation(ring: &[DVec2]) -> usize {
 
 /// Sorts lines that are in standard form, or are pieces of such lines. Pieces are brought to standard form here.
 pub(super) fn sort(lines: &mut [Contour]) {
-    lines.par_iter_mut().for_each(|line| normalise(&mut line.points));
+    parallel::update(lines, |_, line| normalise(&mut line.points));
     lines.par_sort_unstable_by(compare_lines);
 }
 

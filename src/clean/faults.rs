@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::segments::Segments;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::parallel;
 use crate::base::union_find::UnionFind;
 use crate::contour::Contour;
 use crate::geometry::Segment;
@@ -48,9 +49,9 @@ pub(super) fn findings(
         reported.par_sort_unstable();
         reported.dedup();
     }
-    let pairs: Vec<Pair> = reported.par_iter().map(|&(s, t)| pair(segments, s, t, separation)).collect();
+    let pairs: Vec<Pair> = parallel::map_each(&reported, |&(s, t)| pair(segments, s, t, separation));
     let groups = groups(segments, &pairs, separation);
-    groups.par_iter().map(|group| finding(segments, &pairs, group, cuts, separation)).collect()
+    parallel::map_each(&groups, |group| finding(segments, &pairs, group, cuts, separation))
 }
 
 /// Two places within this distance are one.

@@ -46,6 +46,7 @@ use self::removed::{Removed, Why};
 
 use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, Report, Result};
+use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 use crate::geometry::{self, Segment, tolerance_of_box};
 
@@ -246,7 +247,7 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u6
         let segments = Segments::new(&lines)?;
         let cuts = cut::choose(&segments, &conflicts);
         faults.extend(faults::findings(&segments, conflicts, &cuts, params.separation));
-        removed.par_extend(cuts.par_iter().map(|&(s, _)| {
+        removed.extend(cuts.iter().map(|&(s, _)| {
             let Segment { a, b } = segments.get(s);
             Removed::new(segments.line_of(s), vec![a, b], Why::Meets)
         }));
@@ -299,7 +300,7 @@ fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams, apart: &HashSe
 
 /// The lines in standard form, split where they touch themselves.
 fn simple(mut lines: Vec<Contour>, removed: &mut Vec<Removed>) -> Vec<Contour> {
-    lines.par_iter_mut().for_each(|line| canonical::normalise(&mut line.points));
+    parallel::update(&mut lines, |_, line| canonical::normalise(&mut line.points));
     let split: Vec<split::Split> = lines.into_par_iter().map(split::at_repeated_vertices).collect();
     let mut simple = Vec::with_capacity(split.len());
     let from = removed.len();

@@ -4,10 +4,10 @@
 //! lines are near themselves anyway. Long segments make large boxes with much empty ground, so their runs are shorter.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::removed::{self, SegmentKey};
 use crate::base::error::{Error, Result};
+use crate::base::parallel;
 use crate::contour::Contour;
 use crate::geometry::point_distance;
 use crate::geometry::{Bounds, Segment};
@@ -125,8 +125,8 @@ impl<'a> Segments<'a> {
 
     /// The spacing that lines would have if they were spread evenly over the map: its area per length of line.
     fn distance_between_lines(&self) -> f64 {
-        let all = self.lines.par_iter().map(|line| Bounds::around(&line.points));
-        let all = all.reduce(|| Bounds::around(&[]), Bounds::union);
+        let all = parallel::map_each(self.lines, |line| Bounds::around(&line.points));
+        let all = all.into_iter().fold(Bounds::around(&[]), Bounds::union);
         let size = all.max - all.min;
         let sum: f64 = self.lines.iter().map(|line| length(&line.points)).sum();
         if sum > 0.0 { size.x / sum * size.y } else { 0.0 }

@@ -1,13 +1,13 @@
 //! Spot heights: removes those that are invalid, repeated, or on a contour.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::points::{is_height, is_place, tidy};
 use super::segments::{Runs, Segments};
 use crate::base::error::{Finding, FindingKind, Report, Result};
+use crate::base::parallel;
 use crate::contour::Contour;
 use crate::geometry::compare_points;
 use crate::geometry::{Bounds, Segment};
@@ -54,8 +54,7 @@ fn off_contours(
 ) -> Result<Vec<DVec3>> {
     let segments = Segments::new(contours)?;
     let runs = segments.runs();
-    let touched: Vec<Option<&Contour>> =
-        spots.par_iter().map(|s| contour_at(s, &segments, &runs, separation)).collect();
+    let touched: Vec<Option<&Contour>> = parallel::map_each(&spots, |s| contour_at(s, &segments, &runs, separation));
     let mut kept = Vec::with_capacity(spots.len());
     for (spot, contour) in spots.into_iter().zip(touched) {
         match contour {

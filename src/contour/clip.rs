@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::map::{Contour, ContourMap};
 use crate::base::bits::bits;
+use crate::base::parallel;
 use crate::geometry::{Border, OnEdge, rings, with_vertices};
 use crate::geometry::{Meeting, Segment, meeting, place, point_distance};
 
@@ -89,7 +90,7 @@ fn with_meetings(mut lines: Vec<Vec<DVec2>>, mut area: MultiPolygon<f64>) -> (Ve
     for _ in 0..ROUNDS {
         let border = Border::new(&area);
         let met: Vec<(Option<Vec<DVec2>>, Vec<OnEdge>)> =
-            lines.par_iter().map(|points| meetings(points, &border)).collect();
+            parallel::map_each(&lines, |points| meetings(points, &border));
         let mut crossings = own_crossings(&area, &border);
         let mut is_changed = !crossings.is_empty();
         for (line, (points, crossed)) in lines.iter_mut().zip(met) {
@@ -159,7 +160,7 @@ fn own_crossings(area: &MultiPolygon<f64>, border: &Border) -> Vec<OnEdge> {
         }
         found
     };
-    lines.par_iter().enumerate().flat_map_iter(of).collect()
+    parallel::flat_map(lines.len(), |i| of((i, &lines[i])))
 }
 
 /// The pieces between vertices on the border that lie inside. Successive pieces are joined again. A spike beside the

@@ -5,10 +5,9 @@
 //! ground along these rows and columns.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::map::Contour;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 
 /// Number of vertices from which rows and columns are found.
 const SAMPLE: usize = 200_000;
@@ -59,7 +58,8 @@ pub fn source_raster(contours: &[Contour]) -> Option<SourceRaster> {
         })
     };
     let sum = |a: [u64; 4], b: [u64; 4]| std::array::from_fn(|i| a[i] + b[i]);
-    let [all, on_x, on_y, both] = contours.par_iter().map(count).reduce(|| [0; 4], sum).map(|n| n as f64);
+    let counts = parallel::map_each(contours, count);
+    let [all, on_x, on_y, both] = counts.into_iter().fold([0; 4], sum).map(|n| n as f64);
     let is_cut = on_x + on_y - both >= ON_EITHER * all && on_x.min(on_y) >= ON_EACH * all && both <= ON_BOTH * all;
     is_cut.then_some(raster)
 }

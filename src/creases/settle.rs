@@ -1,11 +1,10 @@
 //! Brings break lines into agreement with the contours.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::line::{Crease, CreaseLine};
-use crate::base::Sure;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::{Sure, parallel};
 use crate::skeleton::heights_at;
 use crate::subdomains::{Band, Course, Regions, band_of};
 use crate::tin::Tin;
@@ -36,7 +35,8 @@ pub(crate) fn settle(
         let mut near = 0;
         lines.iter().map(|line| Cut::new(line, (tin, regions), spacing, tuning, &mut near)).collect::<Vec<_>>()
     };
-    let cut: Vec<Cut> = lines.par_chunks(CHUNK).flat_map_iter(of_chunk).collect();
+    let chunks: Vec<&[CreaseLine]> = lines.chunks(CHUNK).collect();
+    let cut: Vec<Cut> = parallel::flat_map_each(&chunks, |lines| of_chunk(lines));
     let places: Vec<Option<(DVec2, u32)>> = cut
         .iter()
         .flat_map(|cut| cut.pieces.iter().flatten())

@@ -18,9 +18,9 @@ use rayon::prelude::*;
 use super::definition::label;
 use super::system::Crs;
 use super::transform::Transform;
-use crate::base::ElevationUnit;
 use crate::base::bits::bits;
 use crate::base::error::{CrsNeed, Error, Finding, FindingKind, Report, Result};
+use crate::base::{ElevationUnit, parallel};
 
 /// Steps per metre of coordinates on the plane.
 const STEPS: f64 = 1e6;
@@ -97,7 +97,7 @@ impl Reprojection {
         let forward = |p: DVec2| way.forward(p).ok_or_else(|| no_place(p, input, working));
         let pair = |p: &DVec2| Ok((bits(on_steps(forward(*p)?)), *p));
         let pairs = |line: &&mut [DVec2]| line.iter().map(pair).collect::<Result<Vec<(Key, DVec2)>>>();
-        let pairs = lines.par_iter().map(pairs).collect::<Result<Vec<_>>>()?;
+        let pairs = parallel::map_each(lines, pairs).into_iter().collect::<Result<Vec<_>>>()?;
         let mut originals = in_order(pairs.into_iter().flatten().collect());
         check_way(&way, &originals, input, working)?;
         let same_place = originals.windows(2).filter(|pair| pair[0].0 == pair[1].0);

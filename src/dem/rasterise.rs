@@ -1,12 +1,11 @@
 //! Rasterises a triangulation to a height map. Triangles are scan-converted in bands of rows, in parallel.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::height_map::Dem;
-use crate::base::Grid;
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;
+use crate::base::{Grid, parallel};
 use crate::crs::Crs;
 use crate::tin::{NONE, Tin};
 
@@ -24,10 +23,10 @@ pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progre
 
 /// Heights of the triangles at the cell centres of `grid`. [`locate`] gives `triangles`.
 pub(crate) fn heights_at(tin: &Tin, grid: &Grid, triangles: &[u32]) -> Vec<f32> {
-    let height = |(i, &t): (usize, &u32)| {
-        if t == NONE { f32::NAN } else { height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32 }
-    };
-    triangles.par_iter().enumerate().map(height).collect()
+    parallel::values(triangles.len(), |i| match triangles[i] {
+        NONE => f32::NAN,
+        t => height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32,
+    })
 }
 
 /// The triangle that each cell centre of `grid` lies in, [`NONE`] outside the frame and where there are no heights.
@@ -36,7 +35,7 @@ pub fn locate(tin: &Tin, grid: &Grid, progress: &dyn Progress) -> Vec<u32> {
     let bands = triangles_by_band(tin, grid);
     progress.start("rasterising", grid.rows as u64);
     if grid.cols > 0 {
-        triangles.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
+        parallel::chunks(&mut triangles, grid.cols * BAND_ROWS, |band, cells| {
             let first_row = band * BAND_ROWS;
             let rows = cells.len() / grid.cols;
             for &t in bands.of(band) {
@@ -70,17 +69,14 @@ fn rows_between(tin: &Tin, grid: &Grid, lo: f64, hi: f64) -> std::ops::Range<usi
 
 /// The triangles that touch each band of rows.
 fn triangles_by_band(tin: &Tin, grid: &Grid) -> Rows<u32> {
-    let bands: Vec<(u32, u32)> = (0..tin.len() as u32)
-        .into_par_iter()
-        .map(|t| {
-            let [a, b, c] = tin.corners(t);
-            let rows = rows_between(tin, grid, a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-            if rows.is_empty() || !tin.is_inside(t) {
-                return (0, 0);
-            }
-            ((rows.start / BAND_ROWS) as u32, rows.end.div_ceil(BAND_ROWS) as u32)
-        })
-        .collect();
+    let bands: Vec<(u32, u32)> = parallel::values(tin.len(), |t| {
+        let [a, b, c] = tin.corners(t as u32);
+        let rows = rows_between(tin, grid, a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
+        if rows.is_empty() || !tin.is_inside(t as u32) {
+            return (0, 0);
+        }
+        ((rows.start / BAND_ROWS) as u32, rows.end.div_ceil(BAND_ROWS) as u32)
+    });
     Rows::new(grid.rows.div_ceil(BAND_ROWS), || {
         let each = bands.iter().enumerate();
         each.flat_map(|(t, &(first, end))| (first..end).map(move |band| (band as usize, t as u32)))

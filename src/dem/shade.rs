@@ -5,10 +5,10 @@
 //! So every cell with a height has a brightness.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::ground::GroundScale;
 use super::height_map::Dem;
+use crate::base::parallel;
 
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +159,7 @@ pub(super) fn map_gradients(
     if cols == 0 {
         return out;
     }
-    out.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
+    parallel::chunks(&mut out, cols, |row, line| {
         let step = dem.grid.cell * metres_per_unit(row) * 8.0;
         for (col, out) in line.iter_mut().enumerate() {
             let center = f64::from(dem.values[row * cols + col]);

@@ -5,10 +5,9 @@
 //! again ("twicing", Tukey 1977). Then planes and gentle curves stay as they are, also at the border, and what is lost
 //! is mostly noise.
 
-use rayon::prelude::*;
-
 use super::Dem;
 use crate::base::error::{Error, Result};
+use crate::base::parallel;
 use crate::base::progress::{Progress, step};
 
 /// Largest standard deviation, cells. The time is proportional to it.
@@ -45,20 +44,19 @@ fn twice(values: &[f32], cols: usize, kernels: [Vec<f32>; 2]) -> Vec<f32> {
     let has_data = |value: &f32| !value.is_nan();
     // Small numbers keep more digits.
     let origin = values.iter().copied().find(has_data).unwrap_or_default();
-    let weights: Vec<f32> = values.par_iter().map(|value| f32::from(u8::from(has_data(value)))).collect();
+    let weights: Vec<f32> = parallel::map_each(values, |value| f32::from(u8::from(has_data(value))));
     let weights = convolved(&weights, cols, &kernels);
     let mean = |values: &[f32]| {
         let mut means = convolved(values, cols, &kernels);
-        means.par_iter_mut().zip(&weights).for_each(|(mean, weight)| *mean /= weight);
+        parallel::update(&mut means, |n, mean| *mean /= weights[n]);
         means
     };
-    let offsets: Vec<f32> = values.par_iter().map(|z| if z.is_nan() { 0.0 } else { z - origin }).collect();
+    let offsets: Vec<f32> = parallel::map_each(values, |z| if z.is_nan() { 0.0 } else { z - origin });
     let mut smooth = mean(&offsets);
-    let left = offsets.par_iter().zip(&smooth).zip(values);
-    let left: Vec<f32> = left.map(|((offset, mean), z)| if z.is_nan() { 0.0 } else { offset - mean }).collect();
+    let left = parallel::values(values.len(), |n| if values[n].is_nan() { 0.0 } else { offsets[n] - smooth[n] });
     let again = mean(&left);
-    smooth.par_iter_mut().zip(again).zip(values).for_each(|((smooth, again), z)| {
-        *smooth = if z.is_nan() { f32::NAN } else { origin + (*smooth + again) };
+    parallel::update(&mut smooth, |n, smooth| {
+        *smooth = if values[n].is_nan() { f32::NAN } else { origin + (*smooth + again[n]) };
     });
     smooth
 }
@@ -72,7 +70,8 @@ fn kernel(deviation: f64) -> Vec<f32> {
 /// Weighted sums along rows, then along columns.
 fn convolved(values: &[f32], cols: usize, [along_row, along_column]: &[Vec<f32>; 2]) -> Vec<f32> {
     let mut rows = vec![0.0; values.len()];
-    rows.par_chunks_mut(cols).zip(values.par_chunks(cols)).for_each(|(sums, row)| {
+    parallel::chunks(&mut rows, cols, |r, sums| {
+        let row = &values[r * cols..][..cols];
         add(sums, row, along_row[0]);
         for (d, &weight) in along_row.iter().enumerate().skip(1).take_while(|(d, _)| *d < cols) {
             add(&mut sums[d..], row, weight);
@@ -81,7 +80,7 @@ fn convolved(values: &[f32], cols: usize, [along_row, along_column]: &[Vec<f32>;
     });
     let mut sums = vec![0.0; values.len()];
     let count = values.len() / cols;
-    sums.par_chunks_mut(cols).enumerate().for_each(|(r, sums)| {
+    parallel::chunks(&mut sums, cols, |r, sums| {
         let row = |r: usize| &rows[r * cols..][..cols];
         add(sums, row(r), along_column[0]);
         for (d, &weight) in along_column.iter().enumerate().skip(1) {

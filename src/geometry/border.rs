@@ -2,12 +2,12 @@
 
 use geo::{BoundingRect, Coord, LineString, MultiPolygon, Polygon};
 use glam::DVec2;
-use rayon::prelude::*;
 use robust::orient2d;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::{Segment, point_distance};
+use crate::base::parallel;
 
 /// Tolerance of the border, as a share of the diagonal of the box around the area.
 const NEAR: f64 = 1e-9;
@@ -136,8 +136,10 @@ pub(crate) fn with_corners_at(points: &[DVec2], area: &MultiPolygon<f64>) -> Mul
     let nearest =
         |corner: DVec2, points: &RTree<[f64; 2]>| points.nearest_neighbor(&corner.to_array()).map(|&p| DVec2::from(p));
     let is_beside = |p: DVec2, q: &DVec2| p.distance(*q) <= reach;
-    let beside = points.par_iter().filter(|&&p| nearest(p, &corners).is_some_and(|corner| is_beside(p, &corner)));
-    let beside = RTree::bulk_load(beside.map(|p| p.to_array()).collect());
+    let beside = parallel::flat_map_each(points, |&p| {
+        nearest(p, &corners).filter(|corner| is_beside(p, corner)).map(|_| p.to_array())
+    });
+    let beside = RTree::bulk_load(beside);
     let moved = |ring: &LineString<f64>| {
         let corners = ring.coords().map(|c| {
             let corner = DVec2::new(c.x, c.y);

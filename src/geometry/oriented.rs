@@ -12,6 +12,8 @@ use std::collections::BinaryHeap;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::base::parallel;
+
 /// Number of boxes in a box of the next level.
 const FANOUT: usize = 8;
 /// Upper bound of the rounding of a few sums and products, as a share of the lengths in them.
@@ -147,14 +149,14 @@ impl BoxTree {
         let scale = f64::from(u16::MAX) / (max - min).max_element().max(f64::MIN_POSITIVE);
         // The conversion cuts numbers off at the end of the range.
         let cell = |b: &OrientedBox| ((b.centre - min) * scale).to_array().map(|v| v as u16);
-        let mut order: Vec<(u32, u32)> =
-            given.par_iter().enumerate().map(|(i, b)| (along_curve(cell(b)), i as u32)).collect();
+        let mut order: Vec<(u32, u32)> = parallel::map(given.len(), |i| (along_curve(cell(&given[i])), i as u32));
         order.par_sort_unstable();
         let mut boxes: Vec<OrientedBox> = order.iter().map(|&(_, i)| given[i as usize]).collect();
         let mut starts = vec![0];
         let mut level = 0;
         while boxes.len() - level > 1 {
-            let next: Vec<OrientedBox> = boxes[level..].par_chunks(FANOUT).map(OrientedBox::around_boxes).collect();
+            let chunks: Vec<&[OrientedBox]> = boxes[level..].chunks(FANOUT).collect();
+            let next = parallel::map_each(&chunks, |boxes| OrientedBox::around_boxes(boxes));
             level = boxes.len();
             starts.push(level);
             boxes.extend(next);

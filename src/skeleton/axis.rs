@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::attach::attach;
 use super::axis_builder::{Arrival, AxisBuilder};
 use super::eliminate::{Elimination, is_chord};
 use super::joins::join;
 use super::pieces::{Axis, End};
+use crate::base::parallel;
 use crate::subdomains::{Regions, Side};
 use crate::tin::{NONE, Tin, TriangleKind, VertexKind};
 
@@ -41,11 +41,14 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
     let is_land = |t: u32| regions.region(t).is_some_and(|region| region.band.lo < region.band.hi);
     let narrow = narrow(tin);
     let has_room = |t: u32| tin.width(t) > narrow;
-    let triangles = || (0..tin.len() as u32).into_par_iter().filter(|&t| is_land(t) && has_room(t));
-    let chords = triangles().flat_map_iter(|t| {
+    let triangles = parallel::flat_map(tin.len(), |t| {
+        let t = t as u32;
+        (is_land(t) && has_room(t)).then_some(t)
+    });
+    let chords = parallel::flat_map_each(&triangles, |&t| {
         (0..3).filter(move |&i| is_chord(tin, t, i) && has_room(tin.neighbours[t as usize][i])).map(move |i| (t, i))
     });
-    for (t, i) in chords.collect::<Vec<(u32, usize)>>() {
+    for (t, i) in chords {
         if builder.of_edge[t as usize][i] != NONE {
             continue;
         }
@@ -62,7 +65,7 @@ pub fn axis(tin: &Tin, kinds: &[TriangleKind], regions: &Regions, elimination: &
         let [a, b, c] = tin.corner_heights(t);
         a == b && b == c
     };
-    let bearing = triangles().filter(|&t| is_flat(t) || builder.of_edge[t as usize] != [NONE; 3]);
+    let bearing = triangles.into_iter().filter(|&t| is_flat(t) || builder.of_edge[t as usize] != [NONE; 3]);
     for t in bearing.collect::<Vec<u32>>() {
         if is_flat(t) {
             add_flat(tin, kinds[t as usize], regions, elimination, &mut builder, t);

@@ -3,9 +3,8 @@
 //! A junction triangle whose branch is short compared with the triangle itself shows only a small wrinkle of the
 //! contour. Such a branch is dropped, and the junction becomes a sleeve.
 
-use rayon::prelude::*;
-
 use super::branches::{is_on_border, strip};
+use crate::base::parallel;
 use crate::subdomains::Regions;
 use crate::tin::{Tin, TriangleKind};
 
@@ -108,7 +107,7 @@ impl Branches {
         });
         let around =
             |t: u32| (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| tin.edge_length(t, i));
-        let mut length: Vec<f64> = (0..tin.len() as u32).into_par_iter().map(|t| around(t).sum()).collect();
+        let mut length: Vec<f64> = parallel::map(tin.len(), |t| around(t as u32).sum());
         let parent = strip(tin, free.collect(), |leaf, trunk, is_whole| {
             length[trunk as usize] += length[leaf as usize];
             if is_whole {

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::border_levels::{BorderLevels, NearLevel, nearest_visible};
 use super::caps::Cap;
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
+use crate::base::parallel;
 use crate::base::rows::Rows;
 use crate::subdomains::{Region, Regions, Side, band_of};
 use crate::tin::{Tin, VertexKind};
@@ -31,10 +31,9 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
     });
     let mut heights = vec![f64::NAN; points.len()];
     let glimpse = Glimpse::new(tin);
-    let found: Vec<Vec<(u32, f64)>> = (0..regions.regions.len())
-        .into_par_iter()
-        .map(|r| region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, tuning), r))
-        .collect();
+    let found: Vec<Vec<(u32, f64)>> = parallel::map(regions.regions.len(), |r| {
+        region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, tuning), r)
+    });
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
     }
@@ -80,12 +79,12 @@ impl Groups {
         points.iter().for_each(|p| is_asked[p.region as usize] = true);
         let region_of = |t: u32| regions.of_triangle[t as usize] as usize;
         let asked = |&t: &u32| tin.is_inside(t) && is_asked[region_of(t)];
-        let triangles: Vec<u32> = (0..tin.len() as u32).into_par_iter().filter(asked).collect();
+        let triangles = parallel::flat_map(tin.len(), |t| Some(t as u32).filter(asked));
         let is_spot = |&v: &u32| tin.kinds[v as usize] == VertexKind::Spot;
         let spots_of = |&t: &u32| tin.triangles[t as usize].into_iter().filter(is_spot).map(move |v| (v, region_of(t)));
         let region_of_spot: BTreeMap<u32, usize> = triangles.iter().flat_map(spots_of).collect();
         let borders_of = |&t: &u32| borders(tin, t).map(move |border| (region_of(t), border));
-        let borders: Vec<(usize, (u32, u8))> = triangles.par_iter().flat_map_iter(borders_of).collect();
+        let borders: Vec<(usize, (u32, u8))> = parallel::flat_map_each(&triangles, borders_of);
         Self {
             points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
             borders: Rows::new(count, || borders.iter().copied()),
@@ -114,7 +113,7 @@ fn region_heights(
     let borders = groups.borders.of(region);
     let levels = BorderLevels::new(tin, borders);
     let ground = Ground { tin, glimpse, regions, region: &regions.regions[region], levels, map_slope, tuning };
-    let found: Vec<Known> = own.par_iter().with_min_len(256).map(|&p| ground.known(&points[p as usize])).collect();
+    let found: Vec<Known> = parallel::map_each(own, |&p| ground.known(&points[p as usize]));
     let mut tops: Vec<(f64, Cap)> = Vec::new();
     let spots = groups.spots.of(region);
     let mut heights = Vec::with_capacity(own.len());

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::trace::as_given;
 use super::{Simplification, Target, ascends_right, signed_area, slice};
-use crate::base::ElevationUnit;
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
+use crate::base::{ElevationUnit, parallel};
 use crate::contour::{ContourLayer, ContourLine, LineError, Source};
 use crate::subdomains::MapExtent;
 use crate::surface::Surface;
@@ -140,7 +140,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
         }
         lines.sort_by(|a, b| a.elevation.total_cmp(&b.elevation));
         if let Some(field) = &surface.errors {
-            lines.par_iter_mut().for_each(|line| {
+            parallel::update(&mut lines, |_, line| {
                 line.expected = match line.source {
                     Source::Input => Some(LineError { vertical: 0.0, horizontal: 0.0, inferred: false }),
                     Source::Interpolated | Source::HeightMap => line_error(field, &line.points),
@@ -160,7 +160,7 @@ fn crossings(tin: &Tin, levels: &[f64]) -> f64 {
         let hi = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
         levels.partition_point(|&l| l <= hi).saturating_sub(levels.partition_point(|&l| l <= lo))
     };
-    (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t)).map(through).sum::<usize>() as f64
+    tin.flat_map_inside(|t| Some(through(t))).into_iter().sum::<usize>() as f64
 }
 
 fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> ContourLine {

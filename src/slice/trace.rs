@@ -20,6 +20,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::simplify::{Simplification, simplified};
+use crate::base::parallel;
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;
 use crate::subdomains::{Regions, Side};
@@ -46,8 +47,7 @@ pub fn slice(
     progress: &dyn Progress,
 ) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
-    let ranges: Vec<(u32, u32)> =
-        (0..tin.len() as u32).into_par_iter().map(|t| levels_of(tin, heights, regions, levels, t)).collect();
+    let ranges: Vec<(u32, u32)> = parallel::map(tin.len(), |t| levels_of(tin, heights, regions, levels, t as u32));
     let mut counts = vec![0usize; levels.len()];
     for &(first, end) in &ranges {
         for level in first..end {
@@ -124,8 +124,8 @@ pub struct Traced {
 /// The heights of the vertices. A height that differs from a level only by rounding is set to this level.
 fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
     let is_off = |height: &f64| !height.is_nan() && as_given(levels, *height) != *height;
-    if tin.heights.par_iter().any(is_off) {
-        tin.heights.par_iter().map(|&height| as_given(levels, height)).collect::<Vec<f64>>().into()
+    if tin.heights.iter().any(is_off) {
+        parallel::map_each(&tin.heights, |&height| as_given(levels, height)).into()
     } else {
         Cow::from(&tin.heights)
     }

@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::base::parallel;
+
 /// Rows per task, or twice the reach if that is more. Each task begins its sums anew. So the means do not depend on the
 /// number of threads.
 const STRIP: usize = 128;
@@ -23,8 +25,7 @@ pub fn blurred(values: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     all.for_each_init(Vec::new, |padded, (out, row)| means_along(row, across, &shares, padded, out));
     let mut all = vec![0.0f32; values.len()];
     let strip = STRIP.max(2 * down);
-    let strips = all.par_chunks_mut(strip * cols).enumerate();
-    strips.for_each(|(k, rows)| means_down(&along, cols, down, k * strip, rows));
+    parallel::chunks(&mut all, strip * cols, |k, rows| means_down(&along, cols, down, k * strip, rows));
     all
 }
 

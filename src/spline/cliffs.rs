@@ -5,10 +5,9 @@
 //! anything there: the surface goes on as it comes from the contours on its own side.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::lattice::Lattice;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 
 /// Heights are interpolated from as many nodes on either side.
 const INTERPOLATED: usize = 3;
@@ -96,8 +95,8 @@ impl Walls {
             let sum: f64 = reached.iter().map(|&m| z[m]).sum();
             (!reached.is_empty()).then(|| sum / reached.len() as f64)
         };
-        let nodes = (0..z.len()).into_par_iter().filter(|&n| beside[n]);
-        let mended: Vec<(usize, f64)> = nodes.filter_map(|n| Some((n, of_others(n)?))).collect();
+        let height = |n: usize| if beside[n] { Some((n, of_others(n)?)) } else { None };
+        let mended: Vec<(usize, f64)> = parallel::flat_map(z.len(), height);
         mended.into_iter().for_each(|(n, height)| z[n] = height);
     }
 
@@ -108,13 +107,13 @@ impl Walls {
             let before = |walls: &[bool], by: usize| n.checked_sub(by).is_some_and(|m| walls[m]);
             self.east[n] || self.south[n] || before(&self.east, 1) || before(&self.south, cols)
         };
-        let near: Vec<bool> = (0..count).into_par_iter().map(at).collect();
+        let near: Vec<bool> = parallel::values(count, at);
         let spread = |near: &[bool], step: usize, place: &(dyn Fn(usize) -> (usize, usize) + Sync)| -> Vec<bool> {
             let value = |n: usize| {
                 let (k, last) = place(n);
                 (k.saturating_sub(reach)..=(k + reach).min(last)).any(|m| near[n + m * step - k * step])
             };
-            (0..count).into_par_iter().map(value).collect()
+            parallel::values(count, value)
         };
         let rows = count / cols;
         let along_rows = spread(&near, 1, &|n| (n % cols, cols - 1));

@@ -7,10 +7,9 @@
 //! The amount differs from map to map. It comes from hidden contours, by a regression of their residuals on
 //! [`unit_gain`]. Nodes that already stand out much, such as single tops and pits, hardly change.
 
-use rayon::prelude::*;
-
 use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
+use crate::base::parallel;
 use crate::tuning::GainTuning;
 
 /// Least reach of the surroundings, nodes. Where contours are closer, the lattice shows no bulges between them.
@@ -49,13 +48,15 @@ pub fn unit_gain(
         let by = (1.0 - wide[n].powi(4)) * open * variances[n].sqrt() * bulge / (1.0 + bulge * bulge);
         if by.is_finite() { by } else { 0.0 }
     };
-    (0..heights.len()).into_par_iter().map(at).collect()
+    parallel::values(heights.len(), at)
 }
 
 /// Adds `amount` times the unit gain to the heights, within `bounds`.
 pub fn add_gain(heights: &mut [f32], bounds: [&[f32]; 2], unit_gain: &[f32], amount: f64) {
-    heights.par_iter_mut().enumerate().filter(|(n, _)| unit_gain[*n] != 0.0).for_each(|(n, z)| {
-        *z = (*z + amount as f32 * unit_gain[n]).clamp(bounds[0][n], bounds[1][n]);
+    parallel::update(heights, |n, z| {
+        if unit_gain[n] != 0.0 {
+            *z = (*z + amount as f32 * unit_gain[n]).clamp(bounds[0][n], bounds[1][n]);
+        }
     });
 }
 
@@ -67,7 +68,7 @@ pub fn remaining_error(error: f64, amount: f64, reduction: f64) -> f64 {
 /// The mean height around each node. Only nodes inside the frame count.
 fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let smooth = |value: fn(f32) -> f32| {
-        let mut mean: Vec<f32> = heights.par_iter().map(|z| value(*z)).collect();
+        let mut mean: Vec<f32> = parallel::map_each(heights, |z| value(*z));
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
@@ -75,7 +76,7 @@ fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     };
     let mut sum = smooth(|z| if z.is_nan() { 0.0 } else { z });
     let share = smooth(|z| if z.is_nan() { 0.0 } else { 1.0 });
-    sum.par_iter_mut().zip(&share).for_each(|(sum, share)| *sum /= share);
+    parallel::update(&mut sum, |n, sum| *sum /= share[n]);
     sum
 }
 

@@ -1,10 +1,8 @@
 //! The relative contour density at each node, and the tension that follows from it.
 
-use rayon::prelude::*;
-
 use super::slopes::slopes;
 use super::wide::WidePlaces;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::tuning::WideTuning;
 
 /// Limits of the relative contour density. They keep it finite on level ground and on cliffs.
@@ -19,7 +17,7 @@ pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f
         let density = f64::from(*s) * spacing / interval;
         if density.is_nan() { 1.0 } else { density.clamp(DENSITY_LIMITS.0, DENSITY_LIMITS.1) as f32 }
     };
-    let mut factor: Vec<f32> = slopes.par_iter().map(relative).collect();
+    let mut factor: Vec<f32> = parallel::map_each(&slopes, relative);
     for _ in 0..rounds {
         factor = map_inner(&factor, grid, |old, n| {
             (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0
@@ -43,11 +41,12 @@ pub fn tension(
     let step = (grid.cell.x / spacing).powi(2);
     let (whole, ending) = (k * step, (step / tuning.slope_reach.powi(2)) as f32);
     let usual = (whole * tuning.tension_factor) as f32;
-    let at = |((own, share), around): ((&f32, &f32), &f32)| {
-        let own = (whole * f64::from(*own)) as f32;
-        if *share > 0.0 { own.powf(1.0 - share) * (around * usual.max(around * ending)).powf(*share) } else { own }
+    let at = |n: usize| {
+        let (share, around) = (wide.share[n], wide.around[n]);
+        let own = (whole * f64::from(contour_density[n])) as f32;
+        if share > 0.0 { own.powf(1.0 - share) * (around * usual.max(around * ending)).powf(share) } else { own }
     };
-    contour_density.par_iter().zip(&wide.share).zip(&wide.around).map(at).collect()
+    parallel::values(contour_density.len(), at)
 }
 
 /// Computes a new value for every node that has all four neighbours. Other nodes keep theirs.
@@ -57,5 +56,5 @@ fn map_inner(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sy
         let inner = i > 0 && i + 1 < grid.cols && j > 0 && j + 1 < grid.rows;
         if inner { value(old, n) } else { old[n] }
     };
-    (0..old.len()).into_par_iter().map(at).collect()
+    parallel::values(old.len(), at)
 }

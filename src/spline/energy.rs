@@ -17,6 +17,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::lattice::{Crossing, Lattice};
+use crate::base::parallel;
 
 /// Rows per task: enough to be worth a task.
 const BLOCK: usize = 32;
@@ -71,8 +72,8 @@ pub struct EdgeTerms {
 impl EdgeTerms {
     /// Sums up crossings and their levels per edge.
     pub fn new(crossings: &[(Crossing, f64)], weight: CrossingWeight, lattice: &Lattice) -> Self {
-        let keys = crossings.par_iter().enumerate().map(|(i, (crossing, _))| u64::from(crossing.node) << 32 | i as u64);
-        let mut order: Vec<u64> = keys.collect();
+        let key = |i: usize| u64::from(crossings[i].0.node) << 32 | i as u64;
+        let mut order: Vec<u64> = parallel::values(crossings.len(), key);
         order.par_sort_unstable();
         let mut terms: Vec<EdgeTerm> = Vec::with_capacity(order.len());
         for key in order {
@@ -141,8 +142,7 @@ impl Energy<'_> {
     ///
     /// Differences are taken first. This keeps precision where large heights nearly cancel.
     pub fn downhill(&self, z: &[f64], out: &mut [f64]) {
-        let blocks = out.par_chunks_mut(self.size[0] * BLOCK).enumerate();
-        blocks.for_each(|(k, out)| {
+        parallel::chunks(out, self.size[0] * BLOCK, |k, out| {
             self.constant(k * BLOCK, out);
             Arch::new().dispatch(Block { energy: self, z, first: k * BLOCK, out });
         });

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::energy::Energy;
 use super::tile::{Tile, Whole};
+use crate::base::parallel;
 
 /// Rows and columns of a tile: it fits into a processor's cache.
 const TILE: usize = 96;
@@ -41,8 +42,7 @@ impl Minimiser {
     ///
     /// Heights and gradient have double precision, the changes in a sweep single precision.
     pub fn minimise(&mut self, energy: &Energy<'_>, lo: &[f32], hi: &[f32], z: &mut [f64], effort: Effort) {
-        let limits = lo.par_iter().zip(hi);
-        z.par_iter_mut().zip(limits).for_each(|(z, (&lo, &hi))| *z = bounded(*z, lo, hi));
+        parallel::update(z, |n, z| *z = bounded(*z, lo[n], hi[n]));
         let (mut downhill, mut change) = (vec![0.0; z.len()], vec![0.0f32; z.len()]);
         for done in (0..effort.steps).step_by(SWEEP) {
             energy.downhill(z, &mut downhill);

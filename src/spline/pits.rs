@@ -7,9 +7,8 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
-use rayon::prelude::*;
-
 use super::lattice::Lattice;
+use crate::base::parallel;
 
 /// Largest number of nodes visited in the search from one pit. It limits time. A pit that needs more stays.
 const MOST_VISITED: usize = 20_000;
@@ -31,7 +30,7 @@ pub struct Limits<'a> {
 pub fn breach(heights: &mut [f32], lattice: &Lattice, limits: &Limits<'_>, is_bottom: impl Fn(usize) -> bool + Sync) {
     // The lowest pits come first. Pits above can then use their paths.
     let is_open_pit = |n: &u32| is_pit(heights, lattice, *n as usize) && !is_bottom(*n as usize);
-    let mut pits: Vec<u32> = (0..heights.len() as u32).into_par_iter().filter(is_open_pit).collect();
+    let mut pits: Vec<u32> = parallel::flat_map(heights.len(), |n| Some(n as u32).filter(is_open_pit));
     pits.sort_by(|&a, &b| heights[a as usize].total_cmp(&heights[b as usize]).then(a.cmp(&b)));
     for pit in pits {
         if is_pit(heights, lattice, pit as usize)

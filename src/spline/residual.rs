@@ -5,11 +5,10 @@
 //! correction r is a membrane that is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where
 //! contours cross the lattice.
 
-use rayon::prelude::*;
-
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, with_margin};
+use crate::base::parallel;
 use crate::tuning::SplineTuning;
 
 /// Adds the residuals at the contours to `heights`, spread over the surroundings.
@@ -49,5 +48,5 @@ pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
     let no_bound = vec![f32::NAN; count];
     let effort = Effort { steps: residual_steps, tolerance: convergence * problem.interval };
     Minimiser::default().minimise(&energy, &no_bound, &no_bound, &mut correction, effort);
-    heights.par_iter_mut().zip(&correction).for_each(|(z, m)| *z += *m as f32);
+    parallel::update(heights, |n, z| *z += correction[n] as f32);
 }

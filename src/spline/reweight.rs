@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::energy::Energy;
 use super::fold::{Fold, Folds};
+use crate::base::parallel;
 use crate::tuning::SplineTuning;
 
 /// Nodes per task. Each task begins its sums anew. So the sums do not depend on the number of threads.
@@ -22,25 +23,27 @@ pub fn reweight_bending(energy: &mut Energy<'_>, folds: &Folds, tuning: &SplineT
     for (kind, folds) in folds.iter().enumerate() {
         let difference = |n: usize| energy.second_difference(kind, n, z).abs();
         // Sums are added up in a fixed order, whatever the number of threads.
-        let sums = energy.bending[kind].par_chunks(CHUNK).enumerate().map(|(k, weights)| {
-            let bent = (0..weights.len()).filter(|&i| weights[i] > 0.0).map(|i| difference(k * CHUNK + i));
+        let weights = &energy.bending[kind];
+        let sums: Vec<(f64, f64)> = parallel::map(weights.len().div_ceil(CHUNK), |k| {
+            let nodes = k * CHUNK..weights.len().min((k + 1) * CHUNK);
+            let bent = nodes.filter(|&n| weights[n] > 0.0).map(difference);
             bent.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0))
         });
-        let sums: Vec<(f64, f64)> = sums.collect();
         let (sum, count) = sums.into_iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
         if sum == 0.0 {
             continue;
         }
         let mean: f64 = sum / count;
         let mut bending = std::mem::take(&mut energy.bending[kind]);
-        let bent = bending.par_iter_mut().zip(folds).enumerate().filter(|(_, (weight, _))| **weight > 0.0);
-        bent.for_each(|(n, (weight, &fold))| {
-            let difference = energy.second_difference(kind, n, z);
-            let limit = mean * if fold.may_bend(difference) { threshold * share } else { threshold };
-            if fold != Fold::None && !fold.may_bend(difference) {
-                *weight /= crease_weight;
+        parallel::update(&mut bending, |n, weight| {
+            if *weight > 0.0 {
+                let (difference, fold) = (energy.second_difference(kind, n, z), folds[n]);
+                let limit = mean * if fold.may_bend(difference) { threshold * share } else { threshold };
+                if fold != Fold::None && !fold.may_bend(difference) {
+                    *weight /= crease_weight;
+                }
+                *weight /= (1.0 + (difference / limit).powi(2)).sqrt() as f32;
             }
-            *weight /= (1.0 + (difference / limit).powi(2)).sqrt() as f32;
         });
         energy.bending[kind] = bending;
     }
@@ -82,7 +85,7 @@ pub fn raise_tension_at_bounds(
     let slack = AT_BOUND * interval;
     let at_bound = |n: usize| z[n] <= f64::from(lo[n]) + slack || z[n] >= f64::from(hi[n]) - slack;
     let is_pressed = |n: usize| if !near_contours[n] && at_bound(n) { 1.0 } else { 0.0 };
-    let mut share: Vec<f32> = (0..z.len()).into_par_iter().map(is_pressed).collect();
+    let mut share: Vec<f32> = parallel::values(z.len(), is_pressed);
     if share.iter().all(|&s| s == 0.0) {
         return;
     }

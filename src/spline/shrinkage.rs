@@ -21,11 +21,10 @@
 //!
 //! Heights below a contour move down as much as heights above it move up. So the surface still meets the contour.
 
-use rayon::prelude::*;
-
 use super::blur::{PASSES, blurred};
 use super::lattice::{Crossing, Lattice};
 use super::unevenness::unevenness;
+use crate::base::parallel;
 use crate::tuning::ShrinkageTuning;
 
 /// Variance of heights that are uniform over a band, as a share of the square of its height: a closed form.
@@ -50,24 +49,24 @@ pub fn variances(
         let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
         (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
     };
-    let mut spacings: Vec<f32> = contour_density.par_iter().map(|contour_density| 1.0 / contour_density).collect();
+    let mut spacings: Vec<f32> = parallel::map_each(contour_density, |contour_density| 1.0 / contour_density);
     let (sum, count) = of_inside(&spacings);
     // Outside the frame there is no spacing; the mean takes its place.
-    spacings
-        .par_iter_mut()
-        .zip(heights)
-        .filter(|(_, z)| z.is_nan())
-        .for_each(|(spacing, _)| *spacing = (sum / count) as f32);
+    parallel::update(&mut spacings, |n, spacing| {
+        if heights[n].is_nan() {
+            *spacing = (sum / count) as f32;
+        }
+    });
     for _ in 0..PASSES {
         spacings = blurred(&spacings, lattice.cols, (tuning.spacing_reach * nodes) as usize);
     }
     let mut variances = unevenness(heights, lattice, (tuning.unevenness_reach * nodes).max(1.0) as usize);
-    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v = (*v * spacing).powf(power));
+    parallel::update(&mut variances, |n, v| *v = (*v * spacings[n]).powf(power));
     let sum = of_inside(&variances).0;
     let whole =
         if sum > 0.0 { (half_way_error * half_way_error * count / sum).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
     let known = |spacing: f32| 1.0 + (half_variance_nodes / (nodes as f32 * spacing)).powi(3);
-    variances.par_iter_mut().zip(&spacings).for_each(|(v, spacing)| *v *= whole / known(*spacing));
+    parallel::update(&mut variances, |n, v| *v *= whole / known(spacings[n]));
     // At most the mean distance between spot heights. Otherwise many spot heights would take much time.
     let mean_distance = step * (count / spots.len().max(1) as f64).sqrt();
     for (crossing, _) in spots {
@@ -96,7 +95,7 @@ fn for_each_near(lattice: &Lattice, node: usize, reach: f64, mut at: impl FnMut(
 /// Shrinks heights between `bounds` towards the centre of the band, by at most `most` of their distance from it
 /// ([`ShrinkageTuning::max_share`]).
 pub fn shrink(heights: &mut [f32], bounds: [&[f32]; 2], variances: &[f32], most: f32) {
-    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+    parallel::update(heights, |n, z| {
         let (lo, height) = (bounds[0][n], bounds[1][n] - bounds[0][n]);
         if height > 0.0 {
             let t = ((*z - lo) / height).clamp(0.0, 1.0);

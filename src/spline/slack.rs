@@ -3,24 +3,21 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
-
 use super::blur::{PASSES, blurred};
 use super::wide::is_at_contour;
+use crate::base::parallel;
 
 /// Lowers the lower bound and raises the upper one by `slack` at contours, and by less up to twice `reach` nodes away.
 /// Far from contours, no jitter moves the surface. There the band holds. `bounds` are NaN outside the frame.
 pub fn loosened([lo, hi]: [&[f32]; 2], slack: f32, reach: usize, cols: usize) -> [Vec<f32>; 2] {
     let at_contour = |n: usize| if is_at_contour(lo, n, cols) { 1.0 } else { 0.0 };
-    let mut near: Vec<f32> = (0..lo.len()).into_par_iter().map(at_contour).collect();
+    let mut near: Vec<f32> = parallel::values(lo.len(), at_contour);
     for _ in 0..PASSES {
         near = blurred(&near, cols, reach);
     }
     // The mean over the rectangle is one over its width at a straight contour.
     let width = (2 * reach + 1) as f32;
-    let moved = |bound: &[f32], by: f32| {
-        bound.par_iter().zip(&near).map(|(bound, near)| bound + by * (near * width).min(1.0)).collect()
-    };
+    let moved = |bound: &[f32], by: f32| parallel::values(bound.len(), |n| bound[n] + by * (near[n] * width).min(1.0));
     [moved(lo, -slack), moved(hi, slack)]
 }
 

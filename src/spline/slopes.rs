@@ -1,8 +1,6 @@
 //! Slopes of heights at the nodes of a grid.
 
-use rayon::prelude::*;
-
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 
 /// Slope at every node, rise over run; NaN beside nodes outside the frame.
 pub(crate) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
@@ -16,5 +14,5 @@ pub(crate) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
             (heights[t * grid.cols + i] - heights[s * grid.cols + i]) / ((t - s).max(1) as f64 * grid.cell.y) as f32;
         (east * east + south * south).sqrt()
     };
-    (0..heights.len()).into_par_iter().map(at).collect()
+    parallel::values(heights.len(), at)
 }

@@ -1,7 +1,5 @@
 //! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
 
-use rayon::prelude::*;
-
 use super::conditions::{Conditions, spot_crossings};
 use super::density::{contour_density, tension};
 use super::energy::CrossingWeight;
@@ -14,8 +12,8 @@ use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage, soft_spots};
-use crate::base::Grid;
 use crate::base::progress::Progress;
+use crate::base::{Grid, parallel};
 use crate::streams::{Stream, fall_along, follow, raise_to};
 use crate::tuning::SplineTuning;
 
@@ -39,7 +37,7 @@ pub fn spline(
     let mut tension = tension(&contour_density, &wide, grid, *spacing, hyper_parameters.tension, &tuning.wide);
     // Whether cliffs free a node from the reference surface and from the middle of its band.
     let free = &conditions.beside_cliffs;
-    tension.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);
+    tension.iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(tension, _)| *tension = 0.0);
     let mut problem = Problem {
         lattice,
         contours: &conditions.contours,
@@ -65,7 +63,7 @@ pub fn spline(
         let shrinkage = &tuning.shrinkage;
         let mut variances =
             shrinkage::variances(half_way, heights, &contour_density, *spacing, &lattice, surveyed, shrinkage);
-        variances.par_iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(variance, _)| *variance = 0.0);
+        variances.iter_mut().zip(free).filter(|(_, free)| **free).for_each(|(variance, _)| *variance = 0.0);
         variances
     };
     let mut heights = bounded(&problem, conditions, hyper_parameters, tuning, progress);
@@ -136,7 +134,7 @@ fn bounded(
     progress.start(STEP, 0);
     let mut heights: Vec<f32> = z.into_iter().map(|v| v as f32).collect();
     let share = shelves(&heights, reference, grid, tuning);
-    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+    parallel::update(&mut heights, |n, z| {
         if !reference[n].is_nan() && free.get(n) != Some(&true) {
             *z += share[n] * (1.0 - problem.wide[n]) * (reference[n] - *z);
         }
@@ -144,7 +142,7 @@ fn bounded(
     if hyper_parameters.noise > 0.0 {
         residual::add_residuals(problem, &mut heights);
     }
-    heights.par_iter_mut().enumerate().for_each(|(n, z)| {
+    parallel::update(&mut heights, |n, z| {
         *z = if lo[n].is_nan() { f32::NAN } else { z.clamp(lo[n], hi[n]) };
     });
     progress.finish();

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::cliffs::Walls;
 use super::conditions::{Drainage, line_crossings};
@@ -15,7 +14,7 @@ use super::pits::{Limits, breach};
 use super::reweight::{near_contours, raise_tension_at_bounds, reweight_bending};
 use crate::base::Grid;
 use crate::base::progress::Progress;
-use crate::base::{KnownLine, Sure};
+use crate::base::{KnownLine, Sure, parallel};
 use crate::drain::Drain;
 use crate::tuning::SplineTuning;
 
@@ -151,7 +150,7 @@ impl Stage<'_> {
                 let inside = col < self.lattice.cols && row < self.lattice.rows;
                 if inside { values[row * self.lattice.cols + col] } else { f32::NAN }
             };
-            (0..lattice.len()).into_par_iter().map(at).collect::<Vec<f32>>()
+            parallel::values(lattice.len(), at)
         };
         // Steps are twice as long. So first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
@@ -232,12 +231,10 @@ impl Stage<'_> {
 
     /// Upper bounds with breached pits. Ground beside a cut then falls towards it.
     fn breached_bounds(&self, problem: &Problem<'_>, [lo, hi]: [&[f32]; 2], z: &[f64]) -> Vec<f32> {
-        let mut after: Vec<f32> =
-            z.par_iter().zip(lo).map(|(z, lo)| if lo.is_nan() { f32::NAN } else { *z as f32 }).collect();
+        let mut after: Vec<f32> = parallel::values(z.len(), |n| if lo[n].is_nan() { f32::NAN } else { z[n] as f32 });
         let limits = Limits { lo, depth: problem.interval as f32 };
         problem.breach(&mut after, &limits);
-        let cut = after.par_iter().zip(z).zip(lo.par_iter().zip(hi));
-        cut.map(|((&after, &z), (&lo, &hi))| if after < z as f32 { hi.min(after).max(lo) } else { hi }).collect()
+        parallel::values(z.len(), |n| if after[n] < z[n] as f32 { hi[n].min(after[n]).max(lo[n]) } else { hi[n] })
     }
 
     /// The energy with its first weights, and the second differences across lines where the surface may bend.
@@ -252,7 +249,8 @@ impl Stage<'_> {
             (east, south)
         };
         let walls = Walls::new(problem.cliffs, lattice);
-        let (mut east, mut south): (Vec<_>, Vec<_>) = problem.contours.par_iter().map(crossings).unzip();
+        let crossings = parallel::map_each(problem.contours, crossings);
+        let (mut east, mut south): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
         let reach = problem.tuning.least_line_nodes * lattice.step.max_element();
         for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, reach, lattice))
         {
@@ -311,7 +309,7 @@ impl Stage<'_> {
             if fold == Fold::Found && self.wide[n] > wide.crease_limit { Fold::None } else { fold }
         };
         let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
-        let folds: Folds = std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| fold(kind, n)).collect());
+        let folds: Folds = std::array::from_fn(|kind| parallel::map(count, |n| fold(kind, n)));
         let bending = |kind: usize, n: usize| match (folds[kind][n], is_bent(kind, n)) {
             (_, false) => 0.0,
             (Fold::None, true) => weights[kind],
@@ -330,10 +328,10 @@ impl Stage<'_> {
         };
         let energy = Energy {
             size: [cols, rows],
-            bending: std::array::from_fn(|kind| (0..count).into_par_iter().map(|n| bending(kind, n)).collect()),
-            tension: std::array::from_fn(|side| (0..count).into_par_iter().map(|n| tension(side, n)).collect()),
+            bending: std::array::from_fn(|kind| parallel::values(count, |n| bending(kind, n))),
+            tension: std::array::from_fn(|side| parallel::values(count, |n| tension(side, n))),
             reference: Cow::Borrowed(&self.reference),
-            follows: self.wide.par_iter().map(|share| 1.0 - wide.level_share * share).collect(),
+            follows: parallel::map_each(&self.wide, |share| 1.0 - wide.level_share * share),
             contours,
             pull: 0.0,
         };
@@ -345,18 +343,20 @@ impl Stage<'_> {
 fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
     let steps = [1, energy.size[0]];
     for (side, step) in steps.into_iter().enumerate() {
-        energy.tension[side].par_iter_mut().enumerate().filter(|(_, t)| **t > 0.0).for_each(|(n, tension)| {
-            *tension *= (factors[n] * factors[n + step]).sqrt();
+        parallel::update(&mut energy.tension[side], |n, tension| {
+            if *tension > 0.0 {
+                *tension *= (factors[n] * factors[n + step]).sqrt();
+            }
         });
     }
 }
 
 /// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
 pub fn with_margin(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
-    let mut inside: Vec<bool> = bound.par_iter().map(|v| !v.is_nan()).collect();
+    let mut inside: Vec<bool> = parallel::map_each(bound, |v| !v.is_nan());
     for _ in 0..MARGIN {
         let before = inside.clone();
-        inside.par_chunks_mut(cols).enumerate().for_each(|(j, row)| {
+        parallel::chunks(&mut inside, cols, |j, row| {
             for (i, inside) in row.iter_mut().enumerate() {
                 let n = j * cols + i;
                 *inside |= (i > 0 && before[n - 1])
@@ -388,14 +388,14 @@ fn middle(k: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
 /// Heights on a finer lattice, by cubic interpolation.
 fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
     let mut wide = vec![0.0; coarse.rows * fine.cols];
-    wide.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+    parallel::chunks(&mut wide, fine.cols, |j, row| {
         let node = |i: usize| z[j * coarse.cols + i];
         for (i, out) in row.iter_mut().enumerate() {
             *out = if i % 2 == 0 { node(i / 2) } else { middle(i / 2, coarse.cols, node) };
         }
     });
     let mut out = vec![0.0; fine.len()];
-    out.par_chunks_mut(fine.cols).enumerate().for_each(|(j, row)| {
+    parallel::chunks(&mut out, fine.cols, |j, row| {
         for (i, out) in row.iter_mut().enumerate() {
             let node = |j: usize| wide[j * fine.cols + i];
             *out = if j % 2 == 0 { node(j / 2) } else { middle(j / 2, coarse.rows, node) };
@@ -411,7 +411,7 @@ fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
         let row = |j: usize| factors[j * coarse.cols + i / 2] + factors[j * coarse.cols + i.div_ceil(2)];
         (row(j / 2) + row(j.div_ceil(2))) / 4.0
     };
-    (0..fine.len()).into_par_iter().map(at).collect()
+    parallel::values(fine.len(), at)
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! Unevenness of the ground: the part of its slope that is not common to the ground around.
 
-use rayon::prelude::*;
-
 use super::blur::{PASSES, blurred};
 use super::lattice::Lattice;
+use crate::base::parallel;
 
 /// Unevenness at each node: 1 - |mean slope|² / mean of |slope|², over the slopes at most `reach` nodes away. Slopes
 /// are vectors, rise over run. It is 0 on a plane. It is 1 where slopes cancel each other, and outside the frame, where
@@ -19,7 +18,7 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
         slope.iter().all(|s| s.is_finite()).then_some(slope)
     };
     let local_mean = |of: fn([f32; 2]) -> f32| {
-        let mut mean: Vec<f32> = (0..heights.len()).into_par_iter().map(|n| slope(n).map_or(0.0, of)).collect();
+        let mut mean: Vec<f32> = parallel::values(heights.len(), |n| slope(n).map_or(0.0, of));
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }
@@ -32,7 +31,7 @@ pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> 
         let common = (x[n] * x[n] + y[n] * y[n]) / (square[n] * count[n]);
         if common.is_nan() { 1.0 } else { (1.0 - common).clamp(0.0, 1.0) }
     };
-    (0..heights.len()).into_par_iter().map(at).collect()
+    parallel::values(heights.len(), at)
 }
 
 #[cfg(test)]

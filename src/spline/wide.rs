@@ -10,8 +10,7 @@
 //!   of that surface are large there and would show as facets;
 //! * ridge and canyon lines are no creases. They would show as stars.
 
-use rayon::prelude::*;
-
+use crate::base::parallel;
 use crate::tuning::WideTuning;
 
 /// Number of nodes at contours whose mean is taken as it is. Where there are fewer, nodes further away count too.
@@ -29,17 +28,17 @@ impl WidePlaces {
     /// Compares the relative contour density of each node with that of the contours around it. `floor` is the lowest
     /// height that each node may have, NaN outside the frame. It changes from node to node where a contour passes.
     pub fn new(contour_density: &[f32], floor: &[f32], cols: usize, tuning: &WideTuning) -> Self {
-        let known = contour_density.par_iter().enumerate().map(|(n, density)| {
+        let known = parallel::values(contour_density.len(), |n| {
+            let density = contour_density[n];
             let is_known = density.is_finite() && is_at_contour(floor, n, cols);
-            if is_known { Mean { sum: *density, count: 1.0 } } else { Mean::default() }
+            if is_known { Mean { sum: density, count: 1.0 } } else { Mean::default() }
         });
-        let around = spread(known.collect(), cols);
+        let around = spread(known, cols);
         let [least, most] = tuning.jump_limits.map(|limit| limit as f32);
-        let share = |(own, around): (&f32, &f32)| {
-            let share = (around / own / least).ln() / (most / least).ln();
+        let share = parallel::values(contour_density.len(), |n| {
+            let share = (around[n] / contour_density[n] / least).ln() / (most / least).ln();
             if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
-        };
-        let share = contour_density.par_iter().zip(&around).map(share).collect();
+        });
         Self { share, around }
     }
 }
@@ -81,7 +80,7 @@ fn spread(known: Vec<Mean>, cols: usize) -> Vec<f32> {
         let inside = nodes.into_iter().filter(|&(i, j)| i < cols && j < rows).map(|(i, j)| known[j * cols + i]);
         inside.fold(Mean::default(), |a, b| Mean { sum: a.sum + b.sum, count: a.count + b.count })
     };
-    let squares = (0..coarse_cols * coarse_rows).into_par_iter().map(of_square).collect();
+    let squares = parallel::values(coarse_cols * coarse_rows, of_square);
     let coarse = spread(squares, coarse_cols);
     let further = |n: usize| {
         // Centres of squares lie half a node beside the nodes.
@@ -94,11 +93,12 @@ fn spread(known: Vec<Mean>, cols: usize) -> Vec<f32> {
         let along = |row: usize| coarse[row * coarse_cols + west] * (1.0 - u) + coarse[row * coarse_cols + east] * u;
         along(north) * (1.0 - v) + along(south) * v
     };
-    let at = |(n, mean): (usize, &Mean)| {
+    let at = |n: usize| {
+        let mean = known[n];
         let missing = ENOUGH - mean.count;
         if missing > 0.0 { (mean.sum + missing * further(n)) / ENOUGH } else { mean.sum / mean.count }
     };
-    known.par_iter().enumerate().map(at).collect()
+    parallel::values(known.len(), at)
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Heights on the working grid, and between its nodes.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::lattice::Lattice;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 
 /// A place nearer to a node than this is at the node, in steps between nodes: a tolerance of rounding.
 const ON_NODE: f64 = 1e-6;
@@ -35,7 +34,7 @@ impl WorkingGrid {
             let node = usize::try_from(row * self.grid.cols as i64 + col).ok().filter(|_| cols.contains(&col));
             node.and_then(|node| self.heights.get(node)).copied().unwrap_or(f32::NAN)
         };
-        Some((0..grid.len()).into_par_iter().map(value).collect())
+        Some(parallel::values(grid.len(), value))
     }
 
     /// The node nearest to a position; `None` off the grid.

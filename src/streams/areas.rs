@@ -6,13 +6,12 @@
 
 use geo::{BoundingRect, LineString, MultiPolygon};
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::line::{RiverArea, Stream};
-use crate::base::Sure;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::{Sure, parallel};
 use crate::creases::{Bend, CreaseLine};
 use crate::geometry::Border;
 
@@ -30,8 +29,7 @@ pub(crate) fn banks(areas: &[RiverArea], streams: &[Stream], step: f64) -> (Vec<
         })
     });
     let pieces: RTree<Piece> = RTree::bulk_load(pieces.collect());
-    let found: Vec<(Vec<CreaseLine>, Option<Finding>)> =
-        areas.par_iter().map(|area| of_area(area, &pieces, step)).collect();
+    let found: Vec<(Vec<CreaseLine>, Option<Finding>)> = parallel::map_each(areas, |area| of_area(area, &pieces, step));
     let (lines, findings): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     (lines.into_iter().flatten().collect(), findings.into_iter().flatten().collect())
 }

@@ -1,7 +1,6 @@
 //! From lines to streams with heights, in agreement with the contours.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
@@ -10,8 +9,8 @@ use super::line::{Stream, StreamLine, Streams};
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
 use super::shift::{beside, moved, shifts};
-use crate::base::Sure;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::{Sure, parallel};
 use crate::contour::ContourMap;
 use crate::skeleton::heights_at;
 use crate::subdomains::{Course, band_of};
@@ -58,20 +57,17 @@ pub(crate) fn settle(
     let turned: Vec<Reach> =
         reaches.into_iter().zip(&back).map(|(r, &back)| if back { r.reversed() } else { r }).collect();
     let before = self::courses(&ground, &turned, |r| (!back[r]).then(|| courses[r].clone()));
-    let each = turned.par_iter().zip(&before);
-    let shifts: Vec<_> = each.map(|(r, course)| shifts(&ground, &r.points, course, tolerance, tuning)).collect();
-    let each = turned.par_iter().zip(&before).zip(&shifts);
-    let beside: Vec<Option<f64>> =
-        each.map(|((r, course), shifts)| beside(&ground, &r.points, course, (tolerance, shifts), tuning)).collect();
+    let shifts: Vec<_> =
+        parallel::map(turned.len(), |r| shifts(&ground, &turned[r].points, &before[r], tolerance, tuning));
+    let beside: Vec<Option<f64>> = parallel::map(turned.len(), |r| {
+        beside(&ground, &turned[r].points, &before[r], (tolerance, &shifts[r]), tuning)
+    });
     let reaches = moved(&turned, nodes, &shifts);
     let courses =
         self::courses(&ground, &reaches, |r| (reaches[r].points == turned[r].points).then(|| before[r].clone()));
 
-    let found: Vec<(Vec<Piece>, Vec<Detour>)> = reaches
-        .par_iter()
-        .zip(&courses)
-        .map(|(reach, course)| descending(&ground, &reach.points, course, tolerance))
-        .collect();
+    let found: Vec<(Vec<Piece>, Vec<Detour>)> =
+        parallel::map(reaches.len(), |r| descending(&ground, &reaches[r].points, &courses[r], tolerance));
     let mut edges = Vec::new();
     let mut reach_of = Vec::new();
     let mut shift_of: Vec<f64> = shifts.iter().map(|s| s.iter().map(|s| s.by.length()).fold(0.0, f64::max)).collect();
@@ -124,14 +120,14 @@ pub(crate) fn settle(
 
 /// The courses of reaches, in their order. `known` gives those that are known, by the number of the reach.
 fn courses(ground: &Ground<'_>, reaches: &[Reach], known: impl Fn(usize) -> Option<Course> + Sync) -> Vec<Course> {
-    let of_chunk = |(chunk, reaches): (usize, &[Reach])| {
+    parallel::flat_map(reaches.len().div_ceil(CHUNK), |chunk| {
         let mut near = 0;
-        let new = |(k, r): (usize, &Reach)| {
-            known(chunk * CHUNK + k).unwrap_or_else(|| Course::new(ground.tin, ground.regions, &r.points, &mut near))
+        let new = |r: usize| {
+            let course = |near: &mut u32| Course::new(ground.tin, ground.regions, &reaches[r].points, near);
+            known(r).unwrap_or_else(|| course(&mut near))
         };
-        reaches.iter().enumerate().map(new).collect::<Vec<_>>()
-    };
-    reaches.par_chunks(CHUNK).enumerate().flat_map_iter(of_chunk).collect()
+        (chunk * CHUNK..reaches.len().min((chunk + 1) * CHUNK)).map(new).collect::<Vec<_>>()
+    })
 }
 
 /// Heights of the nodes by equation (1). A node outside the frame has the height where its reach enters the frame.

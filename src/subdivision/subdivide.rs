@@ -1,13 +1,13 @@
 //! Subdivision (paper, section 3.3): the triangulated contours of a clean map with their sub-domains.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::constraints::{Constraints, Found};
 use super::frame_heights::with_frame_heights;
 use super::prepare::{Prepared, prepare};
 use super::water::{DrySubdivision, Water, settle};
 use crate::base::error::{Report, Result};
+use crate::base::parallel;
 use crate::base::progress::Progress;
 use crate::check::{Correction, Ground, Judged, contradicted_marks, judge, possible_lakes, possible_sea};
 use crate::contour::{ContourMap, Interval};
@@ -137,11 +137,11 @@ impl Subdivision {
             (b - a).perp_dot(c - a)
         };
         // The sum has this order for any number of threads.
-        let chunks = tin.triangles.par_chunks(CHUNK).enumerate().map(|(k, chunk)| {
-            let first = (k * CHUNK) as u32;
-            (first..first + chunk.len() as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
+        let chunks = parallel::map(tin.len().div_ceil(CHUNK), |k| {
+            let (first, end) = (k * CHUNK, tin.len().min((k + 1) * CHUNK));
+            (first as u32..end as u32).filter(|&t| tin.is_inside(t)).map(doubled).sum::<f64>()
         });
-        let area = chunks.collect::<Vec<f64>>().into_iter().sum::<f64>() / 2.0;
+        let area = chunks.into_iter().sum::<f64>() / 2.0;
         MapExtent::with_area(&self.map, &self.frame, self.interval, area)
     }
 

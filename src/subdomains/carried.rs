@@ -37,8 +37,7 @@ impl CarriedRegions {
     /// Takes those of a triangulation.
     pub fn new(tin: &Tin, mut regions: Regions) -> Self {
         let of_triangle = std::mem::take(&mut regions.of_triangle);
-        let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
-        let mut borders: Vec<_> = inside.flat_map_iter(|t| borders_of(tin, t, of_triangle[t as usize])).collect();
+        let mut borders = tin.flat_map_inside(|t| borders_of(tin, t, of_triangle[t as usize]));
         borders.par_sort_unstable();
         let lakes = match regions.regions.iter().any(|region| tin.lake(region.triangle).is_some()) {
             true => regions.regions.iter().map(|region| tin.lake(region.triangle).unwrap_or(NONE)).collect(),
@@ -117,11 +116,10 @@ fn by_first_triangle(mut of_triangle: Vec<u32>, before: Regions) -> Regions {
 /// Flat triangles along the outer border lie outside the frame. Without these edges, a finer triangulation would have
 /// other triangles there, some of them less flat. They would join sub-domains that were separate.
 pub fn loose_frame_edges(tin: &Tin) -> Vec<[u32; 2]> {
-    let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
     let ends_at = |t: u32, i: usize| tin.neighbours[t as usize][i] != NONE && tin.inner_neighbour(t, i).is_none();
     let is_loose = |t: u32, i: usize| ends_at(t, i) && !tin.is_constraint(t, i);
     let of_triangle = |t: u32| (0..3).filter(move |&i| is_loose(t, i)).map(move |i| tin.edge(t, i));
-    let mut edges: Vec<_> = inside.flat_map_iter(of_triangle).collect();
+    let mut edges = tin.flat_map_inside(of_triangle);
     edges.par_sort_unstable();
     edges
 }

@@ -8,12 +8,12 @@
 use std::collections::{HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{PointDistance, RTree};
 
 use super::FrameRing;
 use crate::base::bits::bits;
+use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 use crate::geometry::{BoxTree, OrientedBox};
 use crate::geometry::{Segment, point_distance};
@@ -71,30 +71,27 @@ pub fn extend_open_ends(map: &ContourMap, ring: &FrameRing, tolerance: f64) -> (
     let corners: RTree<[f64; 2]> = RTree::bulk_load(ring.rings().flatten().map(|p| p.to_array()).collect());
     let others: RTree<[f64; 2]> = RTree::bulk_load(ends.iter().map(|e| e.position.to_array()).collect());
     let index = Sight::new(map);
-    let mut extensions: Vec<(bool, Option<FrameExtension>)> = ends
-        .par_iter()
-        .map(|end| {
-            let at = end.position.to_array();
-            let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
-            // Two vertices of the frame at one position would leave a gap for lines between them.
-            let on_frame = DVec2::from(edge.nearest_point(&at));
-            let corner = corners.nearest_neighbor(&on_frame.to_array()).map(|&corner| DVec2::from(corner));
-            let on_frame = corner.filter(|corner| corner.distance(on_frame) <= tolerance).unwrap_or(on_frame);
-            let distance = end.position.distance(on_frame);
-            if distance <= tolerance {
-                return (true, None);
-            }
-            let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
-            // The line of sight goes a little further, to find a contour along the frame in spite of rounding.
-            let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
-            let is_free =
-                || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
-            if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
-                return (false, None);
-            }
-            (true, Some(FrameExtension { end: end.position, frame: on_frame, elevation: end.elevation }))
-        })
-        .collect();
+    let mut extensions: Vec<(bool, Option<FrameExtension>)> = parallel::map_each(&ends, |end| {
+        let at = end.position.to_array();
+        let Some(edge) = frame.nearest_neighbor(&at) else { return (false, None) };
+        // Two vertices of the frame at one position would leave a gap for lines between them.
+        let on_frame = DVec2::from(edge.nearest_point(&at));
+        let corner = corners.nearest_neighbor(&on_frame.to_array()).map(|&corner| DVec2::from(corner));
+        let on_frame = corner.filter(|corner| corner.distance(on_frame) <= tolerance).unwrap_or(on_frame);
+        let distance = end.position.distance(on_frame);
+        if distance <= tolerance {
+            return (true, None);
+        }
+        let nearest_end = others.nearest_neighbor_iter_with_distance_2(&at).map(|(_, d2)| d2).find(|&d2| d2 > 0.0);
+        // The line of sight goes a little further, to find a contour along the frame in spite of rounding.
+        let beyond = on_frame + (on_frame - end.position) * (10.0 * tolerance / distance);
+        let is_free =
+            || index.sees(map, end.position, beyond) && !index.touches(map, end.position, on_frame, tolerance);
+        if nearest_end.is_some_and(|d2| d2 < distance * distance) || !is_free() {
+            return (false, None);
+        }
+        (true, Some(FrameExtension { end: end.position, frame: on_frame, elevation: end.elevation }))
+    });
     keep_shortest(&mut extensions);
     for (end, (at_frame, _)) in ends.iter_mut().zip(&extensions) {
         end.at_frame = *at_frame;
@@ -114,7 +111,7 @@ pub fn extensions_at<'a>(
         let place = [spot.x, spot.y];
         lines.nearest_neighbor(&place).filter(|line| line.distance_2(&place) <= tolerance * tolerance).map(|l| l.data)
     };
-    spots.par_iter().map(at).collect()
+    parallel::map_each(spots, at)
 }
 
 /// Leaves a single extension at each point of the frame. A corner that points into the area is the nearest point of
@@ -169,7 +166,7 @@ impl Sight {
             firsts.map(move |first| (line as u32, first as u32))
         };
         let runs: Vec<(u32, u32)> = map.contours.iter().enumerate().flat_map(starts).collect();
-        let boxes: Vec<OrientedBox> = runs.par_iter().map(|&run| OrientedBox::around(points_of(map, run))).collect();
+        let boxes: Vec<OrientedBox> = parallel::map_each(&runs, |&run| OrientedBox::around(points_of(map, run)));
         Self { tree: BoxTree::new(&boxes), runs }
     }
 

@@ -6,10 +6,9 @@
 
 use std::collections::{HashMap, VecDeque};
 
-use rayon::prelude::*;
-
 use super::regions::WIDE;
 use super::{Band, Regions};
+use crate::base::parallel;
 use crate::tin::{Tin, VertexKind};
 
 /// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels
@@ -26,8 +25,8 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
     };
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
     let known = |t: u32| Some((t, corner_band(tin, t)?));
-    let wide = (0..tin.len() as u32).into_par_iter().filter(|&t| is_wide(t) && !is_beside_wrong(t));
-    let known: Vec<(u32, Band)> = wide.filter_map(known).collect();
+    let wide = |t: usize| Some(t as u32).filter(|&t| is_wide(t) && !is_beside_wrong(t));
+    let known: Vec<(u32, Band)> = parallel::flat_map(tin.len(), |t| wide(t).and_then(known));
     let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
     let mut open: VecDeque<(u32, Band)> = known.into();
     while let Some((t, band)) = open.pop_front() {

@@ -1,7 +1,6 @@
 //! The direction of contours: higher ground on the right.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::{Regions, Side};
 use crate::contour::ContourMap;
@@ -19,26 +18,22 @@ pub fn signed_area(ring: &[DVec2]) -> f64 {
 /// weighted by its length, for the side on which its triangle rises. Without votes the line counts as correct.
 pub fn ascends_right(map: &ContourMap, tin: &Tin, regions: &Regions) -> Vec<bool> {
     let start = line_starts(map);
-    let votes: Vec<(u32, f64)> = (0..tin.len() as u32)
-        .into_par_iter()
-        .filter(|&t| tin.is_inside(t))
-        .flat_map_iter(|t| {
-            let start = &start;
-            (0..3).filter_map(move |i| {
-                let level = tin.contour_level(t, i)?;
-                let [u, v] = tin.edge(t, i);
-                let (contour, forward) = piece_of(map, tin, start, u, v)?;
-                let apex = tin.triangles[t as usize][(i + 2) % 3] as usize;
-                let rises = match tin.heights[apex] - level {
-                    d if d != 0.0 && tin.kinds[apex] != VertexKind::Frame => d > 0.0,
-                    _ => regions.region(t)?.side(level)? == Side::Above,
-                };
-                // The triangle lies on the left of the piece from u to v.
-                let right = rises != forward;
-                Some((contour, if right { tin.edge_length(t, i) } else { -tin.edge_length(t, i) }))
-            })
+    let votes: Vec<(u32, f64)> = tin.flat_map_inside(|t| {
+        let start = &start;
+        (0..3).filter_map(move |i| {
+            let level = tin.contour_level(t, i)?;
+            let [u, v] = tin.edge(t, i);
+            let (contour, forward) = piece_of(map, tin, start, u, v)?;
+            let apex = tin.triangles[t as usize][(i + 2) % 3] as usize;
+            let rises = match tin.heights[apex] - level {
+                d if d != 0.0 && tin.kinds[apex] != VertexKind::Frame => d > 0.0,
+                _ => regions.region(t)?.side(level)? == Side::Above,
+            };
+            // The triangle lies on the left of the piece from u to v.
+            let right = rises != forward;
+            Some((contour, if right { tin.edge_length(t, i) } else { -tin.edge_length(t, i) }))
         })
-        .collect();
+    });
     let mut balance = vec![0.0; map.contours.len()];
     for (contour, vote) in votes {
         balance[contour as usize] += vote;

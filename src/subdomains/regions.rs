@@ -4,8 +4,6 @@
 //! the frame closes it. Two levels on its border give its band. Where there is only one level, the neighbour decides
 //! the side: crossing a contour changes the side.
 
-use rayon::prelude::*;
-
 use crate::base::rows::Rows;
 use crate::contour::Interval;
 use crate::tin::{NONE, Tin};
@@ -194,9 +192,7 @@ pub(super) fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<S
         let seen = SharedBorder { other, level, length: u.distance(v) };
         (own != other).then_some((own as usize, seen))
     };
-    let of_triangle = |t: u32| (0..3).filter_map(move |i| border(t, i));
-    let inside = (0..tin.len() as u32).into_par_iter().filter(|&t| tin.is_inside(t));
-    let all: Vec<(usize, SharedBorder)> = inside.flat_map_iter(of_triangle).collect();
+    let all = tin.flat_map_inside(|t| (0..3).filter_map(move |i| border(t, i)));
     Rows::new(count, || all.iter().copied())
 }
 

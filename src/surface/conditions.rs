@@ -1,9 +1,8 @@
 //! The conditions of the smooth surface on a grid: bands, reference heights, contours, spot heights and creases.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
@@ -31,23 +30,21 @@ pub(crate) fn conditions<'a>(
     let beside = beside(cliffs, grid, cliff_reach);
     // Beside a cliff, the corners of a triangle may lie on both sides of it and tell nothing.
     let is_local = |n: usize| beside.get(n) != Some(&true);
-    let band = |(n, &t): (usize, &u32)| match t {
+    let band = |n: usize| match triangles[n] {
         NONE => None,
         t => local.get(&t).copied().filter(|_| is_local(n)).or_else(|| of_region(t)),
     };
-    let nodes = || triangles.par_iter().enumerate();
-    let mut lo: Vec<f32> = nodes().map(|node| band(node).map_or(f32::NAN, |b| b.lo as f32)).collect();
-    let mut hi: Vec<f32> = nodes().map(|node| band(node).map_or(f32::NAN, |b| b.hi as f32)).collect();
+    let mut lo = parallel::values(triangles.len(), |n| band(n).map_or(f32::NAN, |b| b.lo as f32));
+    let mut hi = parallel::values(triangles.len(), |n| band(n).map_or(f32::NAN, |b| b.hi as f32));
     for (node, level) in on_contours(&subdivision.map, grid) {
         if !lo[node].is_nan() {
             (lo[node], hi[node]) = (level as f32, level as f32);
         }
     }
     let is_hollow = is_hollow(&subdivision.regions);
-    let hollows: Vec<bool> = triangles
-        .par_iter()
-        .map(|&t| t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize])
-        .collect();
+    let hollows: Vec<bool> = parallel::map_each(triangles, |&t| {
+        t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
+    });
     let reference = heights_at(&subdivision.tin, grid, triangles);
     let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
     Conditions {

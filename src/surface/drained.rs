@@ -1,13 +1,12 @@
 //! Pits of the working grid and of height maps: those of [`Drain::All`] are drained, those that are left are listed.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::built::Surface;
 use super::conditions::{is_hollow, on_contours};
 use super::sample::triangle_at;
-use crate::base::Grid;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::{Grid, parallel};
 use crate::dem::{Dem, GroundScale, locate};
 use crate::drain::{
     Bands, CellPit, Drain, Found, Ground, Kinds, Pit, Placed, Sink, SinkShape, cell_pits, drain, mark_sinks, ponds,
@@ -109,7 +108,7 @@ impl Cells {
                 NONE => f32::NAN,
                 t => regions.region(t).map_or(f32::NAN, |r| of([r.band.lo, r.band.hi]) as f32),
             };
-            triangles.par_iter().map(value).collect()
+            parallel::map_each(&triangles, value)
         };
         let mut bounds = [bound(|[lo, _]| lo), bound(|[_, hi]| hi)];
         if other.is_none() {
@@ -140,7 +139,7 @@ fn triangles_in(surface: &Surface, grid: &Grid, to_surface: &(dyn Fn(DVec2) -> O
     if grid.is_empty() || surface.tin.is_empty() {
         return triangles;
     }
-    triangles.par_chunks_mut(grid.cols).enumerate().for_each(|(row, cells)| {
+    parallel::chunks(&mut triangles, grid.cols, |row, cells| {
         let mut near = 0;
         for (col, triangle) in cells.iter_mut().enumerate() {
             if let Some(p) = to_surface(grid.center(col, row)) {

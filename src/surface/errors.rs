@@ -1,9 +1,9 @@
 //! Standard errors of the heights of a surface, cell by cell.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::built::Surface;
+use crate::base::parallel;
 use crate::dem::Dem;
 
 /// Standard errors of the cells of a height map of the surface, metres. They are NaN where the height map has no data.
@@ -21,9 +21,8 @@ pub fn standard_errors_on(
 ) -> Option<Vec<f32>> {
     let field = surface.errors.as_ref()?;
     let grid = &dem.grid;
-    let error = |(i, height): (usize, &f32)| {
-        let place = if height.is_nan() { None } else { to_surface(grid.center(i % grid.cols, i / grid.cols)) };
+    Some(parallel::values(grid.len(), |i| {
+        let place = if dem.values[i].is_nan() { None } else { to_surface(grid.center(i % grid.cols, i / grid.cols)) };
         place.map_or(f32::NAN, |p| field.at(p))
-    };
-    Some(dem.values.par_iter().enumerate().map(error).collect())
+    }))
 }

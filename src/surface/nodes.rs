@@ -8,11 +8,11 @@
 //! Nodes are also left out where straight lines between their neighbours are close enough ([`thinned`]).
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
 use super::smooth_height::smooth_height;
 use crate::base::error::Result;
+use crate::base::parallel;
 use crate::contour::source_raster;
 use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
 use crate::spline::Lattice;
@@ -62,7 +62,7 @@ pub(crate) fn with_nodes(
             height: band.strictly_inside(f64::from(working.heights[node])),
         }
     };
-    let mut points: Vec<InnerPoint> = kept.into_par_iter().map(point).collect();
+    let mut points: Vec<InnerPoint> = parallel::map_each(&kept, |&k| point(k));
     let mut edges = part_long_borders(&subdivision, spacing, &mut points);
     for PartedPiece { edge, points: between } in parted {
         let first = points.len();
@@ -183,7 +183,7 @@ fn clear_nodes(
         let t = triangles[node];
         if t == NONE || working.heights[node].is_nan() { NONE } else { subdivision.regions.of_triangle[t as usize] }
     };
-    let mut regions: Vec<u32> = (0..nodes.cols() * nodes.rows()).into_par_iter().map(region).collect();
+    let mut regions: Vec<u32> = parallel::values(nodes.cols() * nodes.rows(), region);
     let place = |v: u32| nodes.place(tin.positions[v as usize] + tin.origin);
     let mut clear = |a: DVec2, b: DVec2| {
         for_each_near(a, b, clearance, [nodes.cols(), nodes.rows()], |k| regions[k] = NONE);
@@ -236,14 +236,11 @@ fn for_each_near(a: DVec2, b: DVec2, clearance: f64, [cols, rows]: [usize; 2], m
 fn thinned(regions: &[u32], working: &WorkingGrid, nodes: &Strided, tolerance: f64) -> Vec<usize> {
     let squares = Squares { regions, heights: &working.heights, nodes, tolerance };
     let (across, down) = (nodes.cols().div_ceil(LARGEST), nodes.rows().div_ceil(LARGEST));
-    let found: Vec<Vec<usize>> = (0..across * down)
-        .into_par_iter()
-        .map(|s| {
-            let mut corners = Vec::new();
-            squares.divide([s % across * LARGEST, s / across * LARGEST], LARGEST, &mut corners);
-            corners
-        })
-        .collect();
+    let found: Vec<Vec<usize>> = parallel::map(across * down, |s| {
+        let mut corners = Vec::new();
+        squares.divide([s % across * LARGEST, s / across * LARGEST], LARGEST, &mut corners);
+        corners
+    });
     let mut kept = vec![false; regions.len()];
     found.into_iter().flatten().for_each(|k| kept[k] = true);
     (0..kept.len()).filter(|&k| kept[k]).collect()

@@ -1,12 +1,11 @@
 //! Heights of a surface on any grid.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::built::Surface;
 use super::conditions::on_contours;
-use crate::base::Grid;
 use crate::base::progress::Progress;
+use crate::base::{Grid, parallel};
 use crate::dem::{Dem, height, locate, rasterise};
 use crate::streams::{fall_along, raise_to};
 use crate::tin::{NONE, Tin};
@@ -27,10 +26,10 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
-    let height = |(i, t): (usize, u32)| {
-        if t == NONE { f32::NAN } else { height_in(surface, t, grid.center(i % grid.cols, i / grid.cols)) }
-    };
-    let mut values: Vec<f32> = triangles.par_iter().copied().enumerate().map(height).collect();
+    let mut values = parallel::values(triangles.len(), |i| match triangles[i] {
+        NONE => f32::NAN,
+        t => height_in(surface, t, grid.center(i % grid.cols, i / grid.cols)),
+    });
     for (cell, level) in on_contours(&surface.map, grid) {
         if triangles[cell] != NONE
             && let Some(region) = surface.regions.region(triangles[cell])
@@ -66,7 +65,7 @@ pub fn heights_on(
         return values;
     }
     progress.start("evaluating the surface", grid.rows as u64);
-    values.par_chunks_mut(grid.cols * BAND_ROWS).enumerate().for_each(|(band, cells)| {
+    parallel::chunks(&mut values, grid.cols * BAND_ROWS, |band, cells| {
         // The search for the triangle of a centre starts at the triangle of the centre before. At the start of a row,
         // it starts at that of the row before.
         let mut start_of_row = 0;

@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::compare::{Kind, Pair, along, way};
-use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
+use crate::base::{Grid, parallel};
 use crate::contour::{Interval, SpotHeights};
 use crate::crs::Transform;
 use crate::dem::compare::{
@@ -105,5 +104,5 @@ fn triangles_at(tin: &Tin, grid: &Grid, way: &Transform) -> Vec<u32> {
             found.unwrap_or(NONE)
         })
     };
-    if tin.is_empty() { vec![NONE; grid.len()] } else { (0..grid.rows).into_par_iter().flat_map_iter(row).collect() }
+    if tin.is_empty() { vec![NONE; grid.len()] } else { parallel::flat_map(grid.rows, row) }
 }

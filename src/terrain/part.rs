@@ -7,10 +7,10 @@ use std::collections::HashSet;
 
 use geo::{Area, BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::input::Input;
 use crate::base::error::{Error, Finding, Result};
+use crate::base::parallel;
 use crate::contour::{Contour, ContourLine, ContourMap, clip};
 use crate::crs::Crs;
 use crate::dem::Dem;
@@ -147,7 +147,10 @@ pub(super) fn mask(dem: &mut Dem, area: &MultiPolygon<f64>, on_plane: &(dyn Fn(D
     let border = Border::new(area);
     let is_in = |p: DVec2| border.contains(p) || border.edge_at(p).is_some();
     let grid = dem.grid;
-    dem.values.par_iter_mut().enumerate().filter(|(_, value)| !value.is_nan()).for_each(|(k, value)| {
+    parallel::update(&mut dem.values, |k, value| {
+        if value.is_nan() {
+            return;
+        }
         let centre = grid.center(k % grid.cols, k / grid.cols);
         if !on_plane(centre).is_some_and(is_in) {
             *value = f32::NAN;

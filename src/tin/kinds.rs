@@ -1,8 +1,7 @@
 //! Terminal, sleeve and junction triangles (paper, section 3.3, figure 2d).
 
-use rayon::prelude::*;
-
 use super::network::Tin;
+use crate::base::parallel;
 
 /// A triangle by the number of its edges that lie neither on a contour nor on the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -23,18 +22,16 @@ pub enum TriangleKind {
 ///
 /// Frame edges count as border. Otherwise a line would run towards the map's edge only because the contours stop there.
 pub fn triangle_kinds(tin: &Tin) -> Vec<TriangleKind> {
-    (0..tin.len() as u32)
-        .into_par_iter()
-        .map(|t| {
-            if !tin.is_inside(t) {
-                return TriangleKind::Outside;
-            }
-            match (0..3).filter(|&i| tin.across(t, i).is_some()).count() {
-                0 => TriangleKind::Isolated,
-                1 => TriangleKind::Terminal,
-                2 => TriangleKind::Sleeve,
-                _ => TriangleKind::Junction,
-            }
-        })
-        .collect()
+    parallel::map(tin.len(), |t| {
+        let t = t as u32;
+        if !tin.is_inside(t) {
+            return TriangleKind::Outside;
+        }
+        match (0..3).filter(|&i| tin.across(t, i).is_some()).count() {
+            0 => TriangleKind::Isolated,
+            1 => TriangleKind::Terminal,
+            2 => TriangleKind::Sleeve,
+            _ => TriangleKind::Junction,
+        }
+    })
 }

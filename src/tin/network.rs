@@ -5,6 +5,8 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 use robust::{Coord, orient2d};
 
+use crate::base::parallel;
+
 /// Marks "no triangle" or "no region" in arrays of indices.
 pub const NONE: u32 = u32::MAX;
 
@@ -72,6 +74,15 @@ impl Tin {
     /// Whether triangle `t` lies inside the frame.
     pub fn is_inside(&self, t: u32) -> bool {
         self.inside[t as usize]
+    }
+
+    /// What `f` gives for each triangle inside the frame, in the order of the triangles.
+    pub(crate) fn flat_map_inside<I>(&self, f: impl Fn(u32) -> I + Sync) -> Vec<I::Item>
+    where
+        I: IntoIterator<Item: Send>,
+    {
+        let inside = |t: usize| Some(t as u32).filter(|&t| self.is_inside(t));
+        parallel::flat_map(self.len(), |t| inside(t).into_iter().flat_map(&f))
     }
 
     /// The two ends of edge `i` of triangle `t`, counter-clockwise.

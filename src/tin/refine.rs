@@ -13,6 +13,7 @@ use super::build::{Face, faces};
 use super::input::TinInput;
 use super::network::{CONSTRAINT, NONE, Tin, VertexKind};
 use crate::base::error::Result;
+use crate::base::parallel;
 use crate::base::rows::Rows;
 
 /// A part with this many triangles and points is complete.
@@ -69,13 +70,14 @@ impl Tin {
             let each = points.iter().enumerate();
             each.map(|(k, point)| (part_of_region[point.region as usize] as usize, k as u32))
         });
-        let each = (0..count).into_par_iter().map(|p| {
+        let each = parallel::map(count, |p| {
             let part = Part { tin: self, is_own: |t| part(t) == p as u32, triangles: triangles.of(p), parted: &parted };
             part.triangulated(inner.of(p), points)
         });
         let mut faces: Vec<Face> = Vec::with_capacity(self.len() + 2 * points.len());
         let mut open = Vec::new();
-        for part in each.collect::<Result<Vec<Vec<Face>>>>()? {
+        for part in each {
+            let part = part?;
             let first = faces.len() as u32;
             let numbered = |n: u32| if n == NONE { NONE } else { first + n };
             faces.extend(part.into_iter().map(|face| Face { beyond: face.beyond.map(numbered), ..face }));
@@ -124,13 +126,12 @@ fn parts(tin: &Tin, of_triangle: &[u32], points: &[InnerPoint], enough: usize) -
     for &r in of_triangle.iter().filter(|&&r| r != NONE).chain(points.iter().map(|p| &p.region)) {
         size[r as usize] += 1;
     }
-    let beside =
-        (0..tin.len() as u32).into_par_iter().filter(|&t| of_triangle[t as usize] != NONE).flat_map_iter(|t| {
-            let own = of_triangle[t as usize];
-            let others = tin.neighbours[t as usize].into_iter().filter(|&n| n != NONE).map(|n| of_triangle[n as usize]);
-            others.filter(move |&other| other != own && other != NONE).map(move |other| (own as usize, other))
-        });
-    let mut beside: Vec<(usize, u32)> = beside.collect();
+    let mut beside: Vec<(usize, u32)> = parallel::flat_map(tin.len(), |t| {
+        let own = of_triangle[t];
+        let others = tin.neighbours[t].into_iter().filter(move |&n| own != NONE && n != NONE);
+        let others = others.map(|n| of_triangle[n as usize]);
+        others.filter(move |&other| other != own && other != NONE).map(move |other| (own as usize, other))
+    });
     beside.par_sort_unstable();
     beside.dedup();
     let beside = Rows::new(count, || beside.iter().copied());

@@ -10,8 +10,8 @@
 //! and back would make a smooth line rough.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
+use crate::base::parallel;
 use crate::contour::without_outlying;
 use crate::subdomains::MapExtent;
 use crate::tuning::RoughnessTuning;
@@ -21,7 +21,7 @@ const MOST: f64 = 1e6;
 
 /// The Hurst-like exponent of the contours, about 0 to 2. `None` if there are too few chords.
 pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Option<f64> {
-    let lines: Vec<Vec<DVec2>> = extent.map.contours.par_iter().map(|c| without_outlying(&c.points)).collect();
+    let lines: Vec<Vec<DVec2>> = parallel::map_each(&extent.map.contours, |c| without_outlying(&c.points));
     exponent(&lines.iter().map(Vec::as_slice).collect::<Vec<_>>(), extent.spacing, tuning)
 }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use rstar::RTree;
 
 use super::builder::TrialParams;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::contour::{Contour, ContourMap, Interval, clip};
 use crate::dem::locate;
 use crate::skeleton::BreakLine;
@@ -210,7 +210,7 @@ fn without_mended(places: Vec<HiddenPlace>, mended: &[DVec2], spacing: f64) -> V
             .is_none_or(|m| place.at.distance(DVec2::from_array(*m)) >= spacing)
     };
     let total = places.len();
-    let keep: Vec<bool> = places.par_iter().map(is_sound).collect();
+    let keep: Vec<bool> = parallel::map_each(&places, is_sound);
     if 2 * keep.iter().filter(|keep| **keep).count() < total {
         return places;
     }

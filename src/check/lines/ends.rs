@@ -1,10 +1,10 @@
 //! Ends of open lines, and the other ends at the same position.
 
 use glam::DVec2;
-use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 
 /// An end of a line: twice the line's number, plus one for the line's last point.
@@ -32,18 +32,15 @@ pub(super) fn find(map: &ContourMap, snap: f64) -> Vec<At> {
         .collect();
     let tree = RTree::bulk_load(open.iter().map(|&e| GeomWithData::new(place(lines, e).to_array(), e)).collect());
     let reach = if snap.is_finite() { snap.max(0.0).powi(2) } else { 0.0 };
-    let found: Vec<At> = open
-        .par_iter()
-        .map(|&end| {
-            let near = tree.locate_within_distance(place(lines, end).to_array(), reach);
-            let mut others = near.map(|other| other.data).filter(|&other| other != end).take(2);
-            match (others.next(), others.next()) {
-                (Some(other), None) if other != end ^ 1 => At::One(other),
-                (None, _) | (Some(_), None) => At::Nothing,
-                (Some(_), Some(_)) => At::Several,
-            }
-        })
-        .collect();
+    let found: Vec<At> = parallel::map_each(&open, |&end| {
+        let near = tree.locate_within_distance(place(lines, end).to_array(), reach);
+        let mut others = near.map(|other| other.data).filter(|&other| other != end).take(2);
+        match (others.next(), others.next()) {
+            (Some(other), None) if other != end ^ 1 => At::One(other),
+            (None, _) | (Some(_), None) => At::Nothing,
+            (Some(_), Some(_)) => At::Several,
+        }
+    });
     let mut at = vec![At::Nothing; 2 * lines.len()];
     for (end, found) in open.into_iter().zip(found) {
         at[end] = found;

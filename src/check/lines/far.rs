@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::shape::{Box2, Shape, median, steps};
 use crate::base::error::{Finding, FindingKind};
+use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 use crate::crs::{Crs, CrsKind};
 
@@ -124,7 +125,7 @@ fn slips(map: &ContourMap, diagonal: f64) -> Vec<Slip> {
         });
         (!vertices.is_empty()).then_some(Slip { line, vertices })
     };
-    map.contours.par_iter().enumerate().filter_map(of_line).collect()
+    parallel::flat_map(map.contours.len(), |i| of_line((i, &map.contours[i])))
 }
 
 /// The lines on the lighter side of a gap, and the width of the gap.

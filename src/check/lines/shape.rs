@@ -1,8 +1,8 @@
 //! Size and position of every line, and the median distance between vertices.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
+use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 
 /// An upright rectangle; empty where `min` is beyond `max`.
@@ -51,8 +51,8 @@ pub(super) struct Shape {
 }
 
 pub(super) fn of_map(map: &ContourMap) -> Shape {
-    let (boxes, lengths) = map.contours.par_iter().map(|c| (Box2::of(c.points.iter().copied()), c.length())).unzip();
-    let mut steps: Vec<f64> = map.contours.par_iter().flat_map_iter(steps).collect();
+    let (boxes, lengths) = map.contours.iter().map(|c| (Box2::of(c.points.iter().copied()), c.length())).unzip();
+    let mut steps: Vec<f64> = parallel::flat_map_each(&map.contours, steps);
     Shape { boxes, lengths, spacing: median(&mut steps) }
 }
 

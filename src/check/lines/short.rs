@@ -2,12 +2,10 @@
 
 use std::collections::HashSet;
 
-use rayon::prelude::*;
-
 use super::ends::At;
 use super::shape::Shape;
-use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
+use crate::base::{FeatureId, parallel};
 use crate::contour::{Contour, ContourMap};
 
 /// A line that extends no further than this share of the median distance between vertices is too short. Contours traced
@@ -19,7 +17,8 @@ const FLAT: f64 = 1e-6;
 
 /// Finds these lines. Features in `reported` have another finding already.
 pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &HashSet<FeatureId>) -> Vec<Finding> {
-    let found = map.contours.par_iter().enumerate().filter_map(|(i, line)| {
+    parallel::flat_map(map.contours.len(), |i| {
+        let line = &map.contours[i];
         let length = shape.lengths[i];
         // Lines without any length are left to cleaning. Pieces that others continue are parts of a line.
         let is_alone = ends[2 * i] == At::Nothing && ends[2 * i + 1] == At::Nothing;
@@ -45,8 +44,7 @@ pub(super) fn find(map: &ContourMap, shape: &Shape, ends: &[At], reported: &Hash
             .filter(|p| p.is_finite())
             .min_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
         Some(Finding::new(FindingKind::ShortLine, place, message).about(line.feature, line.elevation))
-    });
-    found.collect()
+    })
 }
 
 /// Whether a ring has almost no area. One that runs back on the same way has none at all, and is left to cleaning.

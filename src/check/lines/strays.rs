@@ -1,8 +1,7 @@
 //! Vertices that stand out of a line that is smooth otherwise. Digitising or typing errors make them.
 
-use rayon::prelude::*;
-
 use crate::base::error::{Finding, FindingKind, Proposal};
+use crate::base::parallel;
 use crate::check::{Correction, Judged};
 use crate::contour::{Contour, ContourMap, outlying_vertices};
 
@@ -18,6 +17,7 @@ pub(super) fn find(map: &ContourMap) -> Judged {
         };
         outlying_vertices(&contour.points).into_iter().map(of_vertex).collect::<Vec<_>>()
     };
-    let (findings, corrections) = map.contours.par_iter().enumerate().flat_map_iter(of_line).unzip();
+    let (findings, corrections) =
+        parallel::flat_map(map.contours.len(), |i| of_line((i, &map.contours[i]))).into_iter().unzip();
     Judged { findings, corrections, ..Judged::default() }
 }

@@ -1,10 +1,10 @@
 //! Heights outside the bands of the contours: there, a height map certainly contradicts the contours.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Extreme;
 use super::statistics::sum;
+use crate::base::parallel;
 use crate::dem::Dem;
 use crate::subdomains::Band;
 
@@ -31,16 +31,16 @@ pub fn outside_bands(dem: &Dem, band_of: impl Fn(usize) -> Option<Band> + Sync) 
         let band = if height.is_finite() { band_of(i) } else { None };
         band.map_or(f64::NAN, |band| height - height.max(band.lo).min(band.hi))
     };
-    let excess: Vec<f64> = (0..dem.grid.len()).into_par_iter().map(excess).collect();
-    let cells = excess.par_iter().filter(|e| e.is_finite()).count();
+    let excess: Vec<f64> = parallel::values(dem.grid.len(), excess);
+    let cells = parallel::count(excess.len(), |i| excess[i].is_finite());
     if cells == 0 {
         return None;
     }
     let outside: Vec<usize> =
-        (0..excess.len()).into_par_iter().filter(|&i| excess[i].is_finite() && excess[i] != 0.0).collect();
+        parallel::flat_map(excess.len(), |i| (excess[i].is_finite() && excess[i] != 0.0).then_some(i));
     let size = |i: usize| excess[i].abs();
-    let furthest = outside.par_iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
-    let sizes: Vec<f64> = outside.par_iter().map(|&i| size(i)).collect();
+    let furthest = outside.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
+    let sizes: Vec<f64> = parallel::map_each(&outside, |&i| size(i));
     Some(BandShare {
         cells,
         outside: outside.len(),

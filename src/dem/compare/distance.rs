@@ -1,11 +1,10 @@
 //! Distance of cells from the nearest contour. Near contours heights are measured, far from them they are interpolated.
 
 use glam::DVec2;
-use rayon::prelude::*;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
 
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::contour::Contour;
 
 /// Distance of every cell centre to the nearest contour line, in units of the contours' map. NaN for cells that are not
@@ -33,7 +32,7 @@ pub fn contour_distances(
         let Some(place) = place.filter(|p| p.is_finite()).map(relative) else { return f64::NAN };
         tree.nearest_neighbor(&place).map_or(f64::NAN, |s| s.distance_2(&place).sqrt())
     };
-    (0..grid.len()).into_par_iter().with_min_len(256).map(distance).collect()
+    parallel::values(grid.len(), distance)
 }
 
 #[cfg(test)]

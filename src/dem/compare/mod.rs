@@ -24,12 +24,12 @@ pub use sample::{height_at, heights_between};
 pub use statistics::{Extreme, Statistics, statistics};
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Dem;
 use super::shade::steepness;
 use crate::base::error::{Error, Result};
+use crate::base::parallel;
 use crate::contour::Interval;
 use classes::{distance_bounds, elevation_bounds, round_up};
 use statistics::sum;
@@ -124,7 +124,7 @@ pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFig
         Some(interval) => level_histogram(heights, interval, precision),
         None => find_terraces(heights, precision),
     };
-    let cells = heights.par_iter().filter(|h| h.is_finite()).count();
+    let cells = parallel::count(heights.len(), |i| heights[i].is_finite());
     HeightFigures { cells, precision, levels, points: None }
 }
 
@@ -148,22 +148,22 @@ pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Compariso
     }
     let differences = differences(a, b);
     let place = |i: usize| grid.center(i % grid.cols, i / grid.cols);
-    let Some(overall) = statistics(&differences, place, |_| true) else {
+    let Some(overall) = statistics(&differences, &place, &|_| true) else {
         return Err(Error::Data("there is no place where both A and B have heights: do they overlap at all?".into()));
     };
     let classes = |bounds: &[f64], value: &(dyn Fn(usize) -> f64 + Sync)| -> Vec<Class> {
         let class = |bound: &[f64]| Class {
             from: bound[0],
             to: Some(bound[1]).filter(|to| to.is_finite()),
-            statistics: statistics(&differences, place, |i| (bound[0]..bound[1]).contains(&value(i))),
+            statistics: statistics(&differences, &place, &|i| (bound[0]..bound[1]).contains(&value(i))),
         };
         bounds.windows(2).map(class).collect()
     };
     let (steep_a, steep_b) = (steepness(a, params.metres_per_unit), steepness(b, params.metres_per_unit));
     let by_slope = classes(&SLOPE_BOUNDS, &|i| degrees(steep_b[i]));
-    let compared = || (0..grid.len()).into_par_iter().filter(|&i| differences[i].is_finite()).map(|i| b.values[i]);
-    let lowest = compared().reduce(|| f32::INFINITY, f32::min);
-    let highest = compared().reduce(|| f32::NEG_INFINITY, f32::max);
+    let compared = parallel::flat_map(grid.len(), |i| differences[i].is_finite().then_some(b.values[i]));
+    let lowest = compared.iter().copied().fold(f32::INFINITY, f32::min);
+    let highest = compared.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let by_elevation = classes(&elevation_bounds(lowest.into(), highest.into()), &|i| f64::from(b.values[i]));
     let by_distance = params.distances.map_or_else(Vec::new, |distances| {
         let of_compared = distances.iter().zip(&differences).filter(|(_, d)| d.is_finite()).map(|(d, _)| *d);
@@ -192,7 +192,7 @@ pub fn difference(a: &Dem, b: &Dem) -> Dem {
 /// where there is none.
 pub fn at_check_points(heights: &[f64], points: &[DVec3]) -> Option<Statistics> {
     let differences: Vec<f64> = heights.iter().zip(points).map(|(h, p)| h - p.z).collect();
-    statistics(&differences, |i| points[i].truncate(), |_| true)
+    statistics(&differences, &|i| points[i].truncate(), &|_| true)
 }
 
 /// A round number of metres that nearly all differences are within. It is the limit of a colour scale.
@@ -202,9 +202,10 @@ pub fn round_limit(statistics: &Statistics) -> f64 {
 }
 
 fn differences(a: &Dem, b: &Dem) -> Vec<f64> {
-    let difference =
-        |(&a, &b): (&f32, &f32)| if a.is_finite() && b.is_finite() { f64::from(a) - f64::from(b) } else { f64::NAN };
-    a.values.par_iter().zip(&b.values).map(difference).collect()
+    parallel::values(b.values.len(), |i| {
+        let (a, b) = (a.values[i], b.values[i]);
+        if a.is_finite() && b.is_finite() { f64::from(a) - f64::from(b) } else { f64::NAN }
+    })
 }
 
 fn degrees(steepness: f32) -> f64 {
@@ -220,11 +221,8 @@ fn slope_error(a: &Dem, b: &Dem, steep_a: &[f32], steep_b: &[f32]) -> Option<Slo
         let known = |j: usize| a.values[j].is_finite() && b.values[j].is_finite();
         inside && [i - cols, i, i + cols].into_iter().all(|j| known(j - 1) && known(j) && known(j + 1))
     };
-    let differences: Vec<f64> = (0..b.grid.len())
-        .into_par_iter()
-        .filter(|&i| is_whole(i))
-        .map(|i| degrees(steep_a[i]) - degrees(steep_b[i]))
-        .collect();
+    let differences =
+        parallel::flat_map(b.grid.len(), |i| is_whole(i).then(|| degrees(steep_a[i]) - degrees(steep_b[i])));
     let count = differences.len() as f64;
     (count > 0.0).then(|| SlopeError {
         cells: differences.len(),
@@ -235,7 +233,7 @@ fn slope_error(a: &Dem, b: &Dem, steep_a: &[f32], steep_b: &[f32]) -> Option<Slo
 
 fn significance(differences: &[f64], overall: &Statistics, sigma: f64) -> Significance {
     let limit = SIGNIFICANT * sigma;
-    let beyond = differences.par_iter().filter(|d| d.abs() > limit).count();
+    let beyond = parallel::count(differences.len(), |i| differences[i].abs() > limit);
     Significance {
         sigma,
         limit,

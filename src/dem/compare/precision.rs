@@ -1,6 +1,5 @@
 //! The number of decimals in the heights of a height map.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// The step that all heights of a height map are multiples of.
@@ -33,8 +32,8 @@ impl Precision {
 
 /// The step that all heights are multiples of. `None` if it is finer than tenths, or if there are no heights.
 pub fn precision(heights: &[f32]) -> Option<Precision> {
-    heights.par_iter().find_any(|h| h.is_finite())?;
-    let all = |test: fn(f32) -> bool| heights.par_iter().all(|&h| !h.is_finite() || test(h));
+    heights.iter().find(|h| h.is_finite())?;
+    let all = |test: fn(f32) -> bool| heights.iter().all(|&h| !h.is_finite() || test(h));
     if all(|h| h == h.round()) {
         Some(Precision::WholeMetres)
     } else if all(|h| h == Precision::Tenths.decimal(h) as f32) {

@@ -1,9 +1,8 @@
 //! Heights of a height map at any position.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::dem::Dem;
 
 /// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
@@ -41,7 +40,7 @@ pub fn heights_between(dem: &Dem, grid: &Grid, to_dem: &(impl Fn(DVec2) -> Optio
         let place = to_dem(grid.center(i % grid.cols, i / grid.cols));
         place.map_or(f32::NAN, |place| height_at(dem, place) as f32)
     };
-    (0..grid.len()).into_par_iter().map(height).collect()
+    parallel::values(grid.len(), height)
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 //! So they do not depend on the number of threads. Quantiles are exact.
 
 use glam::DVec2;
-use rayon::prelude::*;
+
+use crate::base::parallel;
 use serde::Serialize;
 
 /// Number of values per block. The sums of blocks are added up in order.
@@ -53,27 +54,27 @@ pub struct Statistics {
 /// The statistics of the differences that are finite and whose index `is_member` accepts. `None` if there are none.
 pub fn statistics(
     differences: &[f64],
-    place: impl Fn(usize) -> DVec2,
-    is_member: impl Fn(usize) -> bool + Sync,
+    place: &dyn Fn(usize) -> DVec2,
+    is_member: &(dyn Fn(usize) -> bool + Sync),
 ) -> Option<Statistics> {
     let members: Vec<usize> =
-        (0..differences.len()).into_par_iter().filter(|&i| differences[i].is_finite() && is_member(i)).collect();
+        parallel::flat_map(differences.len(), |i| (differences[i].is_finite() && is_member(i)).then_some(i));
     let by_value = |a: &&usize, b: &&usize| differences[**a].total_cmp(&differences[**b]).then(a.cmp(b));
-    let lowest = *members.par_iter().min_by(by_value)?;
+    let lowest = *members.iter().min_by(by_value)?;
     let first_of_highest = |a: &&usize, b: &&usize| differences[**a].total_cmp(&differences[**b]).then(b.cmp(a));
-    let highest = *members.par_iter().max_by(first_of_highest)?;
+    let highest = *members.iter().max_by(first_of_highest)?;
     let extreme = |i: usize| Extreme { value: differences[i], place: place(i) };
 
-    let mut values: Vec<f64> = members.into_par_iter().map(|i| differences[i]).collect();
+    let mut values: Vec<f64> = members.iter().map(|&i| differences[i]).collect();
     let count = values.len() as f64;
     let bias = sum(&values, |d| d) / count;
     let rmse = (sum(&values, |d| d * d) / count).sqrt();
     let rmse_debiased = (sum(&values, |d| (d - bias) * (d - bias)) / count).sqrt();
     let mae = sum(&values, f64::abs) / count;
     let median = quantile(&mut values, 0.5);
-    let mut sizes: Vec<f64> = values.par_iter().map(|d| d.abs()).collect();
+    let mut sizes: Vec<f64> = values.iter().map(|d| d.abs()).collect();
     let (le90, le95) = (quantile(&mut sizes, 0.9), quantile(&mut sizes, 0.95));
-    values.par_iter_mut().for_each(|d| *d = (*d - median).abs());
+    values.iter_mut().for_each(|d| *d = (*d - median).abs());
     let nmad = NORMAL * quantile(&mut values, 0.5);
     let (lowest, highest) = (extreme(lowest), extreme(highest));
     Some(Statistics { cells: values.len(), bias, rmse, rmse_debiased, mae, median, nmad, le90, le95, lowest, highest })
@@ -81,8 +82,8 @@ pub fn statistics(
 
 /// The sum of a term over all values. It does not depend on the number of threads.
 pub(super) fn sum(values: &[f64], term: impl Fn(f64) -> f64 + Sync) -> f64 {
-    let blocks: Vec<f64> = values.par_chunks(BLOCK).map(|block| block.iter().map(|&v| term(v)).sum()).collect();
-    blocks.iter().sum()
+    let of_block = |block: usize| values[block * BLOCK..].iter().take(BLOCK).map(|&v| term(v)).sum::<f64>();
+    parallel::map(values.len().div_ceil(BLOCK), of_block).iter().sum()
 }
 
 /// The quantile of values, which must be numbers. They are reordered. NaN if there are none.
@@ -104,7 +105,7 @@ mod tests {
     use super::*;
 
     fn of(values: &[f64]) -> Option<Statistics> {
-        statistics(values, |i| DVec2::new(i as f64, 0.0), |_| true)
+        statistics(values, &|i| DVec2::new(i as f64, 0.0), &|_| true)
     }
 
     fn close(a: f64, b: f64) -> bool {
@@ -135,7 +136,7 @@ mod tests {
 
     #[test]
     fn members_alone_count_and_none_gives_nothing() {
-        let s = statistics(&[1.0, 2.0, 3.0], |_| DVec2::ZERO, |i| i > 0).unwrap();
+        let s = statistics(&[1.0, 2.0, 3.0], &|_| DVec2::ZERO, &|i| i > 0).unwrap();
         assert_eq!((s.cells, s.bias, s.lowest.value), (2, 2.5, 2.0));
         assert_eq!(of(&[f64::NAN]), None);
         assert_eq!(of(&[]), None);

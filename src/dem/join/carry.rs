@@ -11,7 +11,8 @@
 //! depend on the number of threads, and the work is proportional to the number of cells.
 
 use glam::DVec2;
-use rayon::prelude::*;
+
+use crate::base::parallel;
 
 /// L as a share of the distance at which a twentieth is left: exp(−3) is 0.05.
 const LENGTH: f64 = 1.0 / 3.0;
@@ -61,7 +62,7 @@ pub(super) fn carry(heights: &[f32], known: &[(usize, f32)], cols: usize, fade: 
 impl Level {
     fn finest(heights: &[f32], differences: &[(usize, f32)], cols: usize, length: DVec2) -> Self {
         let kind = |height: &f32| if height.is_nan() { Cell::Free } else { Cell::Outside };
-        let mut cells: Vec<Cell> = heights.par_iter().map(kind).collect();
+        let mut cells: Vec<Cell> = parallel::map_each(heights, kind);
         let mut known = vec![0.0; cells.len()];
         for &(k, difference) in differences {
             cells[k] = Cell::Fixed;
@@ -96,7 +97,7 @@ impl Level {
                 (false, false) => (Cell::Outside, 0.0),
             }
         };
-        let (cells, known) = (0..cols * rows).into_par_iter().map(merged).unzip();
+        let (cells, known) = parallel::map(cols * rows, merged).into_iter().unzip();
         Some(Self { cols, cells, known, length })
     }
 
@@ -113,7 +114,7 @@ impl Level {
             Cell::Free => coarse[(k / self.cols / 2) * coarse_cols + (k % self.cols) / 2],
             _ => self.known[k],
         };
-        (0..self.cells.len()).into_par_iter().map(start).collect()
+        parallel::values(self.cells.len(), start)
     }
 
     /// The corrections after the sweeps.
@@ -127,7 +128,7 @@ impl Level {
             for colour in [0, 1] {
                 let [first, second] = &mut colours;
                 let (written, read) = if colour == 0 { (first, &*second) } else { (second, &*first) };
-                written.par_chunks_mut(self.cols).enumerate().for_each(|(row, values)| {
+                parallel::chunks(written, self.cols, |row, values| {
                     for (col, value) in values.iter_mut().enumerate().skip((row + colour) % 2).step_by(2) {
                         *value = self.balanced(read, col, row).unwrap_or(*value);
                     }
@@ -136,7 +137,7 @@ impl Level {
         }
         let [first, second] = colours;
         let pick = |k: usize| if (k % self.cols + k / self.cols).is_multiple_of(2) { first[k] } else { second[k] };
-        (0..self.cells.len()).into_par_iter().map(pick).collect()
+        parallel::values(self.cells.len(), pick)
     }
 
     /// The correction of a free cell that fits the cells beside it.

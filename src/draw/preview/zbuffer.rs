@@ -7,10 +7,10 @@
 //! A line only marks the samples that it covers. Colours are mixed at the end, so overlapping lines are not darker.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::color::{PAPER, Rgb};
 use super::stroke::Style;
+use crate::base::parallel;
 use crate::base::rows::Rows;
 
 /// Samples along each side of a pixel.
@@ -91,7 +91,7 @@ where
         })
     });
     let mut pixels = vec![0; width * height * 4];
-    pixels.par_chunks_mut((width * BAND * 4).max(1)).enumerate().for_each(|(band, pixels)| {
+    parallel::chunks(&mut pixels, (width * BAND * 4).max(1), |band, pixels| {
         let mut samples = Samples::new(width, pixels.len() / (width * 4), band * BAND);
         for &t in triangles.of(band) {
             if let Some(corners) = corners(t) {

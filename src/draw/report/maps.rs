@@ -9,8 +9,8 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 
-use crate::base::Grid;
 use crate::base::error::{Error, Result};
+use crate::base::{Grid, parallel};
 use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade};
 
@@ -90,7 +90,7 @@ pub(super) fn reduced(dem: &Dem, window: &Window) -> Dem {
         }
         if count > 0.0 { (sum / count) as f32 } else { f32::NAN }
     };
-    let values = (0..grid.len()).into_par_iter().map(mean).collect();
+    let values = parallel::values(grid.len(), mean);
     Dem { grid, values, crs: None }
 }
 

@@ -1,11 +1,10 @@
 //! Layers in the coordinates and the unit of heights of the output, if these differ from those inside.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 
 use super::features::{Cell, Column, Kind, Layer, Row, Shape, rounded_error};
-use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
+use crate::base::{ElevationUnit, parallel};
 use crate::crs::FromWorking;
 
 /// A shape that owns its vertices.
@@ -51,7 +50,7 @@ impl ReprojectedShapes {
                     }
                 })
             };
-            layer.rows.par_iter().map(shape).collect()
+            parallel::map_each(&layer.rows, shape).into_iter().collect()
         };
         Ok(Self { shapes: layers.iter().map(layer).collect::<Result<_>>()?, unit: back.unit() })
     }

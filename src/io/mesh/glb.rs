@@ -5,7 +5,6 @@
 use std::io::{Result, Write};
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::crs_name::crs_name;
@@ -37,7 +36,7 @@ pub(super) fn flattened(mesh: &Mesh) -> usize {
         let (exact, rounded) = (area(corners), area(corners.map(|c| c.as_vec3().as_dvec3())));
         exact != 0.0 && rounded * exact.signum() <= 0.0
     };
-    mesh.triangles.par_iter().filter(is_lost).count()
+    mesh.triangles.iter().filter(is_lost).count()
 }
 
 fn y_up(v: Vec3) -> Vec3 {

@@ -7,9 +7,8 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
-
 use super::quantity::Quantity;
+use crate::base::parallel;
 
 /// A raster's values and its size.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +44,7 @@ fn halved(values: &[f32], cols: usize, rows: usize, quantity: Quantity) -> Vec<f
         _ => mean,
     };
     let mut coarse = vec![f32::NAN; across * rows.div_ceil(2)];
-    coarse.par_chunks_mut(across).enumerate().for_each(|(row, line)| {
+    parallel::chunks(&mut coarse, across, |row, line| {
         let of = |row: usize| if row < rows { &values[row * cols..(row + 1) * cols] } else { &[] };
         let pair = [of(row * 2), of(row * 2 + 1)];
         for (col, out) in line.iter_mut().enumerate() {

@@ -15,11 +15,11 @@ mod tests;
 mod vertices;
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use self::vertices::{Placing, largest_distance, near as is_near};
 use super::sample::{self, Cut, SampleParams};
 use crate::base::error::{Error, Report, Result};
+use crate::base::parallel;
 use crate::clean::{self, CleanParams};
 use crate::contour::{Contour, ContourMap};
 
@@ -85,7 +85,7 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
     }
     let tolerance = |halvings: u8| params.tolerance / f64::from(1u32 << halvings);
     let placing = if params.sampling.is_some() { Placing::Even } else { Placing::Bends };
-    let mut states: Vec<State> = map.contours.par_iter().map(|c| fit_line(c, 0, params.tolerance, placing)).collect();
+    let mut states: Vec<State> = parallel::map_each(&map.contours, |c| fit_line(c, 0, params.tolerance, placing));
     let mut round = 0;
     loop {
         let lines: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
@@ -96,13 +96,10 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
             break;
         }
         round += 1;
-        let refitted: Vec<State> = again
-            .par_iter()
-            .map(|&i| {
-                let halvings = if round > ROUNDS { HALVINGS } else { states[i].halvings } + 1;
-                fit_line(&map.contours[i], halvings, tolerance(halvings), placing)
-            })
-            .collect();
+        let refitted: Vec<State> = parallel::map_each(&again, |&i| {
+            let halvings = if round > ROUNDS { HALVINGS } else { states[i].halvings } + 1;
+            fit_line(&map.contours[i], halvings, tolerance(halvings), placing)
+        });
         for (i, state) in again.into_iter().zip(refitted) {
             states[i] = state;
         }
@@ -129,13 +126,16 @@ pub fn fit(map: ContourMap, params: &FitParams, near: &CleanParams) -> Result<Re
 
 /// The largest distance between a contour and its fitted line, there and back, map units.
 fn deviation(states: &[State], contours: &[Contour], tolerance: impl Fn(u8) -> f64 + Sync) -> f64 {
-    let fitted = states.par_iter().zip(contours).filter(|(s, _)| s.control_points > 0);
-    let of_line = |(s, c): (&State, &Contour)| {
+    let of_line = |i: usize| {
+        let (s, c) = (&states[i], &contours[i]);
+        if s.control_points == 0 {
+            return 0.0;
+        }
         let t = tolerance(s.halvings);
         let there = largest_distance(&c.points, &s.line.points, t);
         there.max(largest_distance(&s.line.points, &c.points, t))
     };
-    fitted.map(of_line).reduce(|| 0.0, f64::max)
+    parallel::map(states.len(), of_line).into_iter().fold(0.0, f64::max)
 }
 
 /// Lines that meet others; if there are none, those that have passed over others or were passed over.
@@ -168,20 +168,19 @@ fn refine(
 ) -> Result<()> {
     let coarse: Vec<Contour> = states.iter().map(|s| s.line.clone()).collect();
     let plan = sample::plan(&coarse, sampling)?;
-    let mut lines: Vec<Contour> = (states.par_iter().zip(&plan.cuts).zip(map.contours.par_iter().zip(tolerances)))
-        .map(|((state, cuts), (input, &tolerance))| {
-            let fine = state
-                .curve
-                .as_ref()
-                .map(|curve| Contour { points: points_of(&state.line.points, curve, cuts), ..state.line });
-            let is_good = |fine: &Contour| {
-                clean::is_sound(fine)
-                    && is_near(&input.points, &fine.points, tolerance)
-                    && is_near(&fine.points, &input.points, tolerance)
-            };
-            fine.filter(is_good).unwrap_or_else(|| state.line.clone())
-        })
-        .collect();
+    let mut lines: Vec<Contour> = parallel::map(states.len(), |i| {
+        let (state, input, tolerance) = (&states[i], &map.contours[i], tolerances[i]);
+        let fine = state
+            .curve
+            .as_ref()
+            .map(|curve| Contour { points: points_of(&state.line.points, curve, &plan.cuts[i]), ..state.line });
+        let is_good = |fine: &Contour| {
+            clean::is_sound(fine)
+                && is_near(&input.points, &fine.points, tolerance)
+                && is_near(&fine.points, &input.points, tolerance)
+        };
+        fine.filter(is_good).unwrap_or_else(|| state.line.clone())
+    });
     let largest = tolerances.iter().copied().fold(0.0, f64::max);
     loop {
         let mut trouble = in_trouble(map, &lines, largest, near)?;

@@ -7,10 +7,10 @@
 //! is corrected.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 use crate::base::error::Result;
+use crate::base::parallel;
 use crate::clean::Segments;
 use crate::contour::Contour;
 
@@ -34,31 +34,26 @@ pub(super) fn passed(before: &[Contour], after: &[Contour], spots: &[DVec3], rea
     });
     let of_spots = spots.iter().map(|s| Moved { before: s.truncate(), after: s.truncate(), line: None });
     let points: Vec<Moved> = of_lines.chain(of_spots).collect();
-    let changed: Vec<bool> = before.par_iter().zip(after).map(|(b, a)| b.points != a.points).collect();
-    let mut pairs: Vec<(usize, usize)> = points
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(k, p)| {
-            let near = runs.lines_near(p.after, 1.25 * reach);
-            let mut lines: Vec<usize> = near.into_iter().map(|line| line as usize).collect();
-            lines.sort_unstable();
-            lines.dedup();
-            let moves = p.line.is_some_and(|line| changed[line]);
-            lines.retain(|&line| Some(line) != p.line && (moves || changed[line]));
-            lines.into_iter().map(move |line| (line, k))
-        })
-        .collect();
-    pairs.par_sort_unstable();
-    let mut found: Vec<usize> = pairs
-        .par_chunk_by(|a, b| a.0 == b.0)
-        .flat_map_iter(|pairs| {
-            let line = pairs[0].0;
-            let near: Vec<Moved> = pairs.iter().map(|&(_, k)| points[k]).collect();
-            let passed = passed_by(&before[line].points, &after[line].points, &near);
-            passed.into_iter().flat_map(move |p| [Some(line), p.line].into_iter().flatten()).collect::<Vec<_>>()
-        })
-        .collect();
-    found.par_sort_unstable();
+    let changed: Vec<bool> = before.iter().zip(after).map(|(b, a)| b.points != a.points).collect();
+    let mut pairs: Vec<(usize, usize)> = parallel::flat_map(points.len(), |k| {
+        let p = &points[k];
+        let near = runs.lines_near(p.after, 1.25 * reach);
+        let mut lines: Vec<usize> = near.into_iter().map(|line| line as usize).collect();
+        lines.sort_unstable();
+        lines.dedup();
+        let moves = p.line.is_some_and(|line| changed[line]);
+        lines.retain(|&line| Some(line) != p.line && (moves || changed[line]));
+        lines.into_iter().map(move |line| (line, k))
+    });
+    pairs.sort_unstable();
+    let of_line: Vec<&[(usize, usize)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
+    let mut found: Vec<usize> = parallel::flat_map_each(&of_line, |pairs| {
+        let line = pairs[0].0;
+        let near: Vec<Moved> = pairs.iter().map(|&(_, k)| points[k]).collect();
+        let passed = passed_by(&before[line].points, &after[line].points, &near);
+        passed.into_iter().flat_map(move |p| [Some(line), p.line].into_iter().flatten()).collect::<Vec<_>>()
+    });
+    found.sort_unstable();
     found.dedup();
     Ok(found)
 }

@@ -14,13 +14,12 @@ mod plan;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
-
 pub use self::params::SampleParams;
 use self::plan::on_segment;
 pub(super) use self::plan::{Cut, Plan, plan};
 
 use crate::base::error::{Error, Report, Result};
+use crate::base::parallel;
 use crate::clean::{self, CleanParams};
 use crate::contour::{Contour, ContourMap};
 
@@ -60,7 +59,7 @@ pub fn sample(mut map: ContourMap, params: &SampleParams, near: &CleanParams) ->
     let mut whole = 0;
     let mut round = 0;
     let lines = loop {
-        let lines: Vec<Contour> = contours.par_iter().zip(&cuts).map(|(c, cuts)| with_points(c, cuts)).collect();
+        let lines: Vec<Contour> = parallel::map(contours.len(), |i| with_points(&contours[i], &cuts[i]));
         let met = clean::segments_in_conflict(&lines, near)?;
         if met.is_empty() {
             break lines;

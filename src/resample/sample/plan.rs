@@ -3,10 +3,10 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::params::SampleParams;
 use crate::base::error::{Error, Result};
+use crate::base::parallel;
 use crate::clean::{Runs, Segments};
 use crate::contour::Contour;
 
@@ -50,14 +50,13 @@ pub(crate) fn plan(lines: &[Contour], params: &SampleParams) -> Result<Plan> {
     let least = lower_limit(lines, &runs, params);
     let most = params.most.min(MOST);
     let shared = Shared { lines, runs: &runs, ratio: params.ratio, least, most, added: AtomicUsize::new(0) };
-    let (cuts, held): (Vec<Vec<Cut>>, Vec<usize>) = (0..lines.len() as u32)
-        .into_par_iter()
-        .map(|line| {
-            let mut walk = Walk { shared: &shared, line, cuts: Vec::new(), held: 0 };
-            walk.line();
-            (walk.cuts, walk.held)
-        })
-        .unzip();
+    let (cuts, held): (Vec<Vec<Cut>>, Vec<usize>) = parallel::map(lines.len(), |line| {
+        let mut walk = Walk { shared: &shared, line: line as u32, cuts: Vec::new(), held: 0 };
+        walk.line();
+        (walk.cuts, walk.held)
+    })
+    .into_iter()
+    .unzip();
     if shared.added.into_inner() > most {
         return Err(Error::TooManyPoints { ratio: params.ratio, most });
     }
@@ -75,7 +74,7 @@ fn lower_limit(lines: &[Contour], runs: &Runs, params: &SampleParams) -> f64 {
     }
     let count: usize = lines.iter().map(|c| c.points.len()).sum();
     let some: Vec<(u32, DVec2)> = vertices().step_by(count / MEDIAN_OF + 1).collect();
-    let mut distances: Vec<f64> = some.par_iter().map(|&(line, p)| runs.distance_to_others(lines, p, line)).collect();
+    let mut distances: Vec<f64> = parallel::map_each(&some, |&(line, p)| runs.distance_to_others(lines, p, line));
     distances.retain(|d| d.is_finite());
     distances.sort_unstable_by(f64::total_cmp);
     let usual = distances.get(distances.len() / 2).copied().unwrap_or(0.0) * params.ratio;

@@ -1,9 +1,9 @@
 //! The lines around labels.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::LabelledLines;
+use crate::base::parallel;
 use crate::contour::ContourLine;
 use crate::geometry::{BoxTree, OrientedBox};
 
@@ -29,7 +29,7 @@ impl<'a> Neighbours<'a> {
             })
             .collect();
         let points = |&(line, first): &(u32, u32)| segments_of(&lines[line as usize].points, first as usize);
-        let boxes: Vec<OrientedBox> = chunks.par_iter().map(|chunk| OrientedBox::around(points(chunk))).collect();
+        let boxes: Vec<OrientedBox> = parallel::map_each(&chunks, |chunk| OrientedBox::around(points(chunk)));
         Self { lines, labelled, tree: BoxTree::new(&boxes), chunks }
     }
 

@@ -1,12 +1,11 @@
 //! The expected error of a surface at the nodes of the working grid, on cells and along lines.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::model::{ErrorModel, PlaceInBand, unfixed_share};
 use super::residuals::hidden_residuals;
 use super::sides::sides;
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::contour::LineError;
 use crate::dem::{heights_at, locate};
 use crate::spline::{WorkingGrid, blurred, slopes, working_grid};
@@ -84,7 +83,7 @@ pub fn error_field(
             && (place.climb.is_some() || distances[0] + distances[1] > tuning.inferred_spacings * spacing);
         (error as f32, reach as f32, inferred)
     };
-    let nodes: Vec<(f32, f32, bool)> = (0..grid.len()).into_par_iter().map(at).collect();
+    let nodes: Vec<(f32, f32, bool)> = parallel::values(grid.len(), at);
     ErrorField {
         slopes: slopes(heights, &grid),
         grid,
