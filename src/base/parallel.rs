@@ -45,6 +45,11 @@ pub(crate) fn values<R: Copy + Default + Send>(count: usize, f: impl Fn(usize) -
     values
 }
 
+/// The results of `f` for each item, in the order of the items. They are written in place, as those of [`values`].
+pub(crate) fn values_each<T: Sync, R: Copy + Default + Send>(items: &[T], f: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    values(items.len(), |i| f(&items[i]))
+}
+
 /// Calls `f` with the index of each item and the item.
 pub(crate) fn update<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
     let length = block_length(items.len());
@@ -109,6 +114,7 @@ mod tests {
                     assert_eq!(map(n, |i| i), numbers);
                     assert_eq!(values(n, |i| i), numbers);
                     assert_eq!(map_each(&numbers, |i| i + 1), (1..=n).collect::<Vec<_>>());
+                    assert_eq!(values_each(&numbers, |i| i + 1), (1..=n).collect::<Vec<_>>());
                     let odd: Vec<usize> = numbers.iter().copied().filter(|i| i % 2 == 1).collect();
                     assert_eq!(flat_map(n, |i| (i % 2 == 1).then_some(i)), odd);
                     assert_eq!(flat_map_each(&numbers, |i| (i % 2 == 1).then_some(*i)), odd);

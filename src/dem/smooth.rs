@@ -44,14 +44,14 @@ fn twice(values: &[f32], cols: usize, kernels: [Vec<f32>; 2]) -> Vec<f32> {
     let has_data = |value: &f32| !value.is_nan();
     // Small numbers keep more digits.
     let origin = values.iter().copied().find(has_data).unwrap_or_default();
-    let weights: Vec<f32> = parallel::map_each(values, |value| f32::from(u8::from(has_data(value))));
+    let weights: Vec<f32> = parallel::values_each(values, |value| f32::from(u8::from(has_data(value))));
     let weights = convolved(&weights, cols, &kernels);
     let mean = |values: &[f32]| {
         let mut means = convolved(values, cols, &kernels);
         parallel::update(&mut means, |n, mean| *mean /= weights[n]);
         means
     };
-    let offsets: Vec<f32> = parallel::map_each(values, |z| if z.is_nan() { 0.0 } else { z - origin });
+    let offsets: Vec<f32> = parallel::values_each(values, |z| if z.is_nan() { 0.0 } else { z - origin });
     let mut smooth = mean(&offsets);
     let left = parallel::values(values.len(), |n| if values[n].is_nan() { 0.0 } else { offsets[n] - smooth[n] });
     let again = mean(&left);

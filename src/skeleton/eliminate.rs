@@ -107,7 +107,7 @@ impl Branches {
         });
         let around =
             |t: u32| (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| tin.edge_length(t, i));
-        let mut length: Vec<f64> = parallel::map(tin.len(), |t| around(t as u32).sum());
+        let mut length: Vec<f64> = parallel::values(tin.len(), |t| around(t as u32).sum());
         let parent = strip(tin, free.collect(), |leaf, trunk, is_whole| {
             length[trunk as usize] += length[leaf as usize];
             if is_whole {

@@ -47,7 +47,7 @@ pub fn slice(
     progress: &dyn Progress,
 ) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
-    let ranges: Vec<(u32, u32)> = parallel::map(tin.len(), |t| levels_of(tin, heights, regions, levels, t as u32));
+    let ranges: Vec<(u32, u32)> = parallel::values(tin.len(), |t| levels_of(tin, heights, regions, levels, t as u32));
     let mut counts = vec![0usize; levels.len()];
     for &(first, end) in &ranges {
         for level in first..end {
@@ -125,7 +125,7 @@ pub struct Traced {
 fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
     let is_off = |height: &f64| !height.is_nan() && as_given(levels, *height) != *height;
     if tin.heights.iter().any(is_off) {
-        parallel::map_each(&tin.heights, |&height| as_given(levels, height)).into()
+        parallel::values_each(&tin.heights, |&height| as_given(levels, height)).into()
     } else {
         Cow::from(&tin.heights)
     }

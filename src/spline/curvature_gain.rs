@@ -68,7 +68,7 @@ pub fn remaining_error(error: f64, amount: f64, reduction: f64) -> f64 {
 /// The mean height around each node. Only nodes inside the frame count.
 fn surroundings(heights: &[f32], cols: usize, reach: usize) -> Vec<f32> {
     let smooth = |value: fn(f32) -> f32| {
-        let mut mean: Vec<f32> = parallel::map_each(heights, |z| value(*z));
+        let mut mean: Vec<f32> = parallel::values_each(heights, |z| value(*z));
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }

@@ -17,7 +17,7 @@ pub fn contour_density(reference: &[f32], grid: &Grid, spacing: f64, interval: f
         let density = f64::from(*s) * spacing / interval;
         if density.is_nan() { 1.0 } else { density.clamp(DENSITY_LIMITS.0, DENSITY_LIMITS.1) as f32 }
     };
-    let mut factor: Vec<f32> = parallel::map_each(&slopes, relative);
+    let mut factor: Vec<f32> = parallel::values_each(&slopes, relative);
     for _ in 0..rounds {
         factor = map_inner(&factor, grid, |old, n| {
             (4.0 * old[n] + old[n - 1] + old[n + 1] + old[n - grid.cols] + old[n + grid.cols]) / 8.0

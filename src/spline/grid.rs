@@ -12,10 +12,10 @@ use crate::tuning::GridTuning;
 /// the machine.
 const MOST_NODES: f64 = 40e6;
 /// Nodes that every map may have, besides those of the cells that are wanted.
-const FREE_NODES: f64 = 5e5;
-/// Further nodes per vertex of the contours. Only lines that are straight over many times their spacing need more, and
-/// there more nodes add nothing.
-const NODES_PER_VERTEX: f64 = 32.0;
+const FREE_NODES: f64 = 2e5;
+/// Further nodes per vertex of the contours. Ten real maps have 1 to 10. Only lines that are straight over many times their
+/// spacing need more, and there more nodes add nothing.
+const NODES_PER_VERTEX: f64 = 16.0;
 /// A divided grid is cut to the map again if that leaves less than one node in so many.
 const WASTE: usize = 4;
 /// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.

@@ -49,7 +49,7 @@ pub fn variances(
         let inside = || values.iter().zip(heights).filter(|(_, z)| !z.is_nan());
         (inside().map(|(v, _)| f64::from(*v)).sum::<f64>(), inside().count() as f64)
     };
-    let mut spacings: Vec<f32> = parallel::map_each(contour_density, |contour_density| 1.0 / contour_density);
+    let mut spacings: Vec<f32> = parallel::values_each(contour_density, |contour_density| 1.0 / contour_density);
     let (sum, count) = of_inside(&spacings);
     // Outside the frame there is no spacing; the mean takes its place.
     parallel::update(&mut spacings, |n, spacing| {

@@ -331,7 +331,7 @@ impl Stage<'_> {
             bending: std::array::from_fn(|kind| parallel::values(count, |n| bending(kind, n))),
             tension: std::array::from_fn(|side| parallel::values(count, |n| tension(side, n))),
             reference: Cow::Borrowed(&self.reference),
-            follows: parallel::map_each(&self.wide, |share| 1.0 - wide.level_share * share),
+            follows: parallel::values_each(&self.wide, |share| 1.0 - wide.level_share * share),
             contours,
             pull: 0.0,
         };
@@ -353,7 +353,7 @@ fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
 
 /// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
 pub fn with_margin(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
-    let mut inside: Vec<bool> = parallel::map_each(bound, |v| !v.is_nan());
+    let mut inside: Vec<bool> = parallel::values_each(bound, |v| !v.is_nan());
     for _ in 0..MARGIN {
         let before = inside.clone();
         parallel::chunks(&mut inside, cols, |j, row| {

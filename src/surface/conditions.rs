@@ -42,7 +42,7 @@ pub(crate) fn conditions<'a>(
         }
     }
     let is_hollow = is_hollow(&subdivision.regions);
-    let hollows: Vec<bool> = parallel::map_each(triangles, |&t| {
+    let hollows: Vec<bool> = parallel::values_each(triangles, |&t| {
         t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
     });
     let reference = heights_at(&subdivision.tin, grid, triangles);

@@ -108,7 +108,7 @@ impl Cells {
                 NONE => f32::NAN,
                 t => regions.region(t).map_or(f32::NAN, |r| of([r.band.lo, r.band.hi]) as f32),
             };
-            parallel::map_each(&triangles, value)
+            parallel::values_each(&triangles, value)
         };
         let mut bounds = [bound(|[lo, _]| lo), bound(|[_, hi]| hi)];
         if other.is_none() {

@@ -207,7 +207,7 @@ impl Tin {
     /// triangle to triangle finds its data close together in memory.
     pub(super) fn set_faces(&mut self, faces: &[Face]) {
         // A counting sort by least corner. Triangles with the same one keep their order.
-        let least: Vec<u32> = parallel::map_each(faces, |face| face.corners.into_iter().fold(NONE, u32::min));
+        let least: Vec<u32> = parallel::values_each(faces, |face| face.corners.into_iter().fold(NONE, u32::min));
         let mut next = vec![0; self.positions.len() + 1];
         least.iter().for_each(|&v| next[v as usize + 1] += 1);
         (0..self.positions.len()).for_each(|v| next[v + 1] += next[v]);
@@ -220,11 +220,11 @@ impl Tin {
         }
         let of = |&f: &u32| faces[f as usize];
         let numbered = |f: u32| if f == NONE { NONE } else { number[f as usize] };
-        self.triangles = parallel::map_each(&order, |f| of(f).corners);
-        self.neighbours = parallel::map_each(&order, |f| of(f).beyond.map(numbered));
-        self.inside = parallel::map_each(&order, |f| of(f).inside);
-        self.edges = parallel::map_each(&order, |f| of(f).edges);
-        self.edges = parallel::map(self.len(), |t| self.with_contours(t as u32));
+        self.triangles = parallel::values_each(&order, |f| of(f).corners);
+        self.neighbours = parallel::values_each(&order, |f| of(f).beyond.map(numbered));
+        self.inside = parallel::values_each(&order, |f| of(f).inside);
+        self.edges = parallel::values_each(&order, |f| of(f).edges);
+        self.edges = parallel::values(self.len(), |t| self.with_contours(t as u32));
     }
 }
 
@@ -259,7 +259,7 @@ fn refused(error: InsertionError) -> Error {
 /// Merges points of the same position. Returns the first point of each position, and for each point its merged index.
 fn merge_equal_positions(positions: &[DVec2]) -> (Vec<u32>, Vec<u32>) {
     let place = |i: &u32| positions[*i as usize].to_array().map(f64::to_bits);
-    let mut order: Vec<([u64; 2], u32)> = parallel::map(positions.len(), |i| (place(&(i as u32)), i as u32));
+    let mut order: Vec<([u64; 2], u32)> = parallel::values(positions.len(), |i| (place(&(i as u32)), i as u32));
     order.par_sort_unstable();
     let mut index = vec![0; positions.len()];
     for same in order.chunk_by(|a, b| a.0 == b.0) {

@@ -13,7 +13,7 @@ use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_layers};
 
 use crate::common::Folder;
 use crate::maps::put;
-use crate::running::{folder_with, said, tokosen};
+use crate::running::{folder_with_part, said, tokosen};
 
 const PAGE: &str = include_str!("../../src/guide/everyday.md");
 
@@ -53,8 +53,7 @@ fn square(middle: DVec2, half: f64) -> Vec<DVec2> {
 
 /// The files that the commands read, made of a third of the sample.
 fn inputs() -> Folder {
-    let folder = folder_with("caryville_20m.gpkg", "sample.gpkg");
-    run(&folder, "tokosen densify sample.gpkg -i 20 --extent 744000,4017500,750500,4022500 -o contours.gpkg");
+    let folder = folder_with_part("contours.gpkg");
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
     std::fs::copy(samples.join("caryville_20m_truth.tif"), folder.path("published_dem.tif")).unwrap();
     std::fs::create_dir(folder.path("sheets")).unwrap();

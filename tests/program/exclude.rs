@@ -11,7 +11,7 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with_part};
 
 /// A box in the middle of the sample: west, south, east, north.
 const HOLE: [f64; 4] = [745_000.0, 4_022_000.0, 745_400.0, 4_022_300.0];
@@ -53,7 +53,7 @@ fn set(points: impl Iterator<Item = DVec2>) -> HashSet<[u64; 2]> {
 
 #[test]
 fn lines_are_cut_at_the_border_and_kept_bit_for_bit_elsewhere() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     write_boxes(&folder, "hole.geojson", "EPSG:32616", &[HOLE]);
     // Even a large distance for joins closes no line across the hole.
     let said = folder.succeeds("check in.gpkg --exclude hole.geojson --snap 500 --repair all -o out.gpkg -v");
@@ -74,7 +74,7 @@ fn lines_are_cut_at_the_border_and_kept_bit_for_bit_elsewhere() {
 
 #[test]
 fn the_surface_bridges_a_hole_without_findings_about_it() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     write_boxes(&folder, "hole.geojson", "EPSG:32616", &[HOLE]);
     let plain = folder.succeeds("dem in.gpkg --cell 20 -o plain.tif");
     let said = folder.succeeds("dem in.gpkg --cell 20 --exclude hole.geojson -o out.tif");
@@ -101,7 +101,7 @@ fn the_surface_bridges_a_hole_without_findings_about_it() {
 
 #[test]
 fn polygons_come_in_any_system_and_what_does_not_fit_is_told() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     // The first box is in the sample.
     write_boxes(&folder, "degrees.geojson", "EPSG:4326", &[[-84.275, 36.31, -84.265, 36.32], [10.0, 50.0, 10.1, 50.1]]);
     let said = folder.succeeds("check in.gpkg --exclude degrees.geojson");
@@ -129,7 +129,7 @@ fn polygons_come_in_any_system_and_what_does_not_fit_is_told() {
 
 #[test]
 fn a_hole_that_leaves_nothing_is_an_error() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     write_boxes(&folder, "all.geojson", "EPSG:32616", &[[600_000.0, 3_900_000.0, 900_000.0, 4_200_000.0]]);
     let (well, said) = folder.run("dem in.gpkg --cell 20 --exclude all.geojson -o a.tif");
     assert!(!well && said.contains("left out"), "{said}");

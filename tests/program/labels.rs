@@ -9,7 +9,7 @@ use rusqlite::Connection;
 use tokosen::io::{ReadOptions, read_contours};
 
 use crate::common::distance;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with_part};
 
 /// A label: text, elevation, angle, height, place.
 type Row = (String, f64, f64, f64, DVec2);
@@ -32,7 +32,7 @@ fn labels(path: &Path, layer: &str) -> Vec<Row> {
 
 #[test]
 fn labels_lie_on_index_contours() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 10 --labels=60 -o out.gpkg");
     let rows = labels(&folder.path("out.gpkg"), "labels");
     assert!(rows.len() > 20, "{}", rows.len());
@@ -56,7 +56,7 @@ fn labels_lie_on_index_contours() {
 
 #[test]
 fn several_intervals_have_labels_of_their_own() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 10,5 --labels -o out.gpkg");
     for layer in ["labels_10m", "labels_5m"] {
         assert!(!labels(&folder.path("out.gpkg"), layer).is_empty());
@@ -65,7 +65,7 @@ fn several_intervals_have_labels_of_their_own() {
 
 #[test]
 fn labels_turn_with_the_coordinates_of_the_output() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 10 --labels=60 -o plane.gpkg");
     folder.succeeds("densify in.gpkg -i 10 --labels=60 -o degrees.gpkg --to-crs EPSG:4326");
     let [plane, degrees] = ["plane.gpkg", "degrees.gpkg"].map(|name| labels(&folder.path(name), "labels"));
@@ -80,7 +80,7 @@ fn labels_turn_with_the_coordinates_of_the_output() {
 
 #[test]
 fn a_drawing_has_texts_in_the_file_of_its_lines() {
-    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
+    let folder = folder_with_part("in.gpkg");
     folder.succeeds("densify in.gpkg -i 10 --labels=60 -o out.dxf");
     let drawing = std::fs::read_to_string(folder.path("out.dxf")).unwrap();
     let texts = drawing.matches("\nTEXT\n").count();

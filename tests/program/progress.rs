@@ -2,11 +2,11 @@
 
 use serde_json::Value;
 
-use crate::running::{folder_with, run, said};
+use crate::running::{folder_with_part, run, said};
 
 #[test]
 fn progress_as_json_grows_to_one_and_names_the_steps() {
-    let folder = folder_with("caryville_20m.gpkg", "c.gpkg");
+    let folder = folder_with_part("c.gpkg");
     let output = run(folder.0.path(), "dem c.gpkg --cell 60 -o d.tif -q --progress json");
     assert!(output.status.success() && output.stdout.is_empty(), "{}", said(&output));
     let lines: Vec<Value> = said(&output).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 use crate::common::Folder;
 
@@ -27,6 +28,20 @@ pub fn folder_with(sample: &str, to: &str) -> Folder {
     let folder = Folder::new();
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(sample);
     std::fs::copy(sample, folder.path(to)).unwrap();
+    folder
+}
+
+/// A folder with a third of the large sample in it, under the name `to`. Whole maps of it would take most of the time of the
+/// tests.
+pub fn folder_with_part(to: &str) -> Folder {
+    static PART: OnceLock<Vec<u8>> = OnceLock::new();
+    let part = PART.get_or_init(|| {
+        let folder = folder_with("caryville_20m.gpkg", "all.gpkg");
+        folder.succeeds("densify all.gpkg -i 20 --extent 744000,4017500,750500,4022500 -o part.gpkg");
+        std::fs::read(folder.path("part.gpkg")).unwrap()
+    });
+    let folder = Folder::new();
+    std::fs::write(folder.path(to), part).unwrap();
     folder
 }
 

@@ -10,11 +10,11 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_streams};
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with};
+use crate::running::{Running, folder_with_part};
 
 /// A folder with the sample's contours as `c.gpkg`, and its canyon lines as `streams.gpkg`, in their layer `skeleton`.
 fn folder() -> Folder {
-    let folder = folder_with("caryville_20m.gpkg", "c.gpkg");
+    let folder = folder_with_part("c.gpkg");
     folder.succeeds("skeleton c.gpkg -o all.gpkg");
     fs::copy(folder.path("all.gpkg"), folder.path("streams.gpkg")).unwrap();
     let db = Connection::open(folder.path("streams.gpkg")).unwrap();

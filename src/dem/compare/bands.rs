@@ -40,7 +40,7 @@ pub fn outside_bands(dem: &Dem, band_of: impl Fn(usize) -> Option<Band> + Sync) 
         parallel::flat_map(excess.len(), |i| (excess[i].is_finite() && excess[i] != 0.0).then_some(i));
     let size = |i: usize| excess[i].abs();
     let furthest = outside.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
-    let sizes: Vec<f64> = parallel::map_each(&outside, |&i| size(i));
+    let sizes: Vec<f64> = parallel::values_each(&outside, |&i| size(i));
     Some(BandShare {
         cells,
         outside: outside.len(),

@@ -77,7 +77,7 @@ impl<'a> Field<'a> {
     /// `levels` ascend.
     pub fn new(heights: &'a [f32], cols: usize, levels: &'a [f32]) -> Self {
         let rank = |z: &f32| if z.is_nan() { NO_DATA } else { levels.partition_point(|level| level <= z) as u32 };
-        Self { cols, heights, levels, ranks: parallel::map_each(heights, rank) }
+        Self { cols, heights, levels, ranks: parallel::values_each(heights, rank) }
     }
 
     /// The levels that cross the square whose north-west corner is this node, as indices. None for a node in the last
