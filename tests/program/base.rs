@@ -8,7 +8,7 @@ use tokosen::dem::Dem;
 use tokosen::io::raster::{RasterParams, read_dem, read_standard_errors, write_dem, write_raster};
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with_part};
+use crate::running::{Running, folder_with};
 
 /// A frame in the middle of the sample.
 const FRAME: &str = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:32616"}},"features":[
@@ -20,7 +20,7 @@ const BIAS: f32 = 6.0;
 
 /// The sample's contours, a frame in their middle, and the true heights with a bias as base.
 fn prepared() -> Folder {
-    let folder = folder_with_part("in.gpkg");
+    let folder = folder_with("caryville_20m.gpkg", "in.gpkg");
     fs::write(folder.path("frame.geojson"), FRAME).unwrap();
     let truth = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/caryville_20m_truth.tif");
     fs::copy(truth, folder.path("truth.tif")).unwrap();

@@ -10,11 +10,14 @@ use tokosen::io::raster::read_dem;
 use tokosen::io::{ReadOptions, read_streams};
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with_part};
+use crate::running::{Running, folder_with, folder_with_part};
 
-/// A folder with the sample's contours as `c.gpkg`, and its canyon lines as `streams.gpkg`, in their layer `skeleton`.
+/// A folder with a part of the sample as `c.gpkg`, and its canyon lines as `streams.gpkg`, in their layer `skeleton`.
 fn folder() -> Folder {
-    let folder = folder_with_part("c.gpkg");
+    with_streams(folder_with_part("c.gpkg"))
+}
+
+fn with_streams(folder: Folder) -> Folder {
     folder.succeeds("skeleton c.gpkg -o all.gpkg");
     fs::copy(folder.path("all.gpkg"), folder.path("streams.gpkg")).unwrap();
     let db = Connection::open(folder.path("streams.gpkg")).unwrap();
@@ -41,7 +44,7 @@ fn used(path: &Path) -> usize {
 
 #[test]
 fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
-    let folder = folder();
+    let folder = with_streams(folder_with("caryville_20m.gpkg", "c.gpkg"));
     let text = folder.succeeds("dem c.gpkg --cell 10 --streams streams.gpkg -o d.tif --diagnostics used.gpkg");
     assert!(text.contains("streams  ") && text.contains("used.gpkg"), "{text}");
     assert!(used(&folder.path("used.gpkg")) > 20, "{text}");
