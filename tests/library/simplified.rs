@@ -20,7 +20,7 @@ fn new_lines(surface: &Surface, step: f64, simplify: Option<f64>) -> Vec<Contour
 #[test]
 fn simplified_lines_follow_the_traced_ones_within_the_tolerance_and_do_not_cross() {
     let (mut before, mut after, mut largest) = (0, 0, 0.0_f64);
-    for terrain in (1..3).flat_map(common::all_kinds) {
+    for terrain in (1..4).flat_map(common::all_kinds) {
         let contours = terrain.contours();
         let Ok(report) = build(clean_map(map_of(&contours)), &SurfaceParams::default(), &()) else { continue };
         let (surface, step) = (report.value, quarter_of_interval(&contours));

@@ -7,12 +7,12 @@ use std::fs;
 use rusqlite::Connection;
 
 use crate::common::Folder;
-use crate::running::{Running, folder_with_part, run};
+use crate::running::{Running, folder_with, run};
 
 /// A folder with the sample's contours as `c.gpkg` and the ridge and canyon lines of its surface, which have heights, as
 /// `lines.geojson`.
 fn folder() -> Folder {
-    let folder = folder_with_part("c.gpkg");
+    let folder = folder_with("caryville_20m.gpkg", "c.gpkg");
     folder.succeeds("skeleton c.gpkg -o lines.geojson");
     folder
 }
