@@ -62,10 +62,7 @@ pub(crate) fn update<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync)
 
 /// Calls `f` with chunks of `length` items, such as the rows of a raster. The last chunk may be shorter.
 pub(crate) fn chunks<T: Send>(items: &mut [T], length: usize, f: impl Fn(usize, &mut [T]) + Sync) {
-    let run = |items: &mut [T], f: &(dyn Fn(usize, &mut [T]) + Sync)| {
-        items.par_chunks_mut(length.max(1)).enumerate().for_each(|(k, chunk)| f(k, chunk));
-    };
-    run(items, &f);
+    each_chunk(items, length, &f);
 }
 
 /// The number of those from 0 to `count` − 1 that `is_member` accepts.
@@ -92,10 +89,17 @@ fn blocks<R: Send + Default>(count: usize, of_block: &(dyn Fn(Range<usize>) -> R
     slots.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
+/// [`chunks`], compiled for each type of item only.
+fn each_chunk<T: Send>(items: &mut [T], length: usize, f: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    items.par_chunks_mut(length.max(1)).enumerate().for_each(|(k, chunk)| f(k, chunk));
+}
+
+/// Calls `f` with 0 to `count` − 1.
 fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(f);
 }
 
+/// The length of the blocks that `count` items are divided into.
 fn block_length(count: usize) -> usize {
     count.div_ceil(BLOCKS * rayon::current_num_threads()).max(1)
 }

@@ -123,8 +123,7 @@ fn courses(ground: &Ground<'_>, reaches: &[Reach], known: impl Fn(usize) -> Opti
     parallel::flat_map(reaches.len().div_ceil(CHUNK), |chunk| {
         let mut near = 0;
         let new = |r: usize| {
-            let course = |near: &mut u32| Course::new(ground.tin, ground.regions, &reaches[r].points, near);
-            known(r).unwrap_or_else(|| course(&mut near))
+            known(r).unwrap_or_else(|| Course::new(ground.tin, ground.regions, &reaches[r].points, &mut near))
         };
         (chunk * CHUNK..reaches.len().min((chunk + 1) * CHUNK)).map(new).collect::<Vec<_>>()
     })
