@@ -161,9 +161,9 @@ pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Compariso
     };
     let (steep_a, steep_b) = (steepness(a, params.metres_per_unit), steepness(b, params.metres_per_unit));
     let by_slope = classes(&SLOPE_BOUNDS, &|i| degrees(steep_b[i]));
-    let compared = parallel::flat_map(grid.len(), |i| differences[i].is_finite().then_some(b.values[i]));
-    let lowest = compared.iter().copied().fold(f32::INFINITY, f32::min);
-    let highest = compared.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let compared = || differences.iter().zip(&b.values).filter(|(d, _)| d.is_finite()).map(|(_, &height)| height);
+    let lowest = compared().fold(f32::INFINITY, f32::min);
+    let highest = compared().fold(f32::NEG_INFINITY, f32::max);
     let by_elevation = classes(&elevation_bounds(lowest.into(), highest.into()), &|i| f64::from(b.values[i]));
     let by_distance = params.distances.map_or_else(Vec::new, |distances| {
         let of_compared = distances.iter().zip(&differences).filter(|(_, d)| d.is_finite()).map(|(d, _)| *d);
