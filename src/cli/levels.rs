@@ -62,7 +62,7 @@ impl LevelsArgs {
             return Ok(vec![Target::Levels(self.levels.clone())]);
         }
         if let Some(bad) = self.interval.iter().find(|i| !(i.is_finite() && **i > 0.0)) {
-            return Err(Failure::Usage(format!("the interval is {bad}, it must be more than 0")));
+            return Err(Failure::Usage(format!("--interval is {bad}, it must be more than 0")));
         }
         Ok(self.interval.iter().map(|&step| Interval { step, base: self.base }.into()).collect())
     }

@@ -150,7 +150,7 @@ fn wrong_usage_and_wrong_input_say_what_to_do() {
     folder.succeeds("contour dem.tif -i 10 -o lines.geojson");
     for (arguments, status, words) in [
         ("contour dem.tif -o a.gpkg", 2, "--interval"),
-        ("contour dem.tif -i 0 -o a.gpkg", 2, "the interval is 0"),
+        ("contour dem.tif -i 0 -o a.gpkg", 2, "--interval is 0"),
         ("contour dem.tif -i 5 --levels 7 -o a.gpkg", 2, "cannot be used with"),
         ("contour dem.tif -i 5 -o a.tif", 2, "contours are written as"),
         ("contour dem.tif -i 5 -o a.gpkg --preview a.jpg", 2, "pictures are written as"),

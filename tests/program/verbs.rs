@@ -312,9 +312,9 @@ fn a_folder_that_must_not_be_written_to() {
 fn numbers_out_of_range() {
     let folder = with_hill();
     for (arguments, words) in [
-        ("densify hill.geojson -i 0 -o out.gpkg", "the interval is 0, it must be more than 0"),
-        ("densify hill.geojson -i -5 -o out.gpkg", "the interval is -5, it must be more than 0"),
-        ("densify hill.geojson -i 5,nan -o out.gpkg", "the interval is NaN, it must be more than 0"),
+        ("densify hill.geojson -i 0 -o out.gpkg", "--interval is 0, it must be more than 0"),
+        ("densify hill.geojson -i -5 -o out.gpkg", "--interval is -5, it must be more than 0"),
+        ("densify hill.geojson -i 5,nan -o out.gpkg", "--interval is NaN, it must be more than 0"),
         ("densify hill.geojson -i 1e-9 -o out.gpkg", "choose a larger one"),
         ("densify hill.geojson -i five -o out.gpkg", "invalid value 'five'"),
         ("densify hill.geojson -o out.gpkg", "--interval"),
