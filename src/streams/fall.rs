@@ -110,13 +110,18 @@ fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl 
 }
 
 /// The bilinear reading between four cells.
-fn reading(heights: &[f32], corners: &[(usize, f32); 4]) -> f32 {
+pub(super) fn reading(heights: &[f32], corners: &[(usize, f32); 4]) -> f32 {
     corners.iter().map(|&(n, share)| share * heights[n]).sum()
 }
 
 /// Moves the corners on the other side of `wanted` towards it, until the reading between them is there. Corners stay
 /// between their bounds. Whether one was changed.
-fn move_to(wanted: f32, heights: &mut [f32], corners: &[(usize, f32); 4], bounds: &impl Fn(usize) -> [f32; 2]) -> bool {
+pub(super) fn move_to(
+    wanted: f32,
+    heights: &mut [f32],
+    corners: &[(usize, f32); 4],
+    bounds: &impl Fn(usize) -> [f32; 2],
+) -> bool {
     let misses = wanted - reading(heights, corners);
     // How far a corner may move; of the sign of `misses`.
     let room = |n: usize, heights: &[f32]| {
@@ -142,7 +147,7 @@ fn move_to(wanted: f32, heights: &mut [f32], corners: &[(usize, f32); 4], bounds
 
 /// Calls `read` with places along a stream, from its first vertex to its last, as columns and rows with fractions, and
 /// with the heights of the stream there.
-fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2, f32)) {
+pub(super) fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2, f32)) {
     let mut points = stream.points.iter().map(|p| grid.place(p.truncate()).extend(p.z));
     let Some(mut a) = points.next() else { return };
     let mut read_at = |p: DVec3| read(p.truncate(), p.z as f32);
@@ -154,14 +159,14 @@ fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMut(DVec2, f3
     }
 }
 
-fn nearest(grid: &Grid, place: DVec2) -> Option<usize> {
+pub(super) fn nearest(grid: &Grid, place: DVec2) -> Option<usize> {
     let whole = place.round();
     let is_on = whole.cmpge(DVec2::ZERO).all() && whole.x < grid.cols as f64 && whole.y < grid.rows as f64;
     is_on.then(|| whole.y as usize * grid.cols + whole.x as usize)
 }
 
 /// The four cells around a place, with their shares of the bilinear reading.
-fn corners(grid: &Grid, place: DVec2) -> Option<[(usize, f32); 4]> {
+pub(super) fn corners(grid: &Grid, place: DVec2) -> Option<[(usize, f32); 4]> {
     let first = place.floor();
     let is_on = first.cmpge(DVec2::ZERO).all() && first.x + 1.0 < grid.cols as f64 && first.y + 1.0 < grid.rows as f64;
     is_on.then(|| {

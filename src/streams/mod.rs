@@ -13,8 +13,7 @@
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
 //! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
-//!    stream are made to fall (`fall`).
-//!
+//!    stream are made to fall (`fall`), and to hold water that flows from cell to cell (`hold`).
 //! 8. The banks of river areas get the heights of the streams between them (`areas`).
 //!
 //! What was changed, cut or left out is a finding.
@@ -25,6 +24,7 @@ mod descend;
 mod direction;
 mod fall;
 mod follow;
+mod hold;
 mod line;
 mod network;
 mod profile;
@@ -34,5 +34,6 @@ mod shift;
 pub(crate) use areas::banks;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
+pub(crate) use hold::hold_along;
 pub use line::{RiverArea, Stream, StreamLine, Streams};
 pub(crate) use settle::settle;

@@ -7,7 +7,7 @@ use super::conditions::on_contours;
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::dem::{Dem, height, locate, rasterise};
-use crate::streams::{fall_along, raise_to};
+use crate::streams::{fall_along, hold_along, raise_to};
 use crate::tin::{NONE, Tin};
 
 /// Rows per task: enough to be worth a task.
@@ -44,6 +44,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         };
         raise_to(&surface.streams, grid, &mut values, band);
         fall_along(&surface.streams, grid, &mut values, band);
+        hold_along(&surface.streams, grid, &mut values, band);
     }
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }

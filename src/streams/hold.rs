@@ -1,0 +1,145 @@
+//! Streams that hold the water of a grid.
+//!
+//! Programs that follow water over a height map take the steepest of the ways from a cell to its eight neighbours (D8;
+//! O'Callaghan and Mark 1984, Computer Vision, Graphics and Image Processing 28). Where the ground beside a stream falls to
+//! one side, or hardly falls at all, this way leaves the stream, even if heights fall along it. There, the cells of the
+//! stream are lowered, until the way along the stream is the steepest one. That takes no more than the ground falls over
+//! the width of a cell. No trench is dug where water stays in the stream anyway.
+
+use glam::DVec2;
+
+use super::fall::{corners, for_each_reading, move_to, nearest, reading};
+use super::line::Stream;
+use crate::base::{Grid, parallel};
+use crate::drain::{STEPS, neighbours};
+
+/// Water that stays within a cell of a stream for so many steps is held.
+const HELD_STEPS: usize = 10;
+/// Lowering one cell changes the ways from its neighbours. After so many rounds, what is left is below what floors allow.
+const ROUNDS: usize = 4;
+/// Searches for leaks, and how often banks are lowered in between.
+const SEARCHES: usize = 3;
+const BANK_ROUNDS: usize = 3;
+
+/// Where a cell lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Place {
+    Away,
+    /// A neighbour of a cell of a stream.
+    Bank,
+    Stream,
+    /// In a stream that does not hold its water there.
+    Leak,
+}
+
+/// Lowers heights along streams until their water stays within a cell of them. All stay between `bounds`. Then banks are
+/// lowered where they rise between two cells of a stream. Heights that are NaN stay. `streams` come in an order in which
+/// each one follows those that flow into it.
+pub(crate) fn hold_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
+    let mut held = Held::new(streams, grid, heights.len());
+    for round in 0..=BANK_ROUNDS {
+        for _ in 0..SEARCHES {
+            let leaks = held.find_leaks(heights);
+            let rounds = (0..ROUNDS).take_while(|_| held.lower_streams(heights, &bounds)).count();
+            if !leaks && rounds == 0 {
+                break;
+            }
+        }
+        if round == BANK_ROUNDS || !held.lower_banks(streams, heights, &bounds) {
+            break;
+        }
+    }
+}
+
+struct Held<'a> {
+    grid: &'a Grid,
+    places: Vec<Place>,
+    /// The cells that each stream runs through, downstream.
+    ways: Vec<Vec<usize>>,
+    /// The distance of each neighbour, in the order of [`STEPS`].
+    distances: [f32; 8],
+}
+
+impl<'a> Held<'a> {
+    fn new(streams: &[Stream], grid: &'a Grid, cells: usize) -> Self {
+        let way = |stream: &Stream| {
+            let mut cells = Vec::new();
+            for_each_reading(stream, grid, |place, _| cells.extend(nearest(grid, place)));
+            cells.dedup();
+            cells
+        };
+        let ways: Vec<Vec<usize>> = streams.iter().map(way).collect();
+        let mut places = vec![Place::Away; cells];
+        for &cell in ways.iter().flatten() {
+            for (_, bank) in neighbours(cell, grid.cols, grid.rows).flatten() {
+                places[bank] = places[bank].max(Place::Bank);
+            }
+            places[cell] = Place::Stream;
+        }
+        let distances = STEPS.map(|(x, y)| (grid.cell * DVec2::new(x as f64, y as f64)).length() as f32);
+        Self { grid, places, ways, distances }
+    }
+
+    /// The neighbours of a cell, with their distances.
+    fn around(&self, cell: usize) -> impl Iterator<Item = (usize, f32)> {
+        neighbours(cell, self.grid.cols, self.grid.rows).flatten().map(|(step, n)| (n, self.distances[step]))
+    }
+
+    /// Where water runs to from a cell, if a neighbour is lower.
+    fn downstream(&self, heights: &[f32], cell: usize) -> Option<usize> {
+        let fall = |(n, distance): (usize, f32)| ((heights[cell] - heights[n]) / distance, n);
+        let falls = self.around(cell).map(fall).filter(|(fall, _)| *fall > 0.0);
+        falls.reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, n)| n)
+    }
+
+    /// Marks the cells from which water leaves the streams. Whether there are new ones.
+    fn find_leaks(&mut self, heights: &[f32]) -> bool {
+        let leaks = |&cell: &usize| {
+            let mut way = std::iter::successors(Some(cell), |&at| self.downstream(heights, at)).take(HELD_STEPS + 1);
+            self.places[cell] != Place::Leak && way.any(|at| self.places[at] == Place::Away)
+        };
+        let leaking = parallel::flat_map_each(&self.ways, |way| way.iter().copied().filter(leaks).collect::<Vec<_>>());
+        leaking.iter().for_each(|&cell| self.places[cell] = Place::Leak);
+        !leaking.is_empty()
+    }
+
+    /// Lowers the cells of streams until heights fall along them, below leaks as steeply as to any bank. Whether one was
+    /// changed.
+    fn lower_streams(&self, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) -> bool {
+        let mut changed = false;
+        for pair in self.ways.iter().flat_map(|way| way.windows(2)) {
+            let (from, to) = (pair[0], pair[1]);
+            let Some((_, length)) = self.around(from).find(|(n, _)| *n == to) else { continue };
+            let mut steepest = 0.0f32;
+            if self.places[from] == Place::Leak {
+                let banks = self.around(from).filter(|(n, _)| self.places[*n] < Place::Stream);
+                steepest = banks.map(|(n, distance)| (heights[from] - heights[n]) / distance).fold(0.0, f32::max);
+            }
+            let most = (heights[from] - steepest * length).next_down();
+            if heights[to] > most {
+                let lowered = most.max(bounds(to)[0]).min(heights[to]);
+                changed |= lowered < heights[to];
+                heights[to] = lowered;
+            }
+        }
+        changed
+    }
+
+    /// Lowers banks between which heights rise along streams. Whether one was changed.
+    fn lower_banks(&self, streams: &[Stream], heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) -> bool {
+        // Cells of streams stay: no way leads down to this.
+        let bounds = |n: usize| if self.places[n] < Place::Stream { bounds(n) } else { [f32::INFINITY; 2] };
+        let mut changed = false;
+        for stream in streams {
+            let mut most = f32::INFINITY;
+            for_each_reading(stream, self.grid, |place, _| {
+                let Some(corners) = corners(self.grid, place) else { return };
+                if reading(heights, &corners) > most {
+                    changed |= move_to(most, heights, &corners, &bounds);
+                }
+                most = most.min(reading(heights, &corners));
+            });
+        }
+        changed
+    }
+}
