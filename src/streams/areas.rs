@@ -70,7 +70,7 @@ fn of_area(area: &RiverArea, pieces: &RTree<Piece>, step: f64) -> (Vec<CreaseLin
 }
 
 /// The vertices of a ring, and more where they are further apart than `step`.
-fn dense(ring: &LineString<f64>, step: f64) -> Vec<DVec2> {
+pub(super) fn dense(ring: &LineString<f64>, step: f64) -> Vec<DVec2> {
     let vertices: Vec<DVec2> = ring.coords().map(|c| DVec2::new(c.x, c.y)).collect();
     let mut out: Vec<DVec2> = vertices.first().copied().into_iter().collect();
     for w in vertices.windows(2) {

@@ -2,7 +2,8 @@
 //!
 //! A map draws streams and contours separately, and the two never fit exactly. The contours have priority. The steps:
 //!
-//! 1. The lines become a network of reaches between sources, confluences and outlets (`network`).
+//! 1. River areas that no stream runs through get middle lines (`middle`). All lines become a network of reaches between
+//!    sources, confluences and outlets (`network`).
 //! 2. A walk through the triangulation gives the contours that each reach crosses and the sub-domains between
 //!    ([`Course`](crate::subdomains)).
 //! 3. The contours, and the network where they are silent, give the direction of flow (`direction`). The direction in
@@ -20,12 +21,14 @@
 
 mod along;
 mod areas;
+mod chords;
 mod descend;
 mod direction;
 mod fall;
 mod follow;
 mod hold;
 mod line;
+mod middle;
 mod network;
 mod profile;
 mod settle;

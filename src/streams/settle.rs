@@ -6,6 +6,7 @@ use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
 use super::follow::follow;
 use super::line::{Stream, StreamLine, Streams};
+use super::middle::with_middle_lines;
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
 use super::shift::{beside, moved, shifts};
@@ -33,14 +34,16 @@ pub(crate) struct Settled {
     pub findings: Vec<Finding>,
 }
 
-/// Brings streams into agreement with a map and its triangulation. `spacing` is the mean spacing of the contours.
+/// Brings streams into agreement with a map and its triangulation. The middle lines of river areas that no stream runs
+/// through are streams too. `spacing` is the mean spacing of the contours.
 pub(crate) fn settle(
     streams: &Streams,
     (map, tin, regions): (&ContourMap, &Tin, &Regions),
     spacing: f64,
     tuning: &StreamTuning,
 ) -> Settled {
-    let mut findings = Vec::new();
+    let snap = tuning.snap * spacing;
+    let (lines, mut findings) = with_middle_lines(streams, snap);
     let starts = line_starts(map);
     let ground = Ground { map, tin, regions, starts: &starts };
     let tolerance = streams.tolerance.unwrap_or(tuning.tolerance * spacing);
@@ -48,8 +51,8 @@ pub(crate) fn settle(
         points: line.points.iter().map(|p| *p - tin.origin).collect(),
         feature: line.feature,
     };
-    let lines: Vec<StreamLine> = streams.lines.iter().map(local).collect();
-    let Network { nodes, reaches, left_out } = Network::new(&lines, tuning.snap * spacing);
+    let lines: Vec<StreamLine> = lines.iter().map(local).collect();
+    let Network { nodes, reaches, left_out } = Network::new(&lines, snap);
 
     let courses = courses(&ground, &reaches, |_| None);
     let heights = node_heights(&ground, &reaches, &courses, nodes);

@@ -25,7 +25,7 @@ pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, pr
     }
     let spacing = subdivision.extent().spacing;
     let Subdivision { map, tin, regions, .. } = subdivision;
-    if !params.streams.lines.is_empty() {
+    if !params.streams.lines.is_empty() || !params.streams.areas.is_empty() {
         progress.start("streams", 0);
         let settled = streams::settle(&params.streams, (map, tin, regions), spacing, &params.tuning.streams);
         given.streams = settled.streams;

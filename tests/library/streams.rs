@@ -144,34 +144,98 @@ fn tributaries_meet_the_main_stream_at_its_height_and_orders_grow() {
     assert_eq!(below.points[0], ends[0]);
 }
 
+/// A river area in the valley or beside it, 40 wide.
+fn river_area(x: f64, feature: u64) -> RiverArea {
+    RiverArea { polygon: geo::Rect::new((x - 20.0, 130.0), (x + 20.0, 470.0)).to_polygon(), feature: feature.into() }
+}
+
+/// How much the ground at the banks of the river area in the valley lies above its middle, on the way between contours.
+fn rise_across(surface: &Surface) -> f32 {
+    let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 10.0);
+    let dem = heights(surface, &grid, &());
+    let read = |x: f64, y: f64| {
+        let place = grid.place(DVec2::new(x, y)).round();
+        dem.values[place.y as usize * grid.cols + place.x as usize]
+    };
+    let at = |y: f64| read(-15.0, y).midpoint(read(15.0, y)) - read(5.0, y).midpoint(read(-5.0, y));
+    [165.0, 255.0, 345.0, 455.0].map(at).into_iter().sum::<f32>() / 4.0
+}
+
+fn built_with_areas(lines: &[StreamLine], areas: Vec<RiverArea>) -> (Surface, Vec<Finding>) {
+    let streams = Streams { lines: lines.to_vec(), areas, tolerance: None };
+    let report =
+        build(valley(), &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface");
+    (report.value, report.findings)
+}
+
 #[test]
 fn a_river_area_is_level_across_and_falls_along() {
     let stream = StreamLine { points: vec![DVec2::new(0.0, 580.0), DVec2::new(0.0, 10.0)], feature: 0.into() };
-    let area = |x: f64, feature: u64| RiverArea {
-        polygon: geo::Rect::new((x - 20.0, 130.0), (x + 20.0, 470.0)).to_polygon(),
+    let outside = river_area(4000.0, 2);
+    let (without, _) = built_with_areas(std::slice::from_ref(&stream), Vec::new());
+    let (with, findings) = built_with_areas(&[stream], vec![river_area(0.0, 1), outside]);
+    let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamLeftOut).collect();
+    assert!(told.len() == 1 && told[0].features[0] == 2, "{findings:?}");
+    let [without, with] = [without, with].map(|surface| rise_across(&surface));
+    assert!(without > 0.5 && with < 0.3 * without, "{with} {without}");
+}
+
+#[test]
+fn the_middle_line_of_a_river_area_takes_the_place_of_a_stream() {
+    let line = |points: &[(f64, f64)], feature: u64| StreamLine {
+        points: points.iter().map(|&p| p.into()).collect(),
         feature: feature.into(),
     };
-    let built = |areas: Vec<RiverArea>| {
-        let streams = Streams { lines: vec![stream.clone()], areas, tolerance: None };
-        build(valley(), &SurfaceParams { streams, ..SurfaceParams::default() }, &()).expect("a valley has a surface")
-    };
-    // The second area holds no stream.
-    let [without, with] = [built(Vec::new()), built(vec![area(0.0, 1), area(120.0, 2)])];
-    let told: Vec<&Finding> = with.findings.iter().filter(|f| f.kind == FindingKind::StreamLeftOut).collect();
-    assert!(told.len() == 1 && told[0].features[0] == 2, "{:?}", with.findings);
-    // How much the ground at the banks lies above the stream, on the way between contours.
-    let rise = |surface: &Surface| {
-        let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 10.0);
-        let dem = heights(surface, &grid, &());
-        let read = |x: f64, y: f64| {
-            let place = grid.place(DVec2::new(x, y)).round();
-            dem.values[place.y as usize * grid.cols + place.x as usize]
+    let lines = [
+        line(&[(0.0, 580.0), (0.0, 470.0)], 0),
+        line(&[(0.0, 130.0), (0.0, 10.0)], 1),
+        line(&[(120.0, 380.0), (20.0, 300.0)], 2),
+    ];
+    let (without, _) = built_with_areas(&lines, Vec::new());
+    let (with, findings) = built_with_areas(&lines, vec![river_area(0.0, 9)]);
+    let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::RiverMiddle).collect();
+    assert!(told.len() == 1 && told[0].features[0] == 9, "{findings:?}");
+    assert_eq!(count(&findings, FindingKind::StreamLeftOut), 0);
+    assert_falls(&with, "through the river");
+    // Water from both streams runs on through the area to the lower one.
+    let lower = with.streams.iter().find(|s| s.feature == 1).unwrap();
+    assert_eq!(lower.order, 2);
+    let before = with.streams.iter().find(|s| s.points.last() == lower.points.first()).unwrap();
+    assert_eq!(before.feature, 9);
+    assert!(without.streams.iter().all(|s| s.order == 1));
+    let [without, with] = [without, with].map(|surface| rise_across(&surface));
+    assert!(without > 0.5 && with < 0.4 * without, "{with} {without}");
+}
+
+#[test]
+fn water_stays_in_a_stream_on_a_slope() {
+    // Beside the valley the ground falls to its middle, away from the stream.
+    let drawn: Vec<(f64, f64)> = (0..=50).map(|k| (60.0, 560.0 - 10.0 * f64::from(k))).collect();
+    let (with, _) = built(valley(), &[&drawn], Some(0.1));
+    let (without, _) = built(valley(), &[], None);
+    let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 4.0);
+    let cell = |p: DVec2| grid.place(p).round();
+    let stays = |values: &[f32]| {
+        let read = |at: DVec2| values[at.y as usize * grid.cols + at.x as usize];
+        let down = |at: DVec2| {
+            let steps = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+            let steps = steps.map(|(x, y)| DVec2::new(f64::from(x), f64::from(y)));
+            let fall = |step: &DVec2| f64::from(read(at) - read(at + *step)) / step.length();
+            at + steps.into_iter().max_by(|a, b| fall(a).total_cmp(&fall(b))).unwrap()
         };
-        let at = |y: f64| read(-15.0, y).midpoint(read(15.0, y)) - read(5.0, y).midpoint(read(-5.0, y));
-        [165.0, 255.0, 345.0, 455.0].map(at).into_iter().sum::<f32>() / 4.0
+        let starts: Vec<DVec2> = drawn[4..40].iter().map(|&p| cell(p.into())).collect();
+        let held = starts.iter().filter(|&&start| {
+            let way = std::iter::successors(Some(start), |at| Some(down(*at))).take(11);
+            way.map(|at| (at.x - start.x).abs()).fold(0.0, f64::max) <= 1.0
+        });
+        held.count() as f64 / starts.len() as f64
     };
-    let [without, with] = [without, with].map(|report| rise(&report.value));
-    assert!(without > 0.5 && with < 0.3 * without, "{with} {without}");
+    let [with, without] = [with, without].map(|surface| heights(&surface, &grid, &()).values);
+    let [held, free] = [&with, &without].map(|values| stays(values));
+    assert!(held > 0.95 && free < 0.2, "{held} {free}");
+    // No trench: the ground falls by 0.3 m over the width of a cell.
+    let deepest = without.iter().zip(&with).map(|(a, b)| a - b).fold(0.0, f32::max);
+    assert!(deepest < 0.6, "{deepest}");
 }
 
 #[test]
