@@ -49,6 +49,25 @@ def told(program, contours, streams, crs, tolerance):
     return found
 
 
+def ridge_width(line, contours, levels, tree):
+    """How far a line that starts downhill runs away from a contour, at most, between crossing it up and down again."""
+    crossings = []
+    for c in tree.query(line, predicate="crosses"):
+        for place in shapely.get_parts(shapely.intersection(line, contours[c])):
+            crossings.append((float(shapely.line_locate_point(line, shapely.get_point(place, 0) if place.geom_type != "Point" else place)), int(c)))
+    crossings.sort()
+    rises, widest, up = {}, 0.0, False
+    for k, (at, c) in enumerate(crossings):
+        before = levels[crossings[k - 1][1]] if k else np.inf
+        up = levels[c] > before or (levels[c] == before and not up)
+        if up:
+            rises[levels[c]] = at
+        elif levels[c] in rises:
+            places = shapely.line_interpolate_point(line, np.linspace(rises.pop(levels[c]), at, 9))
+            widest = max(widest, shapely.distance(places, contours[c]).max())
+    return widest
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("contours", type=pathlib.Path)
@@ -58,7 +77,9 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
     meta, _, wkb, _ = pyogrio.raw.read(args.contours)
-    contours = shapely.get_parts(shapely.force_2d(shapely.from_wkb(wkb)))
+    contours = shapely.get_parts(shapely.from_wkb(wkb))
+    levels = shapely.get_coordinates(shapely.get_point(contours, 0), include_z=True)[:, 2]
+    contours = shapely.force_2d(contours)
     streams = shapely.from_wkb(pyogrio.raw.read(args.streams)[2])
     tree = shapely.STRtree(contours)
     crossed = np.bincount(tree.query(streams, predicate="crosses")[0], minlength=len(streams))
@@ -84,10 +105,9 @@ def main():
             others = [i for i in np.argsort(shapely.distance(streams, line)) if not streams[i].intersects(line)]
             end = shapely.get_coordinates(streams[others[0]])
             points = np.vstack([points[: len(points) // 2 + 1], end[len(end) // 2]])
-            # Without a contour that it crosses up and down again, the contours show no ridge there.
-            over = shapely.linestrings(points[-2:])
-            times = [shapely.get_num_geometries(shapely.intersection(over, contours[c])) for c in tree.query(over, predicate="crosses")]
-            if max(times, default=0) < 2:
+            # Without a contour that it crosses up and then down again, the contours show no ridge there. Over a valley, its two
+            # parts are streams that meet in it. Nearer to the contour than the tolerance, it may be moved along it.
+            if ridge_width(shapely.linestrings(points), contours, levels, tree) <= tolerance:
                 del kinds[k]
                 points = shapely.get_coordinates(line)
         planted.append(shapely.linestrings(points))
