@@ -21,6 +21,7 @@
 
 mod along;
 mod areas;
+mod beside;
 mod chords;
 mod descend;
 mod direction;

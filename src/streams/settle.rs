@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::beside::{Beside, beside};
 use super::descend::{Detour, Ground, Piece, Vertex, descending};
 use super::direction::flows_back;
 use super::follow::follow;
@@ -9,7 +10,7 @@ use super::line::{Stream, StreamLine, Streams};
 use super::middle::with_middle_lines;
 use super::network::{Network, Reach};
 use super::profile::{Edge, Profiles, profiles};
-use super::shift::{beside, moved, shifts};
+use super::shift::{moved, shifts};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Sure, parallel};
 use crate::contour::ContourMap;
@@ -62,7 +63,7 @@ pub(crate) fn settle(
     let before = self::courses(&ground, &turned, |r| (!back[r]).then(|| courses[r].clone()));
     let shifts: Vec<_> =
         parallel::map(turned.len(), |r| shifts(&ground, &turned[r].points, &before[r], tolerance, tuning));
-    let beside: Vec<Option<f64>> = parallel::map(turned.len(), |r| {
+    let beside: Vec<Option<Beside>> = parallel::map(turned.len(), |r| {
         beside(&ground, &turned[r].points, &before[r], (tolerance, &shifts[r]), tuning)
     });
     let reaches = moved(&turned, nodes, &shifts);
@@ -224,8 +225,8 @@ struct UsedLines<'a> {
     /// By reach: whether it was turned, and how far it was moved.
     back: &'a [bool],
     shift_of: &'a [f64],
-    /// By reach: how far it runs beside the bends of contours.
-    beside: &'a [Option<f64>],
+    /// By reach: whether it runs beside the bends of contours.
+    beside: &'a [Option<Beside>],
 }
 
 /// What was made of one line.
@@ -240,7 +241,7 @@ struct LineState {
     /// The largest shift, and where it is.
     shift: f64,
     moved: DVec2,
-    /// Length beside the bends of contours, the largest distance from them, and where it is.
+    /// Length beside the bends of contours, the largest distance from them if it is known, and where it is.
     beside: f64,
     off: f64,
     aside: DVec2,
@@ -256,11 +257,12 @@ impl UsedLines<'_> {
             *(if self.back[r] { &mut line.turned } else { &mut line.kept }) += reach.length();
             let outside = self.courses[r].stretches.iter().filter(|s| s.region == NONE);
             line.outside += outside.map(|s| s.to - s.from).sum::<f64>();
-            if let Some(off) = self.beside[r] {
-                line.beside += reach.length();
-                if off > line.off {
+            if let Some(beside) = self.beside[r] {
+                let off = if let Beside::Tips(off) = beside { off } else { 0.0 };
+                if line.beside == 0.0 || off > line.off {
                     (line.off, line.aside) = (off, reach.points[reach.points.len() / 2]);
                 }
+                line.beside += reach.length();
             }
             if self.shift_of[r] > line.shift {
                 (line.shift, line.moved) = (self.shift_of[r], reach.points[reach.points.len() / 2]);
@@ -286,10 +288,14 @@ impl UsedLines<'_> {
                 note(FindingKind::StreamTurned, start, "the stream is drawn upstream; it is turned".into());
             }
             if state.used > 0 && 2.0 * state.beside > state.turned + state.kept {
-                let message = format!(
-                    "the stream runs about {:.1} map units beside the bends of contours, more than it may be moved",
-                    state.off
-                );
+                let message = if state.off > 0.0 {
+                    let off = state.off;
+                    format!(
+                        "the stream runs about {off:.1} map units beside the bends of contours, more than it may be moved"
+                    )
+                } else {
+                    "the stream crosses the contours on slopes, not in their bends".into()
+                };
                 note(FindingKind::StreamBeside, state.aside, message);
             }
             if state.used > 0 && state.shift > 0.0 {

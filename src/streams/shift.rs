@@ -63,7 +63,7 @@ pub(super) fn shifts(
 
 /// How far a reach runs beside the tips of the contours that it crosses, map units; none where it runs in them, or where
 /// there are no tips. `shifts` are those that the tolerance allows.
-pub(super) fn beside(
+pub(super) fn beside_tips(
     ground: &Ground<'_>,
     points: &[DVec2],
     course: &Course,
@@ -132,7 +132,10 @@ fn tips<'a>(
     reach: f64,
     tuning: &StreamTuning,
 ) -> impl Iterator<Item = (DVec2, f64)> + use<'a> {
-    let (run, from) = around(ground, crossing, 2.0 * reach);
+    let from = crossing.place;
+    let [mut run, right] = arms(ground, crossing, 2.0 * reach);
+    run.reverse();
+    run.extend(right);
     let upstream: Vec<f64> = run.iter().map(|p| -(*p - from).dot(down)).collect();
     let least = tuning.least_tip * reach;
     let is_near = move |p: DVec2| p.distance(from) <= reach;
@@ -154,10 +157,10 @@ fn tips<'a>(
     found.into_iter()
 }
 
-/// The vertices of the contour that is crossed, up to `reach` along it to both sides; and the place of the crossing.
-fn around(ground: &Ground<'_>, crossing: &Crossing, reach: f64) -> (Vec<DVec2>, DVec2) {
+/// The vertices of the contour that is crossed, from the crossing to both sides, until they are `reach` away along it.
+pub(super) fn arms(ground: &Ground<'_>, crossing: &Crossing, reach: f64) -> [Vec<DVec2>; 2] {
     let Ground { map, tin, starts, .. } = ground;
-    let nothing = (Vec::new(), crossing.place);
+    let nothing = [Vec::new(), Vec::new()];
     let [u, v] = crossing.edge;
     let (Some(line), true) = (line_at(tin, starts, if u == NONE { return nothing } else { u }), v != NONE) else {
         return nothing;
@@ -196,10 +199,7 @@ fn around(ground: &Ground<'_>, crossing: &Crossing, reach: f64) -> (Vec<DVec2>, 
         }
         out
     };
-    let mut run = walk(low, false);
-    run.reverse();
-    run.extend(walk(high, true));
-    (run, crossing.place)
+    [walk(low, false), walk(high, true)]
 }
 
 /// Moves the reaches, whose `shifts` are in their order. A node moves as the nearest crossings of its reaches do in the

@@ -24,6 +24,25 @@ tuned! {
         sure_reach: f64 = 4.0,
         /// How far beside its valley a stream is looked for, in tolerances.
         beside_reach: f64 = 6.0,
+        /// Length of the arms by which a crossing is seen to lie in a bend or on a slope, in tolerances.
+        ///
+        /// Tried 3: of streams planted beside their valleys on four maps, 64 % instead of 67 % are found by it.
+        ///
+        /// Refit: planted faults, and streams that are told of without one.
+        slope_arm: f64 = 2.0,
+        /// Where both arms run downstream by this share of their length, the contour bends.
+        ///
+        /// Tried 0.1: no more faults are found, and 0.9 % instead of 0.6 % of the other streams are told of.
+        ///
+        /// Refit: as above.
+        least_valley: f64 = 0.05,
+        /// Where one arm runs upstream by this share of its length, and the other one downstream, or both upstream, the
+        /// crossing lies on a slope.
+        ///
+        /// Tried 0.15 and 0.3: 71 % and 63 % of the faults are found, and 1.4 % and 0.6 % of the other streams told of.
+        ///
+        /// Refit: as above.
+        least_slope: f64 = 0.25,
         /// A bend of a contour whose arms run downstream at least this far has a tip, in tolerances.
         least_tip: f64 = 0.1,
         /// From this depth on, all tips count the same, in tolerances.

@@ -93,6 +93,26 @@ fn beyond_the_tolerance_a_stream_stays_where_it_is() {
 }
 
 #[test]
+fn only_a_stream_on_a_slope_is_told_to_run_beside_its_valley() {
+    let beside = |map: ContourMap, x: f64| {
+        let drawn: Vec<(f64, f64)> = (0..=50).map(|k| (x, 560.0 - 10.0 * f64::from(k))).collect();
+        count(&built(map, &[&drawn], Some(8.0)).1, FindingKind::StreamBeside)
+    };
+    // The valley, and the ridge of its mirror image.
+    let mut ridge = valley();
+    ridge.contours.iter_mut().flat_map(|c| &mut c.points).for_each(|p| p.y += 1.5 * p.x.abs());
+    assert_eq!([0.0, 5.0, 40.0, -70.0].map(|x| beside(valley(), x)), [0, 0, 1, 1]);
+    assert_eq!(beside(ridge, 2.0), 1);
+    // Straight contours tell nothing.
+    let mut plane = valley();
+    plane.contours.iter_mut().for_each(|c| {
+        let y = c.points[10].y;
+        c.points.iter_mut().for_each(|p| p.y = y);
+    });
+    assert_eq!(beside(plane, 40.0), 0);
+}
+
+#[test]
 fn a_stream_that_crosses_a_contour_three_times_is_moved_along_it_or_cut() {
     // Down across the contour of 30 m, up again, and down.
     let drawn = [(0.0, 570.0), (0.0, 310.0), (-60.0, 230.0), (-60.0, 270.0), (-40.0, 230.0), (0.0, 60.0)];
@@ -204,14 +224,16 @@ fn the_middle_line_of_a_river_area_takes_the_place_of_a_stream() {
     assert_eq!(before.feature, 9);
     assert!(without.streams.iter().all(|s| s.order == 1));
     let [without, with] = [without, with].map(|surface| rise_across(&surface));
-    assert!(without > 0.5 && with < 0.4 * without, "{with} {without}");
+    assert!(without > 0.3 && with < 0.1, "{with} {without}");
 }
 
 #[test]
 fn water_stays_in_a_stream_on_a_slope() {
     // Beside the valley the ground falls to its middle, away from the stream.
     let drawn: Vec<(f64, f64)> = (0..=50).map(|k| (60.0, 560.0 - 10.0 * f64::from(k))).collect();
-    let (with, _) = built(valley(), &[&drawn], Some(0.1));
+    let (with, findings) = built(valley(), &[&drawn], Some(0.1));
+    let beside: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamBeside).collect();
+    assert!(beside.len() == 1 && beside[0].message.contains("on slopes"), "{findings:?}");
     let (without, _) = built(valley(), &[], None);
     let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 4.0);
     let cell = |p: DVec2| grid.place(p).round();
@@ -223,7 +245,10 @@ fn water_stays_in_a_stream_on_a_slope() {
             let fall = |step: &DVec2| f64::from(read(at) - read(at + *step)) / step.length();
             at + steps.into_iter().max_by(|a, b| fall(a).total_cmp(&fall(b))).unwrap()
         };
-        let starts: Vec<DVec2> = drawn[4..40].iter().map(|&p| cell(p.into())).collect();
+        // The stream crosses contours at y = 55, 155 and so on, on a slope. There, ground beside it lies below a contour that
+        // it has not reached yet, and no cell of it may. Ten steps further up this does not matter.
+        let starts = drawn.iter().filter(|p| (p.1 - 55.0).rem_euclid(100.0) > 45.0 && p.1 > 100.0);
+        let starts: Vec<DVec2> = starts.map(|&p| cell(p.into())).collect();
         let held = starts.iter().filter(|&&start| {
             let way = std::iter::successors(Some(start), |at| Some(down(*at))).take(11);
             way.map(|at| (at.x - start.x).abs()).fold(0.0, f64::max) <= 1.0
