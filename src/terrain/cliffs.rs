@@ -46,9 +46,15 @@ impl Input {
         }
         self.cliff_reach = CliffTuning::default().reach * self.mean_spacing();
         let near = NearCliffs::new(&added, self.cliff_reach);
-        let open = self.map.contours.iter().filter(|line| !line.is_closed());
-        let ends = open.flat_map(|line| [line.points.first(), line.points.last()]).flatten().copied();
-        let met: Vec<DVec2> = ends.filter(|end| near.holds(*end)).collect();
+        let mut met = Vec::new();
+        for line in self.map.contours.iter().filter(|line| !line.is_closed()) {
+            let ends = [line.points.first(), line.points.last()].into_iter().flatten().copied();
+            let before = met.len();
+            met.extend(ends.filter(|end| near.holds(*end)));
+            if met.len() > before {
+                self.at_cliffs.insert(line.feature);
+            }
+        }
         if !met.is_empty() {
             let message = format!("{} ends of contours at cliffs are no gaps", met.len());
             self.findings.push(Finding::general(FindingKind::AtCliff, message));
@@ -66,14 +72,17 @@ impl Input {
         if length > 0.0 { (most - least).element_product() / length } else { 0.0 }
     }
 
-    /// Findings beside cliffs become notes that say so.
+    /// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff:
+    /// at its end, the ground on the other side may have any elevation.
     pub(super) fn explain_by_cliffs(&mut self) {
-        if self.cliffs.is_empty() {
-            return;
-        }
-        let near = NearCliffs::new(&self.cliffs, self.cliff_reach);
-        let is_explained = |f: &Finding| EXPLAINED.contains(&f.kind) && f.place.is_some_and(|p| near.holds(p));
-        for finding in self.findings.iter_mut().filter(|finding| is_explained(finding)) {
+        let Self { cliffs, cliff_reach, at_cliffs, findings, .. } = self;
+        let near = NearCliffs::new(cliffs, *cliff_reach);
+        let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));
+        let is_explained = |f: &Finding| match f.kind {
+            FindingKind::WrongLabel => !f.features.is_empty() && ends_there(f),
+            kind => EXPLAINED.contains(&kind) && f.place.is_some_and(|p| near.holds(p)),
+        };
+        for finding in findings.iter_mut().filter(|finding| is_explained(finding)) {
             finding.message = format!("at a cliff: {}", finding.message);
             finding.kind = FindingKind::AtCliff;
         }

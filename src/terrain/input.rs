@@ -5,6 +5,7 @@
 //! coordinate reference system of its own.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use geo::MultiPolygon;
@@ -15,8 +16,8 @@ use super::base::Base;
 use super::part::Part;
 use super::plane::{named, on_plane};
 use super::units::Elevations;
-use crate::base::ElevationUnit;
 use crate::base::error::{Finding, FindingKind, Report, Result};
+use crate::base::{ElevationUnit, FeatureId};
 use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
@@ -92,6 +93,8 @@ pub struct Input {
     pub(super) excluded: Vec<MultiPolygon<f64>>,
     /// How far contours that end beside a cliff end because of it, map units.
     pub(super) cliff_reach: f64,
+    /// The features of contours that end beside a cliff.
+    pub(super) at_cliffs: BTreeSet<FeatureId>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
 }

@@ -55,3 +55,31 @@ fn the_surface_jumps_at_a_cliff_and_contours_that_end_there_are_no_fault() {
     assert!(notes.iter().all(|kind| *kind == FindingKind::AtCliff), "{notes:?}");
     assert!(without > 1.5 && with < 0.3, "{with} m, {without} m without");
 }
+
+#[test]
+fn elevations_at_a_cliff_that_is_no_multiple_of_the_interval_high_are_no_fault() {
+    // The east is 35 m higher, and the contours are curved.
+    let place = |x: f64, y: f64| DVec2::new(x, y + 30.0 * (x / 200.0).sin());
+    let side = |is_west: bool| {
+        let (turn, first) = if is_west { (-1.0, 0.0) } else { (1.0, 350.0) };
+        (0..15).map(move |k| (k, 100.0 * f64::from(k) - first)).filter(|(_, y)| (-50.0..1050.0).contains(y)).map(
+            move |(k, y)| Contour {
+                elevation: 10.0 * f64::from(k),
+                points: (0..=30).map(|i| place(turn * 20.0 * f64::from(i), y)).collect(),
+                feature: (2 * k as u64 + u64::from(is_west)).into(),
+            },
+        )
+    };
+    let kinds = |with_cliff: bool| {
+        let map = ContourMap { contours: side(true).chain(side(false)).collect(), ..ContourMap::default() };
+        let mut input = Input::from_map(map, &InputOptions::default()).expect("the map is sound");
+        if with_cliff {
+            let points = vec![DVec2::new(0.0, -60.0), DVec2::new(0.0, 1060.0)];
+            input.add_cliffs([CliffLine { points, feature: 1.into() }], None).expect("there is no system");
+        }
+        let terrain = Terrain::build(input, &Options::default()).expect("the map has a surface");
+        terrain.findings.iter().map(|f| f.kind).collect::<Vec<_>>()
+    };
+    assert!(kinds(false).contains(&FindingKind::WrongLabel), "{:?}", kinds(false));
+    assert!(kinds(true).iter().all(|kind| *kind == FindingKind::AtCliff), "{:?}", kinds(true));
+}
