@@ -14,7 +14,7 @@ use super::working_grid::WorkingGrid;
 use super::{curvature_gain, residual, shrinkage, soft_spots};
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
-use crate::streams::{Stream, fall_along, follow, hold_along, raise_to};
+use crate::streams::{Stream, fall_along, follow, raise_to};
 use crate::tuning::SplineTuning;
 
 /// How often pits are breached beside streams.
@@ -117,7 +117,6 @@ pub fn spline(
         problem.breach(heights, &limits);
         fall_along(&streams, grid, heights, bounds);
     }
-    hold_along(&streams, grid, heights, bounds);
     progress.finish();
     (working, streams)
 }

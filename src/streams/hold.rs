@@ -32,20 +32,20 @@ enum Place {
     Leak,
 }
 
-/// Lowers heights along streams until their water stays within a cell of them. All stay between `bounds`. Then banks are
-/// lowered where they rise between two cells of a stream. Heights that are NaN stay. `streams` come in an order in which
-/// each one follows those that flow into it.
-pub(crate) fn hold_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
+/// Lowers heights along streams until their water stays within a cell of them. Then banks are lowered where they rise
+/// between two cells of a stream. No height falls below its `floor`, and none that is below it changes. Heights that are
+/// NaN stay. `streams` come in an order in which each one follows those that flow into it.
+pub(crate) fn hold_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], floor: impl Fn(usize) -> f32) {
     let mut held = Held::new(streams, grid, heights.len());
     for round in 0..=BANK_ROUNDS {
         for _ in 0..SEARCHES {
             let leaks = held.find_leaks(heights);
-            let rounds = (0..ROUNDS).take_while(|_| held.lower_streams(heights, &bounds)).count();
+            let rounds = (0..ROUNDS).take_while(|_| held.lower_streams(heights, &floor)).count();
             if !leaks && rounds == 0 {
                 break;
             }
         }
-        if round == BANK_ROUNDS || !held.lower_banks(streams, heights, &bounds) {
+        if round == BANK_ROUNDS || !held.lower_banks(streams, heights, &floor) {
             break;
         }
     }
@@ -105,7 +105,7 @@ impl<'a> Held<'a> {
 
     /// Lowers the cells of streams until heights fall along them, below leaks as steeply as to any bank. Whether one was
     /// changed.
-    fn lower_streams(&self, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) -> bool {
+    fn lower_streams(&self, heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
         let mut changed = false;
         for pair in self.ways.iter().flat_map(|way| way.windows(2)) {
             let (from, to) = (pair[0], pair[1]);
@@ -117,7 +117,7 @@ impl<'a> Held<'a> {
             }
             let most = (heights[from] - steepest * length).next_down();
             if heights[to] > most {
-                let lowered = most.max(bounds(to)[0]).min(heights[to]);
+                let lowered = most.max(floor(to)).min(heights[to]);
                 changed |= lowered < heights[to];
                 heights[to] = lowered;
             }
@@ -126,9 +126,10 @@ impl<'a> Held<'a> {
     }
 
     /// Lowers banks between which heights rise along streams. Whether one was changed.
-    fn lower_banks(&self, streams: &[Stream], heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) -> bool {
-        // Cells of streams stay: no way leads down to this.
-        let bounds = |n: usize| if self.places[n] < Place::Stream { bounds(n) } else { [f32::INFINITY; 2] };
+    fn lower_banks(&self, streams: &[Stream], heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
+        // Cells of streams stay.
+        let floor = |n: usize| if self.places[n] < Place::Stream { floor(n) } else { f32::INFINITY };
+        let bounds = |n: usize| [floor(n), f32::INFINITY];
         let mut changed = false;
         for stream in streams {
             let mut most = f32::INFINITY;

@@ -1,5 +1,7 @@
 //! Heights of a surface on any grid.
 
+use std::cell::Cell;
+
 use glam::DVec2;
 
 use super::built::Surface;
@@ -22,7 +24,8 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     let Some(working) = &surface.working else {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
     };
-    if let Some(values) = working.on_nodes(grid) {
+    if let Some(mut values) = working.on_nodes(grid) {
+        hold_water(surface, grid, &mut values);
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
@@ -44,9 +47,29 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         };
         raise_to(&surface.streams, grid, &mut values, band);
         fall_along(&surface.streams, grid, &mut values, band);
-        hold_along(&surface.streams, grid, &mut values, band);
+        hold_water(surface, grid, &mut values);
     }
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
+}
+
+/// Makes streams hold the water of a height map ([`hold_along`]). This depends on the size of the cells. So the surface itself
+/// stays as it is. Cells on vertices of contours keep their heights.
+fn hold_water(surface: &Surface, grid: &Grid, values: &mut [f32]) {
+    if surface.streams.is_empty() {
+        return;
+    }
+    let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
+    fixed.sort_unstable();
+    let near = Cell::new(0);
+    hold_along(&surface.streams, grid, values, |cell| {
+        let mut from = near.get();
+        let found = triangle_at(surface, &mut from, grid.center(cell % grid.cols, cell / grid.cols));
+        near.set(from);
+        match found.and_then(|t| surface.regions.region(t)) {
+            Some(region) if fixed.binary_search(&cell).is_err() => region.band.lo as f32,
+            _ => f32::INFINITY,
+        }
+    });
 }
 
 /// Heights of the surface at the cell centres of a grid in other coordinates, metres, row by row from the north-west;
