@@ -34,9 +34,15 @@ enum Place {
 
 /// Lowers heights along streams until their water stays within a cell of them. Then banks are lowered where they rise
 /// between two cells of a stream. No height falls below its `floor`, and none that is below it changes. Heights that are
-/// NaN stay. `streams` come in an order in which each one follows those that flow into it.
-pub(crate) fn hold_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], floor: impl Fn(usize) -> f32) {
-    let mut held = Held::new(streams, grid, heights.len());
+/// NaN stay. `streams` come in an order in which each one follows those that flow into it. `size` is that of a cell on the
+/// ground.
+pub(crate) fn hold_along(
+    streams: &[Stream],
+    (grid, size): (&Grid, DVec2),
+    heights: &mut [f32],
+    floor: impl Fn(usize) -> f32,
+) {
+    let mut held = Held::new(streams, (grid, size), heights.len());
     for round in 0..=BANK_ROUNDS {
         for _ in 0..SEARCHES {
             let leaks = held.find_leaks(heights);
@@ -61,7 +67,7 @@ struct Held<'a> {
 }
 
 impl<'a> Held<'a> {
-    fn new(streams: &[Stream], grid: &'a Grid, cells: usize) -> Self {
+    fn new(streams: &[Stream], (grid, size): (&'a Grid, DVec2), cells: usize) -> Self {
         let way = |stream: &Stream| {
             let mut cells = Vec::new();
             for_each_reading(stream, grid, |place, _| cells.extend(nearest(grid, place)));
@@ -76,7 +82,7 @@ impl<'a> Held<'a> {
             }
             places[cell] = Place::Stream;
         }
-        let distances = STEPS.map(|(x, y)| (grid.cell * DVec2::new(x as f64, y as f64)).length() as f32);
+        let distances = STEPS.map(|(x, y)| (size * DVec2::new(x as f64, y as f64)).length() as f32);
         Self { grid, places, ways, distances }
     }
 

@@ -28,4 +28,5 @@ pub(crate) use drained::{InOther, drain_heights, pits_of};
 pub use errors::{standard_errors, standard_errors_on};
 pub(crate) use given_lines::settle_lines;
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
+pub(crate) use sample::follow_streams;
 pub use sample::{heights, heights_on};

@@ -15,7 +15,7 @@ use crate::drain::Pit;
 use crate::spline::Wanted;
 use crate::subdomains::FrameRing;
 use crate::surface::{
-    InOther, Surface, drain_heights, heights, heights_on, pits_of, standard_errors, standard_errors_on,
+    InOther, Surface, drain_heights, follow_streams, heights, heights_on, pits_of, standard_errors, standard_errors_on,
 };
 
 /// The cells that a height map is wanted at.
@@ -217,7 +217,9 @@ impl Cells {
         let mut dem = match &self.apart {
             Some(Apart { crs, way }) => {
                 let values = heights_on(surface, &grid, &|p| way.forward(p), progress);
-                Dem { grid, values, crs: Some(crs.clone()) }
+                let mut dem = Dem { grid, values, crs: Some(crs.clone()) };
+                self.in_other(|other| other.map(|other| follow_streams(surface, &mut dem, other)));
+                dem
             }
             None => heights(surface, &grid, progress),
         };

@@ -42,6 +42,24 @@ fn used(path: &Path) -> usize {
     read_streams(path, &options).unwrap().value.0.lines.len()
 }
 
+/// How much heights rise along the streams of a file of diagnostics, read at the nearest cell, metres.
+fn rises(height_map: &Path, diagnostics: &Path) -> f32 {
+    let dem = read_dem(height_map).unwrap().value.dem;
+    let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
+    let mut sum = 0.0;
+    for stream in &read_streams(diagnostics, &options).unwrap().value.0.lines {
+        let along = stream.points.windows(2).flat_map(|w| (0..4).map(|k| w[0].lerp(w[1], f64::from(k) / 4.0)));
+        let read = |p: glam::DVec2| {
+            let place = dem.grid.place(p).round();
+            let inside = place.min_element() >= 0.0 && place.x < dem.grid.cols as f64 && place.y < dem.grid.rows as f64;
+            if inside { dem.values[place.y as usize * dem.grid.cols + place.x as usize] } else { f32::NAN }
+        };
+        let values: Vec<f32> = along.map(read).filter(|z| !z.is_nan()).collect();
+        sum += values.windows(2).map(|w| (w[1] - w[0]).max(0.0)).sum::<f32>();
+    }
+    sum
+}
+
 #[test]
 fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
     let folder = with_streams(folder_with("caryville_20m.gpkg", "c.gpkg"));
@@ -49,26 +67,18 @@ fn a_height_map_falls_along_its_streams_and_the_summary_tells_of_them() {
     assert!(text.contains("streams  ") && text.contains("used.gpkg"), "{text}");
     assert!(used(&folder.path("used.gpkg")) > 20, "{text}");
     folder.succeeds("dem c.gpkg --cell 10 -o plain.tif");
-    let [with, without] = ["d.tif", "plain.tif"].map(|name| read_dem(&folder.path(name)).unwrap().value.dem);
-    assert_eq!(with.grid, without.grid);
-    let options = ReadOptions { layer: Some("streams".into()), ..ReadOptions::default() };
-    let streams = read_streams(&folder.path("used.gpkg"), &options).unwrap().value.0.lines;
-    let rises = |dem: &tokosen::dem::Dem| {
-        let mut sum = 0.0;
-        for stream in &streams {
-            let along = stream.points.windows(2).flat_map(|w| (0..4).map(|k| w[0].lerp(w[1], f64::from(k) / 4.0)));
-            let read = |p: glam::DVec2| {
-                let place = dem.grid.place(p).round();
-                let inside =
-                    place.min_element() >= 0.0 && place.x < dem.grid.cols as f64 && place.y < dem.grid.rows as f64;
-                if inside { dem.values[place.y as usize * dem.grid.cols + place.x as usize] } else { f32::NAN }
-            };
-            let values: Vec<f32> = along.map(read).filter(|z| !z.is_nan()).collect();
-            sum += values.windows(2).map(|w| (w[1] - w[0]).max(0.0)).sum::<f32>();
-        }
-        sum
-    };
-    let (with, without) = (rises(&with), rises(&without));
+    let [with, without] = ["d.tif", "plain.tif"].map(|name| rises(&folder.path(name), &folder.path("used.gpkg")));
+    assert!(without > 10.0 && with < 0.1 * without, "{with} of {without}");
+}
+
+#[test]
+fn a_height_map_in_another_system_falls_along_its_streams() {
+    let folder = folder();
+    // The sample is in UTM 16N on WGS 84; the coordinates of NAD83 differ from these by less than a cell.
+    let other = "--to-crs EPSG:26916 --cell 10";
+    folder.succeeds(&format!("dem c.gpkg {other} --streams streams.gpkg -o d.tif --diagnostics used.gpkg"));
+    folder.succeeds(&format!("dem c.gpkg {other} -o plain.tif"));
+    let [with, without] = ["d.tif", "plain.tif"].map(|name| rises(&folder.path(name), &folder.path("used.gpkg")));
     assert!(without > 10.0 && with < 0.1 * without, "{with} of {without}");
 }
 
