@@ -18,8 +18,8 @@ const HELD_STEPS: usize = 10;
 /// Lowering one cell changes the ways from its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 4;
 /// Searches for leaks, and how often banks are lowered in between.
-const SEARCHES: usize = 3;
-const BANK_ROUNDS: usize = 3;
+const SEARCHES: usize = 2;
+const BANK_ROUNDS: usize = 2;
 
 /// Where a cell lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
