@@ -79,8 +79,7 @@ fn is_on_slope(
         Some((tip - left).min(tip - right) / arm)
     };
     let places = (0..PLACES).map(|k| tolerance * (2.0 * f64::from(k) / f64::from(PLACES - 1) - 1.0));
-    let deepest =
-        places.filter_map(depth).fold(None, |most: Option<f64>, d| Some(most.map_or(d, |most| most.max(d))))?;
+    let deepest = places.filter_map(depth).reduce(f64::max)?;
     let [left, right] = [upstream(-arm)? / arm, upstream(arm)? / arm];
     // On a slope one arm runs upstream and the other one downstream; on a ridge both run upstream.
     let slope = left.max(right).min((-left).max(-right)).max(left.min(right));

@@ -7,7 +7,7 @@ use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use crate::tin::Tin;
+use crate::tin::{NONE, Tin};
 
 /// The middles of the edges that span an area, its tips, and the steps between them. All steps lie inside triangles.
 /// Places are relative to the origin of the triangulation.
@@ -82,20 +82,28 @@ impl<'a> Chords<'a> {
     /// Empty if there are no two ends.
     pub fn courses(mut self, entries: &[DVec2], own: f64) -> Vec<Vec<DVec2>> {
         let origin = self.tin.origin;
-        let is_own = |&tip: &u32| entries.iter().all(|p| p.distance(self.places[tip as usize] + origin) > own);
+        let near = RTree::bulk_load(entries.iter().map(|p| (*p - origin).to_array()).collect());
+        let is_own =
+            |&tip: &u32| near.locate_within_distance(self.places[tip as usize].to_array(), own * own).next().is_none();
         let mut ends: Vec<u32> = self.tips.iter().copied().filter(is_own).collect();
         let entered: Vec<u32> = entries.iter().filter_map(|p| self.enter(*p - origin)).collect();
         ends.extend(&entered);
         let from_first = ends.first().map(|&first| self.furthest(first, &ends));
-        let Some(&from) = from_first.as_ref().and_then(|way| way.last()) else { return Vec::new() };
-        let mut ways = vec![self.furthest(from, &ends)];
-        if ways[0].len() < 2 {
+        let Some(&from) = from_first.as_ref().and_then(|way| way.first()) else { return Vec::new() };
+        let main = self.furthest(from, &ends);
+        if main.len() < 2 {
             return Vec::new();
         }
-        for entry in entered {
-            let is_on = |n: u32| ways.iter().flatten().any(|&on| on == n);
-            let way = self.nearest(entry, is_on);
-            ways.extend(way.filter(|way| way.len() > 1));
+        let (distances, before) = self.distances(&main);
+        let mut is_on = vec![false; self.places.len()];
+        main.iter().for_each(|&n| is_on[n as usize] = true);
+        let mut ways = vec![main];
+        for entry in entered.into_iter().filter(|&entry| distances[entry as usize].is_finite()) {
+            // To the main way, or to a way that leads there.
+            let step = |&n: &u32| (!is_on[n as usize]).then(|| before[n as usize]);
+            let way: Vec<u32> = std::iter::successors(Some(entry), step).collect();
+            way.iter().for_each(|&n| is_on[n as usize] = true);
+            ways.extend(Some(way).filter(|way| way.len() > 1));
         }
         ways.iter().map(|way| way.iter().map(|&n| self.places[n as usize] + origin).collect()).collect()
     }
@@ -117,32 +125,25 @@ impl<'a> Chords<'a> {
         Some(entry)
     }
 
-    /// The shortest way to the one of the ends that is furthest by it.
-    fn furthest(&self, from: u32, ends: &[u32]) -> Vec<u32> {
-        let (distances, before) = self.distances(from, |_| false);
+    /// The shortest way from the end that is furthest away to a node.
+    fn furthest(&self, to: u32, ends: &[u32]) -> Vec<u32> {
+        let (distances, before) = self.distances(&[to]);
         let reached = ends.iter().copied().filter(|&end| distances[end as usize].is_finite());
-        let to = reached.max_by(|&a, &b| distances[a as usize].total_cmp(&distances[b as usize])).unwrap_or(from);
-        way(&before, from, to)
+        let from = reached.max_by(|&a, &b| distances[a as usize].total_cmp(&distances[b as usize])).unwrap_or(to);
+        let step = |&n: &u32| (n != to).then(|| before[n as usize]);
+        std::iter::successors(Some(from), step).collect()
     }
 
-    /// The shortest way to a node that is wanted.
-    fn nearest(&self, from: u32, wanted: impl Fn(u32) -> bool) -> Option<Vec<u32>> {
-        let (distances, before) = self.distances(from, &wanted);
-        let reached = (0..self.places.len() as u32).filter(|&n| wanted(n) && distances[n as usize].is_finite());
-        let to = reached.min_by(|&a, &b| distances[a as usize].total_cmp(&distances[b as usize]))?;
-        Some(way(&before, from, to))
-    }
-
-    /// The length of the shortest way to each node, and the node before it on this way (Dijkstra's algorithm). No way
-    /// leads past a node that is an end.
-    fn distances(&self, from: u32, is_end: impl Fn(u32) -> bool) -> (Vec<f64>, Vec<u32>) {
+    /// The length of the shortest way from any of some nodes to each node, and the node before it on this way (Dijkstra's
+    /// algorithm).
+    fn distances(&self, from: &[u32]) -> (Vec<f64>, Vec<u32>) {
         let mut distances = vec![f64::INFINITY; self.places.len()];
-        let mut before = vec![from; self.places.len()];
-        let mut heap = BinaryHeap::from([Reverse((0, from))]);
-        distances[from as usize] = 0.0;
+        let mut before = vec![NONE; self.places.len()];
+        let mut heap: BinaryHeap<_> = from.iter().map(|&n| Reverse((0, n))).collect();
+        from.iter().for_each(|&n| distances[n as usize] = 0.0);
         while let Some(Reverse((key, n))) = heap.pop() {
             let so_far = distances[n as usize];
-            if key > so_far.to_bits() || is_end(n) {
+            if key > so_far.to_bits() {
                 continue;
             }
             for &next in &self.steps[n as usize] {
@@ -162,12 +163,4 @@ impl<'a> Chords<'a> {
 /// Whether an edge of a triangle has both ends, but no more, on the outline.
 fn spans(tin: &Tin, t: u32, i: usize) -> bool {
     !tin.is_constraint(t, i) && tin.inner_neighbour(t, i).is_some()
-}
-
-/// The nodes from one to another, by the node before each.
-fn way(before: &[u32], from: u32, to: u32) -> Vec<u32> {
-    let step = |&n: &u32| (n != from).then(|| before[n as usize]);
-    let mut way: Vec<u32> = std::iter::successors(Some(to), step).collect();
-    way.reverse();
-    way
 }

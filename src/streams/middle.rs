@@ -31,6 +31,9 @@ const THROUGH: f64 = 0.5;
 /// further from an area than `snap` (map units) join its middle line.
 pub(crate) fn with_middle_lines(streams: &Streams, snap: f64) -> (Vec<StreamLine>, Vec<Finding>) {
     let (mut lines, mut findings) = (streams.lines.clone(), Vec::new());
+    if streams.areas.is_empty() {
+        return (lines, findings);
+    }
     let ends = streams.lines.iter().flat_map(|line| [line.points.first(), line.points.last()]);
     let ends = RTree::bulk_load(ends.flatten().map(|p| p.to_array()).collect());
     let pieces = streams.lines.iter().flat_map(|line| line.points.windows(2));
@@ -87,8 +90,9 @@ fn middle_lines(
     if inside < THROUGH * length(main) { courses } else { Vec::new() }
 }
 
-/// The length of a piece of a stream inside an area, from points `step` apart.
+/// The length of a piece of a stream inside an area, from points about `step` apart.
 fn inside_length(piece: &Line<[f64; 2]>, border: &Border, step: f64) -> f64 {
+    let step = step.max(LEAST_STEP * piece.length_2().sqrt());
     let points = dense(&LineString::from(vec![piece.from, piece.to]), step);
     let inside = points.windows(2).filter(|w| border.contains(w[0].midpoint(w[1])));
     inside.map(|w| w[0].distance(w[1])).sum()
