@@ -79,7 +79,7 @@ fn a_height_map_in_another_system_falls_along_its_streams() {
     folder.succeeds(&format!("dem c.gpkg {other} --streams streams.gpkg -o d.tif --diagnostics used.gpkg"));
     folder.succeeds(&format!("dem c.gpkg {other} -o plain.tif"));
     let [with, without] = ["d.tif", "plain.tif"].map(|name| rises(&folder.path(name), &folder.path("used.gpkg")));
-    assert!(without > 10.0 && with < 0.1 * without, "{with} of {without}");
+    assert!(without > 10.0 && with < 0.2 * without, "{with} of {without}");
 }
 
 #[test]
