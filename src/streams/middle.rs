@@ -22,6 +22,8 @@ use crate::tin::{TinInput, VertexKind, triangulate};
 /// a share of the length of the outline, which limits the time.
 const STEP: f64 = 0.5;
 const LEAST_STEP: f64 = 1e-4;
+/// Triangles narrower than this share of the distance of the vertices come from rounding.
+const SLIVER: f64 = 1e-6;
 /// A tip of the area that is nearer to the end of a stream, in mean widths of the area, is no end of its own.
 const OWN_END: f64 = 3.0;
 /// A stream runs through an area if the length inside is at least this share of the length of the middle line.
@@ -71,7 +73,9 @@ fn middle_lines(
     rings().for_each(|ring| input.push_line(&dense(ring, step), 0.0, VertexKind::Axis));
     let Ok(tin) = triangulate(input) else { return Vec::new() };
     let border = Border::new(&MultiPolygon::from(area.clone()));
-    let tin = tin.restricted(|place| border.contains(place));
+    // Between the vertices of one straight bank, rounding leaves slivers on either side of it.
+    let is_wide: Vec<bool> = (0..tin.len()).map(|t| tin.width(t as u32) > SLIVER * step).collect();
+    let tin = tin.restricted(|place| border.contains(place)).only(&is_wide);
     let chords = Chords::new(&tin);
 
     let is_at = |p: &DVec2| {
@@ -149,6 +153,23 @@ mod tests {
             let off = |p: &DVec2| middle.iter().map(|s| point_distance(*p, s)).fold(f64::INFINITY, f64::min);
             let widest = inner.iter().filter(|p| p.x > 8.0 && p.y < 72.0).map(off).fold(0.0, f64::max);
             assert!(widest < 5.0, "{widest}");
+        }
+    }
+
+    #[test]
+    fn the_middle_line_of_a_winding_river_reaches_from_end_to_end() {
+        for count in [50, 80, 200, 500] {
+            let bank = |k: i32, off: f64| {
+                let t = f64::from(k) / f64::from(count);
+                (744_000.0 + 8000.0 * t, 4_020_000.0 + 300.0 * (25.0 * t).sin() + off)
+            };
+            let outline: Vec<_> =
+                (0..=count).map(|k| bank(k, 60.0)).chain((0..=count).rev().map(|k| bank(k, 0.0))).collect();
+            let polygon = Polygon::new(LineString::from(outline), Vec::new());
+            let streams = Streams { areas: vec![RiverArea { polygon, feature: 0.into() }], ..Streams::default() };
+            let (lines, _) = with_middle_lines(&streams, 1.0);
+            let along = length(&lines[0].points);
+            assert!((8500.0..10500.0).contains(&along), "{count}: {along}");
         }
     }
 
