@@ -13,6 +13,7 @@ use rstar::{AABB, RTree};
 use super::areas::dense;
 use super::chords::Chords;
 use super::line::{StreamLine, Streams};
+use super::network::length;
 use crate::base::error::{Finding, FindingKind};
 use crate::base::parallel;
 use crate::geometry::{Border, point_distance};
@@ -100,10 +101,6 @@ fn inside_length(piece: &Line<[f64; 2]>, border: &Border, step: f64) -> f64 {
     let points = dense(&LineString::from(vec![piece.from, piece.to]), step);
     let inside = points.windows(2).filter(|w| border.contains(w[0].midpoint(w[1])));
     inside.map(|w| w[0].distance(w[1])).sum()
-}
-
-fn length(points: &[DVec2]) -> f64 {
-    points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
 #[cfg(test)]

@@ -109,7 +109,8 @@ fn course_key(points: &[DVec2]) -> Vec<[u64; 2]> {
     key
 }
 
-fn length(points: &[DVec2]) -> f64 {
+/// Length of a line, map units.
+pub(super) fn length(points: &[DVec2]) -> f64 {
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 

@@ -6,6 +6,7 @@
 //!   triangle with three corners on one level is left only where the ground is level.
 //! * [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
 
+mod along_streams;
 mod build;
 mod built;
 mod conditions;
@@ -21,6 +22,7 @@ mod skeleton_lines;
 mod smooth_height;
 mod trial_builder;
 
+pub(crate) use along_streams::follow_streams;
 pub use build::build;
 pub use built::Surface;
 pub use drained::working_pits;
@@ -28,5 +30,4 @@ pub(crate) use drained::{InOther, drain_heights, pits_of};
 pub use errors::{standard_errors, standard_errors_on};
 pub(crate) use given_lines::settle_lines;
 pub use params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
-pub(crate) use sample::follow_streams;
 pub use sample::{heights, heights_on};

@@ -1,16 +1,14 @@
 //! Heights of a surface on any grid.
 
-use std::cell::Cell;
-
 use glam::DVec2;
 
+use super::along_streams::hold_water;
 use super::built::Surface;
 use super::conditions::on_contours;
-use super::drained::InOther;
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::dem::{Dem, height, locate, rasterise};
-use crate::streams::{Stream, fall_along, hold_along, raise_to};
+use crate::streams::{fall_along, raise_to};
 use crate::tin::{NONE, Tin};
 
 /// Rows per task: enough to be worth a task.
@@ -51,63 +49,6 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         hold_water(surface, grid, &mut values);
     }
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
-}
-
-/// Makes streams hold the water of a height map ([`hold_along`]). This depends on the size of the cells. So the surface itself
-/// stays as it is. Cells on vertices of contours keep their heights.
-fn hold_water(surface: &Surface, grid: &Grid, values: &mut [f32]) {
-    if surface.streams.is_empty() {
-        return;
-    }
-    let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
-    fixed.sort_unstable();
-    let band = bands(surface, grid, &Some);
-    let floor = |cell: usize| if fixed.binary_search(&cell).is_ok() { f32::INFINITY } else { band(cell)[0] };
-    hold_along(&surface.streams, (grid, grid.cell), values, floor);
-}
-
-/// Brings a height map in other coordinates into agreement with the streams: heights fall along them, and they hold the
-/// water.
-pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_>) {
-    let Dem { grid, values, .. } = dem;
-    if surface.streams.is_empty() || grid.is_empty() {
-        return;
-    }
-    let in_other = |stream: &Stream| {
-        let points = stream.points.iter().filter_map(|p| Some((other.from_surface)(p.truncate())?.extend(p.z)));
-        Stream { points: points.collect(), ..stream.clone() }
-    };
-    let streams: Vec<Stream> = surface.streams.iter().map(in_other).collect();
-    let band = bands(surface, grid, other.to_surface);
-    raise_to(&streams, grid, values, &band);
-    fall_along(&streams, grid, values, &band);
-    hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, |cell| band(cell)[0]);
-}
-
-/// Width and height of a cell in the middle of a grid in other coordinates, in the units of the surface.
-fn size_on_surface(grid: &Grid, to_surface: &dyn Fn(DVec2) -> Option<DVec2>) -> DVec2 {
-    let middle = grid.center(grid.cols / 2, grid.rows / 2);
-    let length = |step: DVec2| Some(to_surface(middle + step)?.distance(to_surface(middle)?));
-    let size = [DVec2::new(grid.cell.x, 0.0), DVec2::new(0.0, grid.cell.y)].map(length);
-    if let [Some(x), Some(y)] = size { DVec2::new(x, y) } else { grid.cell }
-}
-
-/// The band at each cell; NaN, which bounds nothing, where there is no ground.
-fn bands<'a>(
-    surface: &'a Surface,
-    grid: &'a Grid,
-    to_surface: &'a dyn Fn(DVec2) -> Option<DVec2>,
-) -> impl Fn(usize) -> [f32; 2] + 'a {
-    // Cells are asked for in the order of streams. So the triangle of one is near that of the one before.
-    let near = Cell::new(0);
-    move |cell| {
-        let mut from = near.get();
-        let place = to_surface(grid.center(cell % grid.cols, cell / grid.cols));
-        let triangle = place.and_then(|p| triangle_at(surface, &mut from, p));
-        near.set(from);
-        let region = triangle.and_then(|t| surface.regions.region(t));
-        region.map_or([f32::NAN; 2], |region| [region.band.lo as f32, region.band.hi as f32])
-    }
 }
 
 /// Heights of the surface at the cell centres of a grid in other coordinates, metres, row by row from the north-west;
