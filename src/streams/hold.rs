@@ -3,7 +3,7 @@
 //! Programs that follow water over a height map take the steepest of the ways from a cell to its eight neighbours (D8;
 //! O'Callaghan and Mark 1984, Computer Vision, Graphics and Image Processing 28). Where the ground beside a stream falls to
 //! one side, or hardly falls at all, this way leaves the stream, even if heights fall along it. There, the cells of the
-//! stream are lowered, until the way along the stream is the steepest one. That takes no more than the ground falls over
+//! stream are lowered, until the way along the stream is the steepest one. That mostly takes what the ground falls over
 //! the width of a cell. No trench is dug where water stays in the stream anyway.
 
 use glam::DVec2;

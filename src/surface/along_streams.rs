@@ -12,6 +12,12 @@ use crate::base::Grid;
 use crate::dem::Dem;
 use crate::streams::{Stream, fall_along, hold_along, raise_to};
 
+/// Cells are lowered by at most this share of the contour interval to hold water.
+///
+/// Tried 0.06 and 0.25 before the search for leaks: of four maps, water stays in 93 to 99 % and 98 to 100 % of the stream
+/// cells, with 0.12 in 96 to 100 %.
+const DEEPEST: f64 = 0.125;
+
 /// Makes streams hold the water of a height map ([`hold_along`]). This depends on the size of the cells. So the surface itself
 /// stays as it is. Cells on vertices of contours keep their heights.
 pub(super) fn hold_water(surface: &Surface, grid: &Grid, values: &mut [f32]) {
@@ -21,7 +27,8 @@ pub(super) fn hold_water(surface: &Surface, grid: &Grid, values: &mut [f32]) {
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
     let band = bands(surface, grid, &Some);
-    let floor = |cell: usize| if fixed.binary_search(&cell).is_ok() { f32::INFINITY } else { band(cell)[0] };
+    let floor = floor(surface, values, band);
+    let floor = |cell: usize| if fixed.binary_search(&cell).is_ok() { f32::INFINITY } else { floor(cell) };
     hold_along(&surface.streams, (grid, grid.cell), values, floor);
 }
 
@@ -40,7 +47,19 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     let band = bands(surface, grid, other.to_surface);
     raise_to(&streams, grid, values, &band);
     fall_along(&streams, grid, values, &band);
-    hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, |cell| band(cell)[0]);
+    let floor = floor(surface, values, band);
+    hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, floor);
+}
+
+/// How far cells may be lowered to hold water: to the floor of their band, but by no more than [`DEEPEST`]. Without this
+/// limit, one cell beside much lower ground would lower all cells downstream of it.
+fn floor<B>(surface: &Surface, values: &[f32], band: B) -> impl Fn(usize) -> f32 + use<B>
+where
+    B: Fn(usize) -> [f32; 2],
+{
+    let before = values.to_vec();
+    let most = (DEEPEST * surface.interval.step) as f32;
+    move |cell| band(cell)[0].max(before[cell] - most)
 }
 
 /// Width and height of a cell in the middle of a grid in other coordinates, in the units of the surface.
