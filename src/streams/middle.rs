@@ -45,8 +45,9 @@ pub(crate) fn with_middle_lines(streams: &Streams, snap: f64) -> (Vec<StreamLine
     for (area, courses) in streams.areas.iter().zip(found) {
         let Some(main) = courses.first() else { continue };
         let length: f64 = courses.iter().map(|course| length(course)).sum();
-        let message =
-            format!("no stream runs through the river area; its middle line is used, {length:.1} map units long");
+        let message = format!(
+            "no stream runs through the river area; its middle line, {length:.1} map units long, counts as a stream"
+        );
         findings.push(Finding::at(FindingKind::RiverMiddle, main[main.len() / 2], message).of_feature(area.feature));
         lines.extend(courses.into_iter().map(|points| StreamLine { points, feature: area.feature }));
     }

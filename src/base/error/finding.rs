@@ -169,8 +169,8 @@ kinds! {
     StreamLeftOut = "stream-left-out", Warning, "streams left out";
     /// A stream, or a piece of it, lies outside the frame. It was left out there.
     StreamOutside = "stream-outside", Note, "streams outside the frame";
-    /// No stream runs through a river area. Its middle line is used as one.
-    RiverMiddle = "river-middle", Note, "river areas without a stream, whose middle lines are used";
+    /// No stream runs through a river area. Its middle line counts as one.
+    RiverMiddle = "river-middle", Note, "river areas without a stream, whose middle lines count as streams";
     /// The heights of a break line contradict the contours, which win.
     BreakLineConflict = "breakline-conflict", Warning, "heights of break lines that contradict the contours";
     /// A break line, or a piece of it, lies outside the frame or in water. It was left out there.
