@@ -2,20 +2,27 @@
 //!
 //! At a broken contour the ground on both sides is one sub-domain. A line with a wrong elevation gives its two
 //! sub-domains another level. Both make the band wide, even kilometres away. But a triangle with corners on two levels
-//! lies between those levels, and most likely the ground beside it does too.
+//! lies between those levels, and most likely the ground beside it does too. A corner with a given height, such as a spot
+//! height or a vertex of a break line, tells the same: the ground there lies between the levels around this height.
 
 use std::collections::{HashMap, VecDeque};
 
 use super::regions::WIDE;
 use super::{Band, Regions};
 use crate::base::parallel;
+use crate::contour::Interval;
 use crate::tin::{Tin, VertexKind};
 
-/// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels
-/// lies between those. Any other takes the band of the nearest such triangle, counted in triangles. Bands that would
-/// not be narrower are left out. Triangles with a corner that `is_wrong` (a vertex of a line with a wrong elevation)
-/// keep the band of the sub-domain.
-pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool + Sync) -> HashMap<u32, Band> {
+/// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels, or
+/// with a corner that has a `given` height and is on no contour, lies between the levels at its corners. Any other takes
+/// the band of the nearest such triangle, counted in triangles. Bands that would not be narrower are left out. Triangles
+/// with a corner that `is_wrong` (a vertex of a line with a wrong elevation) keep the band of the sub-domain.
+pub fn local_bands(
+    tin: &Tin,
+    regions: &Regions,
+    is_wrong: impl Fn(u32) -> bool + Sync,
+    given: impl Fn(u32) -> Option<f64> + Sync,
+) -> HashMap<u32, Band> {
     let near = WIDE * regions.interval.step;
     let is_wide = |t: u32| {
         tin.is_inside(t)
@@ -24,7 +31,11 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
                 .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
     };
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
-    let known = |t: u32| Some((t, corner_band(tin, t)?));
+    let at_corner = |v: u32| match tin.kinds[v as usize] {
+        VertexKind::Contour => Some(Band { lo: tin.heights[v as usize], hi: tin.heights[v as usize] }),
+        _ => given(v).map(|height| between_levels(&regions.interval, height)),
+    };
+    let known = |t: u32| Some((t, corner_band(tin.triangles[t as usize].into_iter().filter_map(at_corner))?));
     let wide = |t: usize| Some(t as u32).filter(|&t| is_wide(t) && !is_beside_wrong(t));
     let known: Vec<(u32, Band)> = parallel::flat_map(tin.len(), |t| wide(t).and_then(known));
     let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
@@ -45,13 +56,17 @@ pub fn local_bands(tin: &Tin, regions: &Regions, is_wrong: impl Fn(u32) -> bool 
     bands
 }
 
-/// The band between the lowest and the highest level at a triangle's corners, if they differ.
-fn corner_band(tin: &Tin, t: u32) -> Option<Band> {
-    let corners = tin.triangles[t as usize].into_iter();
-    let levels = corners.filter(|&v| tin.kinds[v as usize] == VertexKind::Contour).map(|v| tin.heights[v as usize]);
+/// The band that holds those at the corners of a triangle, if it is more than one level.
+fn corner_band(at_corners: impl Iterator<Item = Band>) -> Option<Band> {
     let none = Band { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
-    let band = levels.fold(none, |band, level| Band { lo: band.lo.min(level), hi: band.hi.max(level) });
+    let band = at_corners.fold(none, |all, one| Band { lo: all.lo.min(one.lo), hi: all.hi.max(one.hi) });
     (band.lo < band.hi).then_some(band)
+}
+
+/// The band between the levels around a height.
+fn between_levels(interval: &Interval, height: f64) -> Band {
+    let number = (height - interval.base) / interval.step;
+    Band { lo: interval.level(number.floor() as i64), hi: interval.level(number.ceil() as i64) }
 }
 
 #[cfg(test)]
@@ -59,7 +74,6 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::contour::Interval;
     use crate::subdomains::regions;
     use crate::tin::{TinInput, triangulate};
 
@@ -77,13 +91,17 @@ mod tests {
     }
 
     /// The bands at points of the x-axis: first those of the sub-domains, then those of the triangles.
-    fn bands(lines: &[(f64, Vec<DVec2>)], places: &[f64]) -> Vec<[Band; 2]> {
+    fn bands(lines: &[(f64, Vec<DVec2>)], spots: &[(f64, DVec2)], places: &[f64]) -> Vec<[Band; 2]> {
         let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
         lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
+        for &(height, at) in spots {
+            input.push(at, height, VertexKind::Spot);
+        }
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &TEN);
+        let given = |v: u32| (tin.kinds[v as usize] == VertexKind::Spot).then(|| tin.heights[v as usize]);
         let wrong = |v: u32| tin.heights[v as usize] == 160.0;
-        let local = local_bands(&tin, &found, wrong);
+        let local = local_bands(&tin, &found, wrong, given);
         let holds = |t: u32, p: DVec2| {
             let [a, b, c] = tin.corners(t);
             [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
@@ -96,17 +114,31 @@ mod tests {
         places.iter().map(band).collect()
     }
 
-    #[test]
-    fn a_broken_contour_tells_the_bands_on_both_its_sides_but_in_the_gap() {
+    /// Three rings. The one in the middle has a gap in the east.
+    fn rings_with_gap() -> [(f64, Vec<DVec2>); 4] {
         let mut broken = ring(0.0, 60.0);
         let gap = broken.iter().position(|p| p.x == 60.0 && p.y > -45.0).unwrap()
             ..broken.iter().position(|p| p.x == 60.0 && p.y > 45.0).unwrap();
         let rest = broken.split_off(gap.end);
         broken.truncate(gap.start);
-        let lines = [(100.0, ring(0.0, 90.0)), (110.0, broken), (110.0, rest), (120.0, ring(0.0, 30.0))];
+        [(100.0, ring(0.0, 90.0)), (110.0, broken), (110.0, rest), (120.0, ring(0.0, 30.0))]
+    }
+
+    #[test]
+    fn a_broken_contour_tells_the_bands_on_both_its_sides_but_in_the_gap() {
+        let lines = rings_with_gap();
         let whole = Band { lo: 100.0, hi: 120.0 };
         let expected = [Band { lo: 100.0, hi: 110.0 }, Band { lo: 110.0, hi: 120.0 }, whole].map(|band| [whole, band]);
-        assert_eq!(bands(&lines, &[-75.0, -45.0, 60.0]), expected);
+        assert_eq!(bands(&lines, &[], &[-75.0, -45.0, 60.0]), expected);
+    }
+
+    #[test]
+    fn a_given_height_in_the_gap_tells_the_side_on_which_it_lies() {
+        let [lower, upper, whole] = [(100.0, 110.0), (110.0, 120.0), (100.0, 120.0)].map(|(lo, hi)| Band { lo, hi });
+        for (height, expected) in [(104.0, [lower, whole]), (113.0, [whole, upper])] {
+            let found = bands(&rings_with_gap(), &[(height, DVec2::new(60.0, 0.0))], &[75.0, 45.0]);
+            assert_eq!(found, expected.map(|band| [whole, band]), "{height}");
+        }
     }
 
     #[test]
@@ -114,6 +146,6 @@ mod tests {
         let lines = [(100.0, ring(0.0, 95.0)), (110.0, ring(0.0, 20.0)), (160.0, ring(60.0, 3.0))];
         let whole = Band { lo: 100.0, hi: 160.0 };
         let expected = [Band { lo: 100.0, hi: 110.0 }, whole].map(|band| [whole, band]);
-        assert_eq!(bands(&lines, &[-60.0, 40.0]), expected);
+        assert_eq!(bands(&lines, &[], &[-60.0, 40.0]), expected);
     }
 }

@@ -72,12 +72,14 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
         let triangles = locate(&subdivision.tin, &grid, &());
         let cliff_reach = tuning.cliffs.free * subdivision.extent().spacing;
+        let lines: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
+        let of_map = conditions(&subdivision, &break_lines, &lines, (&grid, &triangles), (&params.cliffs, cliff_reach));
         let mut conditions = Conditions {
             soft_spots: &soft_spots,
             drainage: Drainage { drain: params.drain, sinks: &params.sinks },
             streams: &streams,
-            known: known(&streams, &creases).collect(),
-            ..conditions(&subdivision, &break_lines, &grid, &triangles, (&params.cliffs, cliff_reach))
+            known: lines,
+            ..of_map
         };
         conditions.creases.extend(streams.iter().map(|stream| (Fold::Found, stream.known().course())));
         conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));

@@ -2,22 +2,25 @@
 
 use glam::DVec2;
 
-use crate::base::{Grid, parallel};
+use super::known_lines::heights_by_place;
+use crate::base::bits::bits;
+use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
 use crate::dem::heights_at;
 use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
-use crate::tin::NONE;
+use crate::tin::{NONE, VertexKind};
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
-/// canyon lines. The nodes lie in `triangles`. Of the cliffs, the reach (map units) says how far they act.
+/// canyon lines, and `known` are the streams and break lines in it. The nodes lie in `triangles`. Of the cliffs, the reach
+/// (map units) says how far they act.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
     break_lines: &[BreakLine],
-    grid: &Grid,
-    triangles: &[u32],
+    known: &[KnownLine<'_>],
+    (grid, triangles): (&Grid, &[u32]),
     (cliffs, cliff_reach): (&'a [Vec<DVec2>], f64),
 ) -> Conditions<'a> {
     let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
@@ -25,7 +28,14 @@ pub(crate) fn conditions<'a>(
         !wrong.is_empty()
             && line_at(&subdivision.tin, &starts, v).is_some_and(|line| wrong.binary_search(&line).is_ok())
     };
-    let local = local_bands(&subdivision.tin, &subdivision.regions, is_wrong);
+    let tin = &subdivision.tin;
+    let on_lines = heights_by_place(known.iter().copied(), tin.origin, |sure| sure > Sure::Guessed);
+    let given = |v: u32| match tin.kinds[v as usize] {
+        VertexKind::Spot => Some(tin.heights[v as usize]),
+        VertexKind::Axis => on_lines.get(&bits(tin.positions[v as usize])).copied(),
+        _ => None,
+    };
+    let local = local_bands(tin, &subdivision.regions, is_wrong, given);
     let of_region = |t: u32| subdivision.regions.region(t).map(|r| r.band);
     let beside = beside(cliffs, grid, cliff_reach);
     // Beside a cliff, the corners of a triangle may lie on both sides of it and tell nothing.
@@ -45,7 +55,7 @@ pub(crate) fn conditions<'a>(
     let hollows: Vec<bool> = parallel::values_each(triangles, |&t| {
         t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
     });
-    let reference = heights_at(&subdivision.tin, grid, triangles);
+    let reference = heights_at(tin, grid, triangles);
     let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
     Conditions {
         grid: *grid,

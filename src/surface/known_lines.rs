@@ -48,8 +48,7 @@ pub(super) fn push_lines(input: &mut TinInput, tin: &Tin, lines: &[KnownLine<'_>
 
 /// Gives the vertices of lines the heights of the lines.
 pub(super) fn give_heights<'a>(tin: &mut Tin, lines: impl Iterator<Item = KnownLine<'a>>) {
-    let free = lines.flat_map(KnownLine::vertices).filter(|(_, sure)| *sure < Sure::Exact);
-    let height: HashMap<[u64; 2], f64> = free.map(|(p, _)| (bits(p.truncate() - tin.origin), p.z)).collect();
+    let height = heights_by_place(lines, tin.origin, |sure| sure < Sure::Exact);
     let Tin { positions, heights, kinds, .. } = tin;
     let vertices = positions.iter().zip(heights).zip(kinds).filter(|(_, kind)| **kind == VertexKind::Axis);
     for ((position, z), _) in vertices {
@@ -57,6 +56,16 @@ pub(super) fn give_heights<'a>(tin: &mut Tin, lines: impl Iterator<Item = KnownL
             *z = height;
         }
     }
+}
+
+/// The heights of those vertices of lines that are wanted, by their places from an origin.
+pub(super) fn heights_by_place<'a>(
+    lines: impl Iterator<Item = KnownLine<'a>>,
+    origin: DVec2,
+    is_wanted: impl Fn(Sure) -> bool,
+) -> HashMap<[u64; 2], f64> {
+    let wanted = lines.flat_map(KnownLine::vertices).filter(|(_, sure)| is_wanted(*sure));
+    wanted.map(|(p, _)| (bits(p.truncate() - origin), p.z)).collect()
 }
 
 /// The triangle inside the frame that a position lies in, if it is clear of edges that borders run along.

@@ -33,6 +33,6 @@ impl SurfaceBuilder for TrialBuilder<'_> {
         grid: &Grid,
         triangles: &[u32],
     ) -> Conditions<'a> {
-        conditions(subdivision, break_lines, grid, triangles, (&[], 0.0))
+        conditions(subdivision, break_lines, &[], (grid, triangles), (&[], 0.0))
     }
 }
