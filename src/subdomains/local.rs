@@ -2,26 +2,27 @@
 //!
 //! At a broken contour the ground on both sides is one sub-domain. A line with a wrong elevation gives its two
 //! sub-domains another level. Both make the band wide, even kilometres away. But a triangle with corners on two levels
-//! lies between those levels, and most likely the ground beside it does too. A corner with a given height, such as a spot
-//! height or a vertex of a break line, tells the same: the ground there lies between the levels around this height.
+//! lies between those levels, and most likely the ground beside it does too. A surveyed height, of a spot height or of a
+//! break line, tells the same: the ground there lies between the levels around it.
 
 use std::collections::{HashMap, VecDeque};
 
 use super::regions::WIDE;
 use super::{Band, Regions};
-use crate::base::parallel;
+use crate::base::{Sure, parallel};
 use crate::contour::Interval;
 use crate::tin::{Tin, VertexKind};
 
 /// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels, or
-/// with a corner that has a `given` height and is on no contour, lies between the levels at its corners. Any other takes
-/// the band of the nearest such triangle, counted in triangles. Bands that would not be narrower are left out. Triangles
-/// with a corner that `is_wrong` (a vertex of a line with a wrong elevation) keep the band of the sub-domain.
-pub fn local_bands(
+/// with a corner whose height is surveyed, lies between the levels at its corners. Any other takes the band of the nearest
+/// such triangle, counted in triangles. The band of a triangle holds the heights that are `given` at its corners, also of
+/// streams. Bands that would not be narrower are left out. Triangles with a corner that `is_wrong` (a vertex of a line
+/// with a wrong elevation) keep the band of the sub-domain.
+pub(crate) fn local_bands(
     tin: &Tin,
     regions: &Regions,
     is_wrong: impl Fn(u32) -> bool + Sync,
-    given: impl Fn(u32) -> Option<f64> + Sync,
+    given: impl Fn(u32) -> Option<(f64, Sure)> + Sync,
 ) -> HashMap<u32, Band> {
     let near = WIDE * regions.interval.step;
     let is_wide = |t: u32| {
@@ -33,9 +34,15 @@ pub fn local_bands(
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
     let at_corner = |v: u32| match tin.kinds[v as usize] {
         VertexKind::Contour => Some(Band { lo: tin.heights[v as usize], hi: tin.heights[v as usize] }),
-        _ => given(v).map(|height| between_levels(&regions.interval, height)),
+        _ => given(v)
+            .filter(|(_, sure)| *sure >= Sure::Surveyed)
+            .map(|(height, _)| between_levels(&regions.interval, height)),
     };
-    let known = |t: u32| Some((t, corner_band(tin.triangles[t as usize].into_iter().filter_map(at_corner))?));
+    let corner_band = |t: u32| {
+        let band = tin.triangles[t as usize].into_iter().filter_map(at_corner).reduce(union)?;
+        (band.lo < band.hi).then_some(band)
+    };
+    let known = |t: u32| Some((t, corner_band(t)?));
     let wide = |t: usize| Some(t as u32).filter(|&t| is_wide(t) && !is_beside_wrong(t));
     let known: Vec<(u32, Band)> = parallel::flat_map(tin.len(), |t| wide(t).and_then(known));
     let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
@@ -50,17 +57,17 @@ pub fn local_bands(
     }
     bands.retain(|t, band| {
         let Some(whole) = regions.region(*t).map(|r| r.band) else { return false };
-        *band = Band { lo: band.lo.max(whole.lo), hi: band.hi.min(whole.hi) };
+        let at_corners = tin.triangles[*t as usize].into_iter().filter_map(&given);
+        let wide = at_corners.map(|(height, _)| between_levels(&regions.interval, height)).fold(*band, union);
+        *band = Band { lo: wide.lo.max(whole.lo), hi: wide.hi.min(whole.hi) };
         band.lo < band.hi && *band != whole
     });
     bands
 }
 
-/// The band that holds those at the corners of a triangle, if it is more than one level.
-fn corner_band(at_corners: impl Iterator<Item = Band>) -> Option<Band> {
-    let none = Band { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
-    let band = at_corners.fold(none, |all, one| Band { lo: all.lo.min(one.lo), hi: all.hi.max(one.hi) });
-    (band.lo < band.hi).then_some(band)
+/// The band that holds two others.
+fn union(a: Band, b: Band) -> Band {
+    Band { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }
 }
 
 /// The band between the levels around a height.
@@ -99,7 +106,8 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &TEN);
-        let given = |v: u32| (tin.kinds[v as usize] == VertexKind::Spot).then(|| tin.heights[v as usize]);
+        let given =
+            |v: u32| (tin.kinds[v as usize] == VertexKind::Spot).then(|| (tin.heights[v as usize], Sure::Surveyed));
         let wrong = |v: u32| tin.heights[v as usize] == 160.0;
         let local = local_bands(&tin, &found, wrong, given);
         let holds = |t: u32, p: DVec2| {

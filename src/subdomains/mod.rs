@@ -23,7 +23,7 @@ pub(crate) use extensions::{Sight, extensions_at};
 pub(crate) use extent::MapExtent;
 pub use frame::{Frame, FrameRing, frame_ring};
 pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, landforms};
-pub use local::local_bands;
+pub(crate) use local::local_bands;
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
 pub use regions::{Band, Region, Regions, Side, regions};

@@ -31,7 +31,7 @@ pub(crate) fn conditions<'a>(
     let tin = &subdivision.tin;
     let on_lines = heights_by_place(known.iter().copied(), tin.origin, |sure| sure > Sure::Guessed);
     let given = |v: u32| match tin.kinds[v as usize] {
-        VertexKind::Spot => Some(tin.heights[v as usize]),
+        VertexKind::Spot => Some((tin.heights[v as usize], Sure::Surveyed)),
         VertexKind::Axis => on_lines.get(&bits(tin.positions[v as usize])).copied(),
         _ => None,
     };

@@ -52,20 +52,20 @@ pub(super) fn give_heights<'a>(tin: &mut Tin, lines: impl Iterator<Item = KnownL
     let Tin { positions, heights, kinds, .. } = tin;
     let vertices = positions.iter().zip(heights).zip(kinds).filter(|(_, kind)| **kind == VertexKind::Axis);
     for ((position, z), _) in vertices {
-        if let Some(&height) = height.get(&bits(*position)) {
+        if let Some(&(height, _)) = height.get(&bits(*position)) {
             *z = height;
         }
     }
 }
 
-/// The heights of those vertices of lines that are wanted, by their places from an origin.
+/// The heights of those vertices of lines that are wanted, and how sure they are, by their places from an origin.
 pub(super) fn heights_by_place<'a>(
     lines: impl Iterator<Item = KnownLine<'a>>,
     origin: DVec2,
     is_wanted: impl Fn(Sure) -> bool,
-) -> HashMap<[u64; 2], f64> {
+) -> HashMap<[u64; 2], (f64, Sure)> {
     let wanted = lines.flat_map(KnownLine::vertices).filter(|(_, sure)| is_wanted(*sure));
-    wanted.map(|(p, _)| (bits(p.truncate() - origin), p.z)).collect()
+    wanted.map(|(p, sure)| (bits(p.truncate() - origin), (p.z, sure))).collect()
 }
 
 /// The triangle inside the frame that a position lies in, if it is clear of edges that borders run along.
