@@ -39,7 +39,7 @@ pub(crate) fn local_bands(
             .map(|(height, _)| between_levels(&regions.interval, height)),
     };
     let corner_band = |t: u32| {
-        let band = tin.triangles[t as usize].into_iter().filter_map(at_corner).reduce(union)?;
+        let band = tin.triangles[t as usize].into_iter().filter_map(at_corner).reduce(Band::union)?;
         (band.lo < band.hi).then_some(band)
     };
     let known = |t: u32| Some((t, corner_band(t)?));
@@ -58,16 +58,11 @@ pub(crate) fn local_bands(
     bands.retain(|t, band| {
         let Some(whole) = regions.region(*t).map(|r| r.band) else { return false };
         let at_corners = tin.triangles[*t as usize].into_iter().filter_map(&given);
-        let wide = at_corners.map(|(height, _)| between_levels(&regions.interval, height)).fold(*band, union);
+        let wide = at_corners.map(|(height, _)| between_levels(&regions.interval, height)).fold(*band, Band::union);
         *band = Band { lo: wide.lo.max(whole.lo), hi: wide.hi.min(whole.hi) };
         band.lo < band.hi && *band != whole
     });
     bands
-}
-
-/// The band that holds two others.
-fn union(a: Band, b: Band) -> Band {
-    Band { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }
 }
 
 /// The band between the levels around a height.
@@ -97,8 +92,8 @@ mod tests {
         corners.windows(2).flat_map(|w| side(w[0], w[1])).chain([corners[0]]).collect()
     }
 
-    /// The bands at points of the x-axis: first those of the sub-domains, then those of the triangles.
-    fn bands(lines: &[(f64, Vec<DVec2>)], spots: &[(f64, DVec2)], places: &[f64]) -> Vec<[Band; 2]> {
+    /// A triangulation, its sub-domains, and the bands of single triangles. Heights of spots are `sure`.
+    fn local(lines: &[(f64, Vec<DVec2>)], spots: &[(f64, DVec2)], sure: Sure) -> (Tin, Regions, HashMap<u32, Band>) {
         let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
         lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
         for &(height, at) in spots {
@@ -106,10 +101,15 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &TEN);
-        let given =
-            |v: u32| (tin.kinds[v as usize] == VertexKind::Spot).then(|| (tin.heights[v as usize], Sure::Surveyed));
+        let given = |v: u32| (tin.kinds[v as usize] == VertexKind::Spot).then(|| (tin.heights[v as usize], sure));
         let wrong = |v: u32| tin.heights[v as usize] == 160.0;
         let local = local_bands(&tin, &found, wrong, given);
+        (tin, found, local)
+    }
+
+    /// The bands at points of the x-axis: first those of the sub-domains, then those of the triangles.
+    fn bands(lines: &[(f64, Vec<DVec2>)], spots: &[(f64, DVec2)], places: &[f64]) -> Vec<[Band; 2]> {
+        let (tin, found, local) = local(lines, spots, Sure::Surveyed);
         let holds = |t: u32, p: DVec2| {
             let [a, b, c] = tin.corners(t);
             [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).perp_dot(p - *u) >= 0.0)
@@ -147,6 +147,22 @@ mod tests {
             let found = bands(&rings_with_gap(), &[(height, DVec2::new(60.0, 0.0))], &[75.0, 45.0]);
             assert_eq!(found, expected.map(|band| [whole, band]), "{height}");
         }
+    }
+
+    #[test]
+    fn the_band_of_a_triangle_holds_the_heights_at_its_corners() {
+        let mut narrowed = 0;
+        for (sure, height) in [Sure::Between, Sure::Surveyed].into_iter().flat_map(|s| [102.0, 117.0].map(|z| (s, z))) {
+            for at in (0..12).map(|k| DVec2::new(35.0 + 4.5 * f64::from(k), 6.0 * f64::from(k) - 33.0)) {
+                let (tin, _, local) = local(&rings_with_gap(), &[(height, at)], sure);
+                let has_spot = |t: u32| tin.triangles[t as usize].iter().any(|&v| tin.heights[v as usize] == height);
+                for (t, band) in local.iter().filter(|(t, _)| has_spot(**t)) {
+                    assert!(band.contains(height), "{sure:?} {height} at {at}, triangle {t}: {band:?}");
+                    narrowed += 1;
+                }
+            }
+        }
+        assert!(narrowed > 50, "{narrowed}");
     }
 
     #[test]

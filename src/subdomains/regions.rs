@@ -43,6 +43,11 @@ impl Band {
     pub fn contains(&self, height: f64) -> bool {
         self.lo <= height && height <= self.hi
     }
+
+    /// The narrowest band that holds this one and another.
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
 }
 
 /// One sub-domain.

@@ -22,7 +22,7 @@ pub fn agreeing_at_corners(mut regions: Regions, tin: &Tin) -> Regions {
                 if common.is_none_or(|common| common.lo <= common.hi) {
                     continue;
                 }
-                bands.reduce(union)
+                bands.reduce(Band::union)
             }
             VertexKind::Contour | VertexKind::Shore => {
                 let height = tin.heights[vertex];
@@ -35,15 +35,11 @@ pub fn agreeing_at_corners(mut regions: Regions, tin: &Tin) -> Regions {
         for &(_, region) in at_vertex {
             let region = &mut regions.regions[region as usize];
             if region.water.is_none() {
-                region.band = union(region.band, all);
+                region.band = region.band.union(all);
             }
         }
     }
     regions
-}
-
-fn union(a: Band, b: Band) -> Band {
-    Band { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }
 }
 
 /// Vertices on the outline of the frame, with the sub-domains there; ascending.
