@@ -14,8 +14,8 @@ use crate::streams::{Stream, fall_along, hold_along, raise_to};
 
 /// Cells are lowered by at most this share of the contour interval to hold water.
 ///
-/// Tried 0.06 and 0.25 before the search for leaks: of four maps, water stays in 93 to 99 % and 98 to 100 % of the stream
-/// cells, with 0.12 in 96 to 100 %.
+/// Tried on four maps: water stays in 93 to 99 % of the stream cells with 0.06, in 96 to 100 % with 0.12, and in 98 to 100 % with
+/// 0.25. More than needed digs trenches.
 const DEEPEST: f64 = 0.125;
 
 /// Makes streams hold the water of a height map ([`hold_along`]). This depends on the size of the cells. So the surface itself
