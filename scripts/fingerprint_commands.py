@@ -17,6 +17,7 @@ CELLS = 500_000  # of a grid over a map of a folder
 REAL, TRUTH = "../samples/caryville_20m.gpkg", "../samples/caryville_20m_truth.tif"
 HILL, FAULTY = "../drawn/hill.geojson", "../drawn/faulty.geojson"
 FEATURES = "--points ../drawn/spots.geojson --water ../drawn/lakes.geojson --sea 0"
+LINES = "--streams ../drawn/streams.geojson --breaklines ../drawn/edges.geojson"
 CNTR, DEM5A = "../drawn/FG-GML-543745-Cntr.zip", "../drawn/FG-GML-5437-45-44-DEM5A.xml"
 
 # Name and command. Commands joined by && run one after the other in one folder.
@@ -66,6 +67,9 @@ COMMANDS = {
                    f" && dem {HILL} --cell 20 --uncertainty -o errors.exr",
     "dem water, sea and spots": f"dem {HILL} {FEATURES} --cell 5 -o a.tif --uncertainty && "
                                 f"dem {HILL} {FEATURES} --surface skeleton --cell 5 --frame bbox -o b.tif",
+    "dem streams and break lines": f"dem {HILL} {LINES} --cell 5 -o a.tif --diagnostics a.gpkg && "
+                                   f"dem {FAULTY} {LINES} --cell 5 -o b.tif && dem {HILL} {LINES} --to-crs EPSG:3857 --cell 8 -o c.tif",
+    "densify streams and break lines": f"densify {HILL} {LINES} --points ../drawn/spots.geojson -i 2 -o a.gpkg",
     "dem gsi": f"dem {CNTR} --like {DEM5A} -o a.tif",
     "dem repair": f"dem {FAULTY} --repair all --cell 5 -o a.tif -v",
     "dem quiet": f"dem {HILL} --cell 10 -o a.tif -q",
@@ -186,6 +190,12 @@ def draw(folder):
     geojson(folder / "spots.geojson", [("Point", plane([(x, y)])[0], z) for x, y, z in spots], 6678)
     lakes = [([ring(0, -775, 50, 0), ring(5, -775, 15, 0)[::-1]], 14), ([ring(240, 40, 18)], None), ([ring(0, 700, 40)], None)]
     geojson(folder / "lakes.geojson", [("Polygon", [plane(r) for r in rings], z) for rings, z in lakes], 6678)
+    # Two streams in the valleys of the hill, one of them drawn uphill, and one across a slope; an edge with heights.
+    way = lambda turn, radii: [(r * math.cos(math.radians(turn)), r * math.sin(math.radians(turn))) for r in radii]
+    streams = [way(60, range(520, 1001, 40)), way(182, range(960, 500, -40)), [(900, 100), (600, 500), (100, 760)]]
+    geojson(folder / "streams.geojson", lines(plane, [(None, points) for points in streams]), 6678)
+    edge = [(*p, z) for p, z in zip(plane(way(120, (600, 680, 760, 840))), (28.5, 22.25, 15, 12))]
+    geojson(folder / "edges.geojson", [("LineString", edge, None)], 6678)
     sheet = [(746000, 4016500), (753500, 4017000), (754000, 4022000), (749000, 4024000), (745500, 4021000), (746000, 4016500)]
     geojson(folder / "sheet.geojson", [("Polygon", [sheet], None)], 32616)
     gsi(folder)

@@ -46,7 +46,7 @@ class Drawn(unittest.TestCase):
             for folder in both:
                 fingerprint_commands.draw(folder)
             names = sorted(path.name for path in both[0].iterdir())
-            self.assertEqual(len(names), 11)
+            self.assertEqual(len(names), 13)
             for name in names:
                 if not name.endswith(".zip"):
                     self.assertEqual(*((folder / name).read_bytes() for folder in both))
