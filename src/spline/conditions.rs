@@ -7,7 +7,7 @@ use super::fold::Fold;
 use super::lattice::{Crossing, Lattice};
 use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
-use crate::base::{Grid, KnownLine, Sure};
+use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::SoftSpot;
 use crate::drain::{Drain, Placed, Sink, mark_sinks};
 use crate::streams::Stream;
@@ -96,6 +96,17 @@ impl Conditions<'_> {
         found.extend(lines.flatten());
         found
     }
+}
+
+/// The crossings of each contour (level and vertices) with eastward and with southward edges of a lattice, with its level.
+pub(super) fn contour_crossings(contours: &[(f64, &[DVec2])], lattice: &Lattice) -> [Vec<Vec<(Crossing, f64)>>; 2] {
+    let crossings = |&(level, points): &(f64, &[DVec2])| {
+        let (mut east, mut south) = (Vec::new(), Vec::new());
+        lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
+        (east, south)
+    };
+    let (east, south) = parallel::map_each(contours, crossings).into_iter().unzip();
+    [east, south]
 }
 
 /// The crossings of a line with eastward and with southward edges of a lattice, with the heights of the line there.

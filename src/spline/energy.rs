@@ -125,8 +125,8 @@ pub struct Energy<'a> {
     pub bending: [Vec<f32>; 3],
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],
-    /// Heights of the reference surface, whose first differences the tension draws to. Where they are NaN, it draws to
-    /// level ground.
+    /// Heights of the reference surface, whose first differences the tension draws to. Where they are NaN, and everywhere
+    /// if there are none, it draws to level ground.
     pub reference: Cow<'a, [f32]>,
     /// Share of the reference surface's differences that the tension draws to, at each node. An edge has the smaller
     /// one of its ends.
@@ -143,7 +143,6 @@ impl Energy<'_> {
     /// Differences are taken first. This keeps precision where large heights nearly cancel.
     pub fn downhill(&self, z: &[f64], out: &mut [f64]) {
         parallel::chunks(out, self.size[0] * BLOCK, |k, out| {
-            self.constant(k * BLOCK, out);
             Arch::new().dispatch(Block { energy: self, z, first: k * BLOCK, out });
         });
     }
@@ -240,22 +239,54 @@ impl Energy<'_> {
     }
 
     /// The constant part of half of the negative gradient, for the rows from `first` on.
+    #[inline(always)]
     fn constant(&self, first: usize, out: &mut [f64]) {
-        let cols = self.size[0];
-        let pull = |side: usize, n: usize, step: usize| {
-            let weight = self.tension[side][n];
-            if weight == 0.0 {
-                return 0.0;
-            }
-            let fall = f64::from(self.reference[n]) - f64::from(self.reference[n + step]);
-            let follows = self.follows[n].min(self.follows[n + step]);
-            if fall.is_nan() { 0.0 } else { f64::from(weight) * fall * f64::from(follows) }
-        };
-        // A difference across the border of the lattice has weight 0. So the neighbour in the row before does no harm.
-        let back = |side: usize, n: usize, step: usize| n.checked_sub(step).map_or(0.0, |m| pull(side, m, step));
-        let of_node = |n: usize| pull(0, n, 1) - back(0, n, 1) + pull(1, n, cols) - back(1, n, cols);
+        let [cols, rows] = self.size;
         let start = first * cols;
-        out.iter_mut().enumerate().for_each(|(i, out)| *out = of_node(start + i));
+        out.fill(0.0);
+        if !self.reference.is_empty() {
+            let row_of = |j: usize| j * cols..(j + 1) * cols;
+            // The pull along an edge with this weight, from the heights and shares at its ends.
+            let pull = |weight: f32, from: f32, to: f32, follows: f32| {
+                let fall = f64::from(from) - f64::from(to);
+                if weight == 0.0 || fall.is_nan() { 0.0 } else { f64::from(weight) * fall * f64::from(follows) }
+            };
+            let fill_east = |j: usize, out: &mut [f64]| {
+                let (heights, follows) = (&self.reference[row_of(j)], &self.follows[row_of(j)]);
+                let pairs = heights.windows(2).zip(follows.windows(2)).zip(&self.tension[0][row_of(j)]);
+                for (out, ((z, f), &weight)) in out[1..].iter_mut().zip(pairs) {
+                    *out = pull(weight, z[0], z[1], f[0].min(f[1]));
+                }
+            };
+            // This closure counts rows from one, so that the row above the first one can be asked for.
+            let fill_south = |j: usize, out: &mut [f64]| {
+                if j < 1 || j > rows - 1 {
+                    return out.fill(0.0);
+                }
+                let (n, s) = (row_of(j - 1), row_of(j));
+                let heights = self.reference[n.clone()].iter().zip(&self.reference[s.clone()]);
+                let follows = self.follows[n.clone()].iter().zip(&self.follows[s]);
+                let pairs = heights.zip(follows).zip(&self.tension[1][n]);
+                for (out, (((&a, &b), (&f, &g)), &weight)) in out.iter_mut().zip(pairs) {
+                    *out = pull(weight, a, b, f.min(g));
+                }
+            };
+            // A 0 at both ends stands for the edges beyond the lattice.
+            let mut east = vec![0.0; cols + 1];
+            let mut south = [vec![0.0; cols], vec![0.0; cols]];
+            fill_south(first, &mut south[0]);
+            for (dj, out) in out.chunks_exact_mut(cols).enumerate() {
+                fill_east(first + dj, &mut east);
+                fill_south(first + dj + 1, &mut south[1]);
+                let (e0, e1) = (&east[..cols], &east[1..=cols]);
+                let (s0, s1) = (&south[0][..cols], &south[1][..cols]);
+                let out = &mut out[..cols];
+                for i in 0..cols {
+                    out[i] = e1[i] - e0[i] + s1[i] - s0[i];
+                }
+                south.swap(0, 1);
+            }
+        }
         let [eastward, southward] = &self.contours;
         let nodes = start..start + out.len();
         for e in eastward.starting_in(nodes.clone()) {
@@ -295,6 +326,7 @@ impl WithSimd for Block<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        self.energy.constant(self.first, self.out);
         self.energy.downhill_block(self.z, self.first, self.out);
     }
 }

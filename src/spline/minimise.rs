@@ -81,9 +81,10 @@ fn sweep(whole: &Whole<'_>, number: usize, steps: usize, change: &mut [f32]) {
         let rows = row..row + band.len() / cols;
         let mut start = 0;
         for end in (first..cols).step_by(side).chain([cols]) {
-            tile.descend(whole, rows.clone(), start..end, steps);
+            let moves = tile.descend(whole, rows.clone(), start..end, steps);
             for (row, out) in band.chunks_exact_mut(cols).enumerate() {
-                tile.changes(row, &mut out[start..end]);
+                let out = &mut out[start..end];
+                if moves { tile.changes(row, out) } else { out.fill(0.0) }
             }
             start = end;
         }

@@ -5,7 +5,9 @@
 //! The path is then cut to a steady fall (least-cost breaching: Lindsay 2016, Hydrol. Process. 30).
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
+
+use foldhash::HashMap;
 
 use super::lattice::Lattice;
 use crate::base::parallel;
@@ -68,7 +70,7 @@ fn neighbours(lattice: &Lattice, n: usize) -> impl Iterator<Item = usize> + use<
 fn least_cost_path(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit: u32) -> Option<Vec<u32>> {
     let goal = heights[pit as usize];
     // Cost to reach a node, and the node before it on the path.
-    let mut best: HashMap<u32, (f32, u32)> = HashMap::from([(pit, (0.0, pit))]);
+    let mut best: HashMap<u32, (f32, u32)> = HashMap::from_iter([(pit, (0.0, pit))]);
     let mut open = BinaryHeap::from([Reverse((Key(0.0), pit))]);
     while let Some(Reverse((Key(cost), n))) = open.pop() {
         if best[&n].0 < cost {

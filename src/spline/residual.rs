@@ -5,7 +5,9 @@
 //! correction r is a membrane that is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where
 //! contours cross the lattice.
 
+use super::conditions::contour_crossings;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
+use super::lattice::Crossing;
 use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, with_margin};
 use crate::base::parallel;
@@ -20,28 +22,26 @@ pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
         let n = node as usize;
         f64::from(heights[n]) * (1.0 - along) + f64::from(heights[n + step]) * along
     };
-    let (mut east, mut south) = (Vec::new(), Vec::new());
-    for &(level, points) in problem.contours {
-        lattice.cross(
-            points,
-            |c| east.push((c, level - between(c.node, 1, c.along))),
-            |c| south.push((c, level - between(c.node, cols, c.along))),
-        );
-    }
-    east.extend(problem.spots.iter().map(|&(c, level)| (c, level - between(c.node, 1, c.along))));
+    let weight = CrossingWeight::even(residual_weight);
+    let terms = |step: usize, found: Vec<Vec<(Crossing, f64)>>, more: &[(Crossing, f64)]| {
+        let residual = |(c, level): (Crossing, f64)| (c, level - between(c.node, step, c.along));
+        let all: Vec<_> = found.into_iter().flatten().chain(more.iter().copied()).map(residual).collect();
+        EdgeTerms::new(&all, weight, lattice)
+    };
+    let [east, south] = contour_crossings(problem.contours, lattice);
+    let (east, south) = rayon::join(|| terms(1, east, &problem.spots), || terms(cols, south, &[]));
     let inside = with_margin(&problem.bounds[0], cols, rows);
     let ratio = (lattice.step.y / lattice.step.x) as f32;
     let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
     let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
-    let weight = CrossingWeight::even(residual_weight);
     let nothing = || vec![0.0; count];
     let energy = Energy {
         size: [cols, rows],
         bending: [nothing(), nothing(), nothing()],
-        tension: [(0..count).map(eastwards).collect(), (0..count).map(southwards).collect()],
-        reference: vec![f32::NAN; count].into(),
-        follows: vec![1.0; count],
-        contours: [EdgeTerms::new(&east, weight, lattice), EdgeTerms::new(&south, weight, lattice)],
+        tension: [parallel::values(count, eastwards), parallel::values(count, southwards)],
+        reference: Vec::new().into(),
+        follows: Vec::new(),
+        contours: [east, south],
         pull: 1.0 / (residual_reach * residual_reach),
     };
     let mut correction = vec![0.0; count];

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::cliffs::Walls;
-use super::conditions::{Drainage, line_crossings};
+use super::conditions::{Drainage, contour_crossings, line_crossings};
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::fold::{Fold, Folds};
 use super::lattice::{Crossing, Lattice};
@@ -243,14 +243,8 @@ impl Stage<'_> {
     fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
-        let crossings = |&(level, points): &(f64, &[DVec2])| {
-            let (mut east, mut south) = (Vec::new(), Vec::new());
-            lattice.cross(points, |c| east.push((c, level)), |c| south.push((c, level)));
-            (east, south)
-        };
         let walls = Walls::new(problem.cliffs, lattice);
-        let crossings = parallel::map_each(problem.contours, crossings);
-        let (mut east, mut south): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
+        let [mut east, mut south] = contour_crossings(problem.contours, lattice);
         let reach = problem.tuning.least_line_nodes * lattice.step.max_element();
         for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, reach, lattice))
         {

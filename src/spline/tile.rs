@@ -44,9 +44,15 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Takes at most `steps` steps of conjugate gradients on a part of a lattice.
-    pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) {
-        Arch::new().dispatch(Descent { tile: self, whole, rows, cols, steps });
+    /// Takes at most `steps` steps of conjugate gradients on a part of a lattice. Returns whether any height may change:
+    /// where the gradient is 0, as outside the frame, none does.
+    pub fn descend(&mut self, whole: &Whole<'_>, rows: Range<usize>, cols: Range<usize>, steps: usize) -> bool {
+        let row_of = |row: usize| &whole.downhill[row * whole.energy.size[0]..][cols.clone()];
+        let moves = rows.clone().any(|row| row_of(row).iter().any(|downhill| *downhill != 0.0));
+        if moves {
+            Arch::new().dispatch(Descent { tile: self, whole, rows, cols, steps });
+        }
+        moves
     }
 
     /// Takes the steps on the part that was [cut](Self::cut).

@@ -49,13 +49,16 @@ impl CarriedRegions {
     /// The finer triangulation with the frame, the border edges and the lakes of this one, and its sub-domains.
     pub fn on(self, mut tin: Tin) -> (Tin, Regions) {
         let mut carried = vec![NONE; tin.len()];
+        // One bit for each edge of a triangle.
+        let mut on_border = vec![0_u8; tin.len()];
         let Tin { triangles, edges, .. } = &mut tin;
-        let all = triangles.par_iter().zip(edges).zip(&mut carried);
-        all.for_each(|((corners, edges), carried)| {
+        let all = triangles.par_iter().zip(edges).zip(&mut carried).zip(&mut on_border);
+        all.for_each(|(((corners, edges), carried), on_border)| {
             for i in 0..3 {
                 if let Some(border) = self.border([corners[i], corners[(i + 1) % 3]]) {
                     *edges = *edges & !(EDGE_FLAGS << i) | (border.flags << i);
                     *carried = border.region;
+                    *on_border |= 1 << i;
                 }
             }
         });
@@ -63,7 +66,7 @@ impl CarriedRegions {
         while let Some(t) = stack.pop() {
             for i in 0..3 {
                 let n = tin.neighbours[t as usize][i];
-                if n != NONE && carried[n as usize] == NONE && self.border(tin.edge(t, i)).is_none() {
+                if n != NONE && carried[n as usize] == NONE && on_border[t as usize] >> i & 1 == 0 {
                     carried[n as usize] = carried[t as usize];
                     stack.push(n);
                 }

@@ -5,13 +5,15 @@
 //! lies between those levels, and most likely the ground beside it does too. A surveyed height, of a spot height or of a
 //! break line, tells the same: the ground there lies between the levels around it.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
+
+use foldhash::HashMap;
 
 use super::regions::WIDE;
 use super::{Band, Regions};
 use crate::base::{Sure, parallel};
 use crate::contour::Interval;
-use crate::tin::{Tin, VertexKind};
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels, or
 /// with a corner whose height is surveyed, lies between the levels at its corners. Any other takes the band of the nearest
@@ -45,24 +47,34 @@ pub(crate) fn local_bands(
     let known = |t: u32| Some((t, corner_band(t)?));
     let wide = |t: usize| Some(t as u32).filter(|&t| is_wide(t) && !is_beside_wrong(t));
     let known: Vec<(u32, Band)> = parallel::flat_map(tin.len(), |t| wide(t).and_then(known));
-    let mut bands: HashMap<u32, Band> = known.iter().copied().collect();
-    let mut open: VecDeque<(u32, Band)> = known.into();
-    while let Some((t, band)) = open.pop_front() {
-        for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong(n)) {
-            bands.entry(n).or_insert_with(|| {
-                open.push_back((n, band));
-                band
-            });
+    if known.is_empty() {
+        return HashMap::default();
+    }
+    let is_beside_wrong: Vec<bool> = parallel::values(tin.len(), |t| is_beside_wrong(t as u32));
+    // For each triangle: the place of the nearest one among those that are known.
+    let mut nearest = vec![NONE; tin.len()];
+    let mut open = VecDeque::with_capacity(known.len());
+    for (k, &(t, _)) in known.iter().enumerate() {
+        nearest[t as usize] = k as u32;
+        open.push_back(t);
+    }
+    while let Some(t) = open.pop_front() {
+        for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong[n as usize]) {
+            if nearest[n as usize] == NONE {
+                nearest[n as usize] = nearest[t as usize];
+                open.push_back(n);
+            }
         }
     }
-    bands.retain(|t, band| {
-        let Some(whole) = regions.region(*t).map(|r| r.band) else { return false };
-        let at_corners = tin.triangles[*t as usize].into_iter().filter_map(&given);
+    let narrower = |t: usize| {
+        let (_, band) = known.get(nearest[t] as usize)?;
+        let whole = regions.region(t as u32)?.band;
+        let at_corners = tin.triangles[t].into_iter().filter_map(&given);
         let wide = at_corners.map(|(height, _)| between_levels(&regions.interval, height)).fold(*band, Band::union);
-        *band = Band { lo: wide.lo.max(whole.lo), hi: wide.hi.min(whole.hi) };
-        band.lo < band.hi && *band != whole
-    });
-    bands
+        let band = Band { lo: wide.lo.max(whole.lo), hi: wide.hi.min(whole.hi) };
+        (band.lo < band.hi && band != whole).then_some((t as u32, band))
+    };
+    parallel::flat_map(tin.len(), narrower).into_iter().collect()
 }
 
 /// The band between the levels around a height.

@@ -46,16 +46,12 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
-        || triangulated(prepared, params, progress),
+        || triangulated(prepared, params, &choose, progress),
     );
-    let Triangulated { mut subdivision, closures, mut streams, mut creases, finer, mut findings } = found?;
+    let Triangulated { mut subdivision, trusted, mended, closures, mut streams, mut creases, finer, mut findings } =
+        found?;
     let mut sinks = params.sinks.clone();
-    // That choice took all labels as correct. Only the triangulation shows which are wrong.
-    let trusted = subdivision.trusted();
-    let chosen = match &trusted {
-        Some(map) => chosen.map(|_| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) }),
-        None => chosen,
-    };
+    let chosen = mended.or(chosen);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
@@ -139,6 +135,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
 /// The triangulated map, before the ridge and canyon lines are in it.
 struct Triangulated {
     subdivision: Subdivision,
+    /// The map without wrong elevations; `None` if it has none.
+    trusted: Option<ContourMap>,
+    /// The hyper-parameters that this map gives.
+    mended: Option<Chosen>,
     closures: Vec<(f64, [DVec2; 2])>,
     streams: Vec<Stream>,
     creases: Vec<Crease>,
@@ -149,7 +149,12 @@ struct Triangulated {
 }
 
 /// Triangulates a map, and finds its ridge and canyon lines where they are needed.
-fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progress) -> Result<Triangulated> {
+fn triangulated(
+    prepared: Prepared,
+    params: &SurfaceParams,
+    choose: &(impl Fn(&MapExtent<'_>) -> Chosen + Sync),
+    progress: &dyn Progress,
+) -> Result<Triangulated> {
     let Report { value: mut subdivision, mut findings } = prepared.subdivide(&params.water, progress)?;
     if params.kind == SurfaceKind::Spline {
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid);
@@ -163,14 +168,22 @@ fn triangulated(prepared: Prepared, params: &SurfaceParams, progress: &dyn Progr
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines } = settle_lines(&subdivision, params, progress);
     findings.extend(of_lines);
-    let finer = if params.kind == SurfaceKind::Linear {
-        None
-    } else {
+    let finer = || {
+        if params.kind == SurfaceKind::Linear {
+            return Ok(None);
+        }
         progress.start("ridge and canyon lines", 0);
         let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-        Some(finer(&subdivision, triangulation, &known, params.resolution, &params.tuning.skeleton)?)
+        finer(&subdivision, triangulation, &known, params.resolution, &params.tuning.skeleton).map(Some)
     };
-    Ok(Triangulated { subdivision, closures, streams, creases, finer, findings })
+    // The choice that runs beside the triangulation takes all elevations as correct. Only the triangulation shows which
+    // are wrong.
+    let trusted = subdivision.trusted();
+    let of_map = |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) };
+    let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
+    let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
+    let finer = finer?;
+    Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })
 }
 
 /// The spot heights with a standard error that the surface uses.
