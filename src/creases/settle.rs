@@ -22,10 +22,10 @@ pub(crate) struct Settled {
     pub findings: Vec<Finding>,
 }
 
-/// Brings break lines into agreement with a triangulated map. `interval` (metres) and `spacing` (map units) are those of
-/// its contours.
+/// Brings break lines whose heights are this `sure` into agreement with a triangulated map. `interval` (metres) and
+/// `spacing` (map units) are those of its contours.
 pub(crate) fn settle(
-    lines: &[CreaseLine],
+    (lines, sure): (&[CreaseLine], Sure),
     (tin, regions): (&Tin, &Regions),
     interval: f64,
     spacing: f64,
@@ -65,7 +65,7 @@ pub(crate) fn settle(
                 before = Some(v.place);
                 let (z, sure) = match (v.level, v.own) {
                     (Some(level), _) => (level, Sure::Exact),
-                    (None, Some(own)) if off.abs() <= tuning.wrong => (band.strictly_inside(own), Sure::Surveyed),
+                    (None, Some(own)) if off.abs() <= tuning.wrong => (band.strictly_inside(own), sure),
                     // Heights that contradict the contours that much are those of something else.
                     (None, Some(own)) => (band.strictly_inside(own), Sure::Guessed),
                     (None, None) => (band.strictly_inside(guess), Sure::Guessed),

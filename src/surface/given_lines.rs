@@ -1,9 +1,9 @@
 //! The streams and break lines of a map, in agreement with its contours.
 
 use super::params::{SurfaceKind, SurfaceParams};
-use crate::base::KnownLine;
 use crate::base::error::Finding;
 use crate::base::progress::Progress;
+use crate::base::{KnownLine, Sure};
 use crate::creases::{self, Crease};
 use crate::streams::{self, Stream};
 use crate::subdivision::Subdivision;
@@ -33,15 +33,17 @@ pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, pr
         progress.finish();
     }
     let step = spacing / params.tuning.creases.vertices_per_spacing;
-    let (mut lines, about_areas) = streams::banks(&params.streams.areas, &given.streams, step);
+    let (banks, about_areas) = streams::banks(&params.streams.areas, &given.streams, step);
     given.findings.extend(about_areas);
-    lines.extend_from_slice(&params.creases);
-    if !lines.is_empty() {
+    if !banks.is_empty() || !params.creases.is_empty() {
         progress.start("break lines", 0);
-        let interval = subdivision.interval.step;
-        let settled = creases::settle(&lines, (tin, regions), interval, spacing, &params.tuning.creases);
-        given.creases = settled.creases;
-        given.findings.extend(settled.findings);
+        // The heights of banks are those of the streams beside them.
+        for lines in [(&banks[..], Sure::Between), (&params.creases[..], Sure::Surveyed)] {
+            let interval = subdivision.interval.step;
+            let settled = creases::settle(lines, (tin, regions), interval, spacing, &params.tuning.creases);
+            given.creases.extend(settled.creases);
+            given.findings.extend(settled.findings);
+        }
         progress.finish();
     }
     given

@@ -196,6 +196,8 @@ fn a_river_area_is_level_across_and_falls_along() {
     let (with, findings) = built_with_areas(&[stream], vec![river_area(0.0, 1), outside]);
     let told: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamLeftOut).collect();
     assert!(told.len() == 1 && told[0].features[0] == 2, "{findings:?}");
+    // The heights of the banks come from the stream, and no survey gives them.
+    assert!(!with.creases.is_empty() && with.creases.iter().all(|bank| bank.surveyed_share() == 0.0));
     let [without, with] = [without, with].map(|surface| rise_across(&surface));
     assert!(without > 0.5 && with < 0.3 * without, "{with} {without}");
 }

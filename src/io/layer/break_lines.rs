@@ -16,7 +16,7 @@ const COLUMNS: &[Column] = &[
 /// - `feature`: the number of the feature in the file of break lines
 /// - `kind`: `ridge`, `valley` or `edge`
 /// - `length`
-/// - `surveyed`: the share of the vertices whose height the line gives; the contours and the surface give the others
+/// - `surveyed`: the share of the vertices whose height the line gives; contours, streams and the surface give the others
 pub fn break_lines(creases: &[Crease]) -> Layer<'_> {
     let rows = creases.iter().map(|crease| {
         let kind = match crease.bend {
