@@ -31,6 +31,11 @@ impl<T: Copy + Default> Rows<T> {
     pub fn of(&self, row: usize) -> &[T] {
         &self.items[self.start[row]..self.start[row + 1]]
     }
+
+    /// The items of a row; none if there is no such row.
+    pub fn get(&self, row: usize) -> &[T] {
+        if row + 1 < self.start.len() { self.of(row) } else { &[] }
+    }
 }
 
 #[cfg(test)]
@@ -44,5 +49,7 @@ mod tests {
         assert_eq!(rows.of(0), ['b']);
         assert_eq!(rows.of(1), []);
         assert_eq!(rows.of(2), ['a', 'c']);
+        assert_eq!(rows.get(2), ['a', 'c']);
+        assert_eq!([rows.get(3), rows.get(4)], [[]; 2]);
     }
 }

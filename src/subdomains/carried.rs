@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::{Region, Regions};
+use crate::base::rows::Rows;
 use crate::tin::{EDGE_FLAGS, NONE, Tin};
 
 /// The sub-domains of a triangulation, known by their borders.
@@ -16,15 +17,15 @@ use crate::tin::{EDGE_FLAGS, NONE, Tin};
 /// [`loose_frame_edges`] for those that it holds only if they are added.
 #[derive(Debug, Clone)]
 pub struct CarriedRegions {
-    /// By ascending edges.
-    borders: Vec<BorderEdge>,
+    /// By the vertex that they start from.
+    borders: Rows<BorderEdge>,
     regions: Regions,
     /// The lake of each sub-domain, [`NONE`] on land; empty without lakes.
     lakes: Vec<u32>,
 }
 
 /// A directed edge on the border of a sub-domain or of the frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default)]
 struct BorderEdge {
     ends: [u32; 2],
     /// The sub-domain on the left, [`NONE`] outside the frame.
@@ -37,8 +38,9 @@ impl CarriedRegions {
     /// Takes those of a triangulation.
     pub fn new(tin: &Tin, mut regions: Regions) -> Self {
         let of_triangle = std::mem::take(&mut regions.of_triangle);
-        let mut borders = tin.flat_map_inside(|t| borders_of(tin, t, of_triangle[t as usize]));
-        borders.par_sort_unstable();
+        let borders = tin.flat_map_inside(|t| borders_of(tin, t, of_triangle[t as usize]));
+        let borders =
+            Rows::new(tin.positions.len(), || borders.iter().map(|border| (border.ends[0] as usize, *border)));
         let lakes = match regions.regions.iter().any(|region| tin.lake(region.triangle).is_some()) {
             true => regions.regions.iter().map(|region| tin.lake(region.triangle).unwrap_or(NONE)).collect(),
             false => Vec::new(),
@@ -82,7 +84,7 @@ impl CarriedRegions {
     }
 
     fn border(&self, ends: [u32; 2]) -> Option<&BorderEdge> {
-        self.borders.binary_search_by(|border| border.ends.cmp(&ends)).ok().map(|k| &self.borders[k])
+        self.borders.get(ends[0] as usize).iter().find(|border| border.ends == ends)
     }
 }
 
