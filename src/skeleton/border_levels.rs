@@ -60,22 +60,23 @@ impl<'a> NearLevel<'a> {
         Self { distance, tree, segment }
     }
 
-    /// Distance to the nearest segment whose nearest point is visible; to the nearest segment of all if none is.
-    pub fn visible_distance(&self, tin: &Tin, glimpse: &Glimpse, point: &AxisPoint) -> f64 {
+    /// Distance to the nearest segment whose nearest point is visible; to the nearest segment of all if none is. Points with
+    /// a level need a `glimpse`.
+    pub fn visible_distance(&self, tin: &Tin, glimpse: Option<&Glimpse>, point: &AxisPoint) -> f64 {
         let (from, level) = (point.position, self.tree.level);
         let p = from.to_array();
         let shown = |s: &Segment| sees(tin, point.triangle, from, DVec2::from(s.nearest_point(&p)));
         // A point with a level lies inside its triangle or on an edge of it. A view can spread from there.
-        let can_spread = point.level.is_some();
-        if self.segment.is_none_or(shown) || (can_spread && glimpse.hides(point.triangle, from, level)) {
+        let glimpse = glimpse.filter(|_| point.level.is_some());
+        if self.segment.is_none_or(shown) || glimpse.is_some_and(|glimpse| glimpse.hides(point.triangle, from, level)) {
             return self.distance;
         }
         let trials = self.tree.tree.nearest_neighbor_iter_with_distance_2(&p).take(SIGHT_TRIALS);
         if let Some((_, d2)) = trials.into_iter().find(|(s, _)| shown(s)) {
             return d2.sqrt();
         }
-        let spread = || nearest_in_sight(tin, glimpse.branches(), point.triangle, from, level);
-        can_spread.then(spread).flatten().unwrap_or(self.distance)
+        let spread = |glimpse: &Glimpse| nearest_in_sight(tin, glimpse.branches(), point.triangle, from, level);
+        glimpse.and_then(spread).unwrap_or(self.distance)
     }
 }
 
@@ -157,7 +158,7 @@ impl BorderLevels {
 /// Of levels sorted by their distance, the nearest one by the distance to what is visible of it, and that distance.
 pub(super) fn nearest_visible<'a>(
     tin: &Tin,
-    glimpse: &Glimpse,
+    glimpse: Option<&Glimpse>,
     point: &AxisPoint,
     nearest_first: impl Iterator<Item = NearLevel<'a>>,
 ) -> Option<(f64, f64)> {

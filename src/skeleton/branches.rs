@@ -3,6 +3,7 @@
 //! Triangles are the nodes of a graph, and free edges join them. Where this graph ends in trees, their leaves can be
 //! stripped one after the other. What is left is the core: the rings of triangles around contours.
 
+use crate::base::parallel;
 use crate::tin::{NONE, Tin, VertexKind};
 
 /// Strips leaf after leaf. `free` is the number of free edges of each triangle. Calls `attach` with each leaf, the
@@ -40,14 +41,13 @@ impl BranchLevels {
     /// Collects the levels in the branches of all sub-domains.
     pub fn new(tin: &Tin) -> Self {
         let free = |t: u32| (0..3).filter(|&i| tin.across(t, i).is_some()).count() as u8;
-        let all = || 0..tin.len() as u32;
-        let free = all().map(|t| if tin.is_inside(t) { free(t) } else { 0 }).collect();
-        let of_corners = |t: u32| {
-            let levels = tin.triangles[t as usize].into_iter().filter(|&v| is_on_border(tin, v));
+        let free = parallel::values(tin.len(), |t| if tin.is_inside(t as u32) { free(t as u32) } else { 0 });
+        let of_corners = |t: usize| {
+            let levels = tin.triangles[t].into_iter().filter(|&v| is_on_border(tin, v));
             let levels = levels.map(|v| tin.heights[v as usize]);
             levels.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], level| [level.min(lo), level.max(hi)])
         };
-        let mut range: Vec<[f64; 2]> = all().map(of_corners).collect();
+        let mut range: Vec<[f64; 2]> = parallel::values(tin.len(), of_corners);
         let parent = strip(tin, free, |leaf, trunk, _| {
             let ([lo, hi], of_trunk) = (range[leaf as usize], &mut range[trunk as usize]);
             *of_trunk = [of_trunk[0].min(lo), of_trunk[1].max(hi)];

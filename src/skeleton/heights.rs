@@ -30,9 +30,10 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
         slope_outside(tin, &all, None).unwrap_or(0.0)
     });
     let mut heights = vec![f64::NAN; points.len()];
-    let glimpse = Glimpse::new(tin);
+    // It takes time, and few places without a level are asked for.
+    let glimpse = points.iter().any(|point| point.level.is_some()).then(|| Glimpse::new(tin));
     let found: Vec<Vec<(u32, f64)>> = parallel::map(regions.regions.len(), |r| {
-        region_heights((tin, &glimpse), regions, points, &groups, (&|| *map_slope, tuning), r)
+        region_heights((tin, glimpse.as_ref()), regions, points, &groups, (&|| *map_slope, tuning), r)
     });
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
@@ -99,7 +100,7 @@ fn borders(tin: &Tin, t: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
 }
 
 fn region_heights(
-    (tin, glimpse): (&Tin, &Glimpse),
+    (tin, glimpse): (&Tin, Option<&Glimpse>),
     regions: &Regions,
     points: &[AxisPoint],
     groups: &Groups,
@@ -151,7 +152,8 @@ enum Known {
 /// A sub-domain and its border.
 struct Ground<'a> {
     tin: &'a Tin,
-    glimpse: &'a Glimpse<'a>,
+    /// `None` if no point has a level: then none is needed.
+    glimpse: Option<&'a Glimpse<'a>>,
     regions: &'a Regions,
     region: &'a Region,
     levels: BorderLevels,
