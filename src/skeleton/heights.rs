@@ -30,7 +30,7 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
         slope_outside(tin, &all, None).unwrap_or(0.0)
     });
     let mut heights = vec![f64::NAN; points.len()];
-    // It takes time, and few places without a level are asked for.
+    // Only points with a level need it, and it takes time.
     let glimpse = points.iter().any(|point| point.level.is_some()).then(|| Glimpse::new(tin));
     let found: Vec<Vec<(u32, f64)>> = parallel::map(regions.regions.len(), |r| {
         region_heights((tin, glimpse.as_ref()), regions, points, &groups, (&|| *map_slope, tuning), r)
@@ -152,7 +152,7 @@ enum Known {
 /// A sub-domain and its border.
 struct Ground<'a> {
     tin: &'a Tin,
-    /// `None` if no point has a level: then none is needed.
+    /// `None` if no point has a level.
     glimpse: Option<&'a Glimpse<'a>>,
     regions: &'a Regions,
     region: &'a Region,

@@ -148,7 +148,8 @@ struct Triangulated {
     findings: Vec<Finding>,
 }
 
-/// Triangulates a map, and finds its ridge and canyon lines where they are needed.
+/// Triangulates a map, and finds its ridge and canyon lines where they are needed. If elevations are wrong, `choose` gives
+/// the hyper-parameters without them.
 fn triangulated(
     prepared: Prepared,
     params: &SurfaceParams,
