@@ -43,6 +43,7 @@ pub(crate) fn settle(
         .map(|v| v.height().is_none().then_some((v.place, v.region)))
         .collect();
     let mut guesses = heights_at((tin, regions), &places).into_iter();
+    let name = if sure == Sure::Surveyed { "the break line" } else { "the banks of the river area" };
     let mut settled = Settled::default();
     for (line, cut) in lines.iter().zip(cut) {
         let mut conflict = Conflict::default();
@@ -76,9 +77,9 @@ pub(crate) fn settle(
             }
             settled.creases.push(crease);
         }
-        settled.findings.extend(conflict.finding(line, interval, tin.origin));
+        settled.findings.extend(conflict.finding(line, name, interval, tin.origin));
         if cut.outside > ROUNDING * spacing {
-            let message = format!("{:.1} map units of the break line lie outside the frame or in water", cut.outside);
+            let message = format!("{:.1} map units of {name} lie outside the frame or in water", cut.outside);
             let place = line.points.first().copied().unwrap_or_default();
             settled.findings.push(Finding::at(FindingKind::BreakLineOutside, place, message).of_feature(line.feature));
         }
@@ -225,13 +226,14 @@ impl Conflict {
         }
     }
 
-    fn finding(&self, line: &CreaseLine, interval: f64, origin: DVec2) -> Option<Finding> {
+    /// `name` is what a message calls the line.
+    fn finding(&self, line: &CreaseLine, name: &str, interval: f64, origin: DVec2) -> Option<Finding> {
         if self.largest == 0.0 {
             return None;
         }
         let side = if self.largest > 0.0 { "above" } else { "below" };
         let message = format!(
-            "the heights of the break line lie up to {:.2} m {side} those that the contours allow, on {:.1} map units; \
+            "the heights of {name} lie up to {:.2} m {side} those that the contours allow, on {:.1} map units; \
              the contours win",
             (self.largest * interval).abs(),
             self.length

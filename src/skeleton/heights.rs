@@ -22,6 +22,9 @@ use crate::tuning::SkeletonTuning;
 /// on the side of the ground, the height rises (or falls) as described at [`Cap`]. Every height lies strictly inside
 /// its band. It is NaN where no contour borders the sub-domain.
 pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: &SkeletonTuning) -> Vec<f64> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let groups = Groups::new(tin, regions, points);
     // Computed on demand: few maps need it, and it takes time.
     let map_slope = LazyLock::new(|| {

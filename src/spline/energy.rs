@@ -241,51 +241,11 @@ impl Energy<'_> {
     /// The constant part of half of the negative gradient, for the rows from `first` on.
     #[inline(always)]
     fn constant(&self, first: usize, out: &mut [f64]) {
-        let [cols, rows] = self.size;
+        let cols = self.size[0];
         let start = first * cols;
         out.fill(0.0);
         if !self.reference.is_empty() {
-            let row_of = |j: usize| j * cols..(j + 1) * cols;
-            // The pull along an edge with this weight, from the heights and shares at its ends.
-            let pull = |weight: f32, from: f32, to: f32, follows: f32| {
-                let fall = f64::from(from) - f64::from(to);
-                if weight == 0.0 || fall.is_nan() { 0.0 } else { f64::from(weight) * fall * f64::from(follows) }
-            };
-            let fill_east = |j: usize, out: &mut [f64]| {
-                let (heights, follows) = (&self.reference[row_of(j)], &self.follows[row_of(j)]);
-                let pairs = heights.windows(2).zip(follows.windows(2)).zip(&self.tension[0][row_of(j)]);
-                for (out, ((z, f), &weight)) in out[1..].iter_mut().zip(pairs) {
-                    *out = pull(weight, z[0], z[1], f[0].min(f[1]));
-                }
-            };
-            // This closure counts rows from one, so that the row above the first one can be asked for.
-            let fill_south = |j: usize, out: &mut [f64]| {
-                if j < 1 || j > rows - 1 {
-                    return out.fill(0.0);
-                }
-                let (n, s) = (row_of(j - 1), row_of(j));
-                let heights = self.reference[n.clone()].iter().zip(&self.reference[s.clone()]);
-                let follows = self.follows[n.clone()].iter().zip(&self.follows[s]);
-                let pairs = heights.zip(follows).zip(&self.tension[1][n]);
-                for (out, (((&a, &b), (&f, &g)), &weight)) in out.iter_mut().zip(pairs) {
-                    *out = pull(weight, a, b, f.min(g));
-                }
-            };
-            // A 0 at both ends stands for the edges beyond the lattice.
-            let mut east = vec![0.0; cols + 1];
-            let mut south = [vec![0.0; cols], vec![0.0; cols]];
-            fill_south(first, &mut south[0]);
-            for (dj, out) in out.chunks_exact_mut(cols).enumerate() {
-                fill_east(first + dj, &mut east);
-                fill_south(first + dj + 1, &mut south[1]);
-                let (e0, e1) = (&east[..cols], &east[1..=cols]);
-                let (s0, s1) = (&south[0][..cols], &south[1][..cols]);
-                let out = &mut out[..cols];
-                for i in 0..cols {
-                    out[i] = e1[i] - e0[i] + s1[i] - s0[i];
-                }
-                south.swap(0, 1);
-            }
+            self.pull_to_reference(first, out);
         }
         let [eastward, southward] = &self.contours;
         let nodes = start..start + out.len();
@@ -298,6 +258,53 @@ impl Energy<'_> {
         }
         for e in southward.starting_in(start.saturating_sub(cols)..nodes.end - cols) {
             out[e.node as usize + cols - start] += e.q;
+        }
+    }
+
+    /// The part of [`Energy::constant`] that comes from the reference surface. Pulls along edges are formed once per row.
+    #[inline(always)]
+    fn pull_to_reference(&self, first: usize, out: &mut [f64]) {
+        let [cols, rows] = self.size;
+        let row_of = |j: usize| j * cols..(j + 1) * cols;
+        // The pull along an edge with this weight, from the heights and shares at its ends.
+        let pull = |weight: f32, from: f32, to: f32, follows: f32| {
+            let fall = f64::from(from) - f64::from(to);
+            if weight == 0.0 || fall.is_nan() { 0.0 } else { f64::from(weight) * fall * f64::from(follows) }
+        };
+        let fill_east = |j: usize, out: &mut [f64]| {
+            let (heights, follows) = (&self.reference[row_of(j)], &self.follows[row_of(j)]);
+            let pairs = heights.windows(2).zip(follows.windows(2)).zip(&self.tension[0][row_of(j)]);
+            for (out, ((z, f), &weight)) in out[1..].iter_mut().zip(pairs) {
+                *out = pull(weight, z[0], z[1], f[0].min(f[1]));
+            }
+        };
+        // This closure counts rows from one, so that the row above the first one can be asked for.
+        let fill_south = |j: usize, out: &mut [f64]| {
+            if j < 1 || j > rows - 1 {
+                return out.fill(0.0);
+            }
+            let (n, s) = (row_of(j - 1), row_of(j));
+            let heights = self.reference[n.clone()].iter().zip(&self.reference[s.clone()]);
+            let follows = self.follows[n.clone()].iter().zip(&self.follows[s]);
+            let pairs = heights.zip(follows).zip(&self.tension[1][n]);
+            for (out, (((&a, &b), (&f, &g)), &weight)) in out.iter_mut().zip(pairs) {
+                *out = pull(weight, a, b, f.min(g));
+            }
+        };
+        // A 0 at both ends stands for the edges beyond the lattice.
+        let mut east = vec![0.0; cols + 1];
+        let mut south = [vec![0.0; cols], vec![0.0; cols]];
+        fill_south(first, &mut south[0]);
+        for (dj, out) in out.chunks_exact_mut(cols).enumerate() {
+            fill_east(first + dj, &mut east);
+            fill_south(first + dj + 1, &mut south[1]);
+            let (e0, e1) = (&east[..cols], &east[1..=cols]);
+            let (s0, s1) = (&south[0][..cols], &south[1][..cols]);
+            let out = &mut out[..cols];
+            for i in 0..cols {
+                out[i] = e1[i] - e0[i] + s1[i] - s0[i];
+            }
+            south.swap(0, 1);
         }
     }
 
