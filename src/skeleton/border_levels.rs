@@ -1,7 +1,7 @@
 //! The border of a sub-domain by its levels, for distances to them.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
 use glam::DVec2;
 use rstar::primitives::{GeomWithData, Line, Rectangle};
@@ -10,6 +10,7 @@ use rstar::{AABB, ParentNode, PointDistance, RTree, RTreeNode};
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
 use super::sight::{nearest_in_sight, sees};
+use crate::base::union_find::UnionFind;
 use crate::tin::Tin;
 
 /// Number of segments tested for visibility one by one, before the search by views begins. It limits the time.
@@ -98,22 +99,25 @@ impl BorderLevels {
             let [u, v] = tin.edge(t, i as usize).map(|v| tin.positions[v as usize].to_array());
             Line::new(u, v)
         };
-        let of_level = |same: &[(f64, u32, u8)]| LevelTree {
+        let levels: Vec<&[(f64, u32, u8)]> = segments.chunk_by(|a, b| a.0 == b.0).collect();
+        let of_level = |same: &&[(f64, u32, u8)]| LevelTree {
             level: same[0].0,
             tree: RTree::bulk_load(same.iter().map(line).collect()),
         };
-        let trees: Vec<LevelTree> = segments.chunk_by(|a, b| a.0 == b.0).map(of_level).collect();
+        let trees: Vec<LevelTree> = levels.iter().map(of_level).collect();
         let is_small = |level: &LevelTree| (level.tree.size() as f64) < SMALL_SHARE * segments.len() as f64;
-        let steps = |level: &LevelTree| match () {
-            () if trees.len() <= FEW_LEVELS => 0,
-            () if is_small(level) => usize::MAX,
-            () => BOX_STEPS,
-        };
         let mut boxes = Vec::new();
-        for (k, level) in (0u32..).zip(&trees) {
-            push_boxes(level.tree.root(), steps(level), &mut |piece: AABB<[f64; 2]>| {
-                boxes.push(GeomWithData::new(Rectangle::from_aabb(piece), k));
-            });
+        for ((k, level), same) in (0u32..).zip(&trees).zip(&levels) {
+            let mut push = |piece: AABB<[f64; 2]>| boxes.push(GeomWithData::new(Rectangle::from_aabb(piece), k));
+            match () {
+                () if trees.len() <= FEW_LEVELS => push_boxes(level.tree.root(), 0, &mut push),
+                // Lines of one level may lie far from each other. A box around segments of two lines would be large.
+                () if is_small(level) => connected(tin, same).into_iter().for_each(|piece| {
+                    let piece: Vec<Segment> = piece.into_iter().map(line).collect();
+                    push_boxes(RTree::bulk_load(piece).root(), usize::MAX, &mut push);
+                }),
+                () => push_boxes(level.tree.root(), BOX_STEPS, &mut push),
+            }
         }
         Self { trees, boxes: RTree::bulk_load(boxes) }
     }
@@ -129,50 +133,70 @@ impl BorderLevels {
         self.of(level).map(|tree| NearLevel::new(tree, at))
     }
 
-    /// The levels that are wanted. The nearest comes first, whether it is visible or not; of two at one distance, the
-    /// lower one.
-    pub fn nearest_first<'a>(
-        &'a self,
+    /// Whether a segment of another level is nearer than one level.
+    pub fn has_nearer_other(&self, near: &NearLevel, at: DVec2) -> bool {
+        let (p, d2) = (at.to_array(), near.distance * near.distance * (1.0 + ROUNDING));
+        let mut seen: Vec<u32> = Vec::new();
+        self.boxes.locate_within_distance(p, d2).any(|piece| {
+            let LevelTree { level, tree } = &self.trees[piece.data as usize];
+            let is_new = *level != near.tree.level && !seen.contains(&piece.data);
+            is_new && {
+                seen.push(piece.data);
+                tree.locate_within_distance(p, d2).any(|segment| segment.distance_2(&p).sqrt() < near.distance)
+            }
+        })
+    }
+
+    /// Of the levels that are wanted, the nearest one, and its distance; of two at one distance, the lower one. `distance`
+    /// tells how far a level is: no less than its nearest segment. It is asked as rarely as possible.
+    pub fn nearest(
+        &self,
         at: DVec2,
-        wanted: impl Fn(f64) -> bool + 'a,
-    ) -> impl Iterator<Item = NearLevel<'a>> {
+        wanted: impl Fn(f64) -> bool,
+        distance: impl Fn(&NearLevel) -> f64,
+    ) -> Option<(f64, f64)> {
+        let mut best: Option<(f64, f64)> = None;
+        let is_beyond = |best: Option<(f64, f64)>, bound: f64| best.is_some_and(|(distance, _)| bound > distance);
         let mut boxes = self.boxes.nearest_neighbor_iter_with_distance_2(&at.to_array());
-        let mut bound = 0.0;
         let mut seen: Vec<u32> = Vec::new();
         let mut found: BinaryHeap<ByDistance> = BinaryHeap::new();
-        std::iter::from_fn(move || {
-            while found.peek().is_none_or(|nearest| nearest.0.distance >= bound) {
-                let Some((piece, d2)) = boxes.next() else { break };
-                bound = d2.sqrt() * (1.0 - ROUNDING);
-                let tree = &self.trees[piece.data as usize];
-                if wanted(tree.level) && !seen.contains(&piece.data) {
-                    seen.push(piece.data);
-                    found.push(ByDistance(NearLevel::new(tree, at)));
+        loop {
+            let piece = boxes.next();
+            let bound = piece.map_or(f64::INFINITY, |(_, d2)| d2.sqrt()) * (1.0 - ROUNDING);
+            while found.peek().is_some_and(|nearest| nearest.0.distance < bound) {
+                let Some(ByDistance(near)) = found.pop() else { break };
+                if is_beyond(best, near.distance * (1.0 - ROUNDING)) {
+                    return best;
+                }
+                let found = (distance(&near), near.tree.level);
+                if best.is_none_or(|best| found < best) {
+                    best = Some(found);
                 }
             }
-            found.pop().map(|nearest| nearest.0)
-        })
+            let Some((piece, _)) = piece.filter(|_| !is_beyond(best, bound)) else { return best };
+            let tree = &self.trees[piece.data as usize];
+            if wanted(tree.level) && !seen.contains(&piece.data) {
+                seen.push(piece.data);
+                found.push(ByDistance(NearLevel::new(tree, at)));
+            }
+        }
     }
 }
 
-/// Of levels sorted by their distance, the nearest one by the distance to what is visible of it, and that distance.
-pub(super) fn nearest_visible<'a>(
-    tin: &Tin,
-    glimpse: Option<&Glimpse>,
-    point: &AxisPoint,
-    nearest_first: impl Iterator<Item = NearLevel<'a>>,
-) -> Option<(f64, f64)> {
-    let mut best: Option<(f64, f64)> = None;
-    for near in nearest_first {
-        if best.is_some_and(|(distance, _)| near.distance * (1.0 - ROUNDING) > distance) {
-            break;
-        }
-        let found = (near.visible_distance(tin, glimpse, point), near.tree.level);
-        if best.is_none_or(|best| found < best) {
-            best = Some(found);
+/// The edges of triangles (with a level) in groups that hang together.
+fn connected<'a>(tin: &Tin, edges: &'a [(f64, u32, u8)]) -> Vec<Vec<&'a (f64, u32, u8)>> {
+    let mut pieces = UnionFind::new(edges.len());
+    let mut first_at: HashMap<u32, usize> = HashMap::new();
+    for (k, &(_, t, i)) in edges.iter().enumerate() {
+        for v in tin.edge(t, i as usize) {
+            pieces.unite(*first_at.entry(v).or_insert(k), k);
         }
     }
-    best
+    let mut groups: BTreeMap<usize, Vec<_>> = BTreeMap::new();
+    for (k, edge) in edges.iter().enumerate() {
+        groups.entry(pieces.root(k)).or_default().push(edge);
+    }
+    groups.into_values().collect()
 }
 
 /// Passes on the boxes of a tree that are so many steps from a node, or around segments only.

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use glam::DVec2;
 
-use super::border_levels::{BorderLevels, NearLevel, nearest_visible};
+use super::border_levels::{BorderLevels, NearLevel};
 use super::caps::Cap;
 use super::glimpse::Glimpse;
 use super::pieces::AxisPoint;
@@ -173,7 +173,7 @@ impl Ground<'_> {
         let at = point.position;
         let own = match point.level {
             Some(level) => self.levels.near(level, at),
-            None => self.levels.nearest_first(at, |_| true).next(),
+            None => self.levels.nearest(at, |_| true, |near| near.distance).and_then(|(_, level)| self.levels.near(level, at)),
         };
         let Some(own) = own else {
             // Only barrier edges: the level of the contour ends at both sides is all that is known.
@@ -182,17 +182,18 @@ impl Ground<'_> {
         };
         let own_level = own.tree.level;
         let side = self.region.side(own_level).unwrap_or(Side::Above);
-        let mut strangers = self.levels.nearest_first(at, |level| level != own_level).peekable();
         // Only a nearer segment can block a line of sight.
-        let own_distance = match strangers.peek() {
-            Some(nearest) if nearest.distance < own.distance => own.visible_distance(self.tin, self.glimpse, point),
-            _ => own.distance,
+        let own_distance = if self.levels.has_nearer_other(&own, at) {
+            own.visible_distance(self.tin, self.glimpse, point)
+        } else {
+            own.distance
         };
-        let is_beyond = |near: &NearLevel| match side {
-            Side::Above => near.tree.level > own_level,
-            Side::Below => near.tree.level < own_level,
+        let is_beyond = |level: f64| match side {
+            Side::Above => level > own_level,
+            Side::Below => level < own_level,
         };
-        let other = nearest_visible(self.tin, self.glimpse, point, strangers.filter(is_beyond));
+        let visible = |near: &NearLevel| near.visible_distance(self.tin, self.glimpse, point);
+        let other = self.levels.nearest(at, is_beyond, visible);
         match other {
             Some((distance, level)) if distance + own_distance > 0.0 => {
                 let height = (own_level * distance + level * own_distance) / (distance + own_distance);

@@ -109,13 +109,15 @@ pub fn spline(
     let mut working = WorkingGrid { grid: *grid, heights };
     follow(&mut streams, |p| f64::from(working.at(p.truncate())));
     let heights = &mut working.heights;
-    let bounds = |n: usize| [lo[n], hi[n]];
-    raise_to(&streams, grid, heights, bounds);
-    fall_along(&streams, grid, heights, bounds);
+    // A node beyond a contour from the stream stays. Heights between nodes follow it up to two nodes away, so moving it
+    // would falsify the ground there.
+    let allowed = |n: usize, wanted: f32| (lo[n] < wanted && wanted < hi[n]).then_some(wanted);
+    raise_to(&streams, grid, heights, allowed);
+    fall_along(&streams, grid, heights, allowed);
     // Each of the two may undo a little of what the other has done.
     for _ in 0..STREAM_ROUNDS {
         problem.breach(heights, &limits);
-        fall_along(&streams, grid, heights, bounds);
+        fall_along(&streams, grid, heights, allowed);
     }
     progress.finish();
     (working, streams)

@@ -3,6 +3,9 @@
 //! The cells of a grid lie beside a stream, not on it. Banks are higher than the water, so heights read along a stream
 //! would rise and fall with the distance of the stream from the cell centres. Here they are changed until they never
 //! rise, by as little as needed. Two readings count: that of the nearest cell, and the bilinear one between four cells.
+//!
+//! The caller tells which heights are `allowed`: for a cell and a wanted height, the allowed height that is nearest to it,
+//! or `None` if the cell stays.
 
 use std::collections::HashMap;
 
@@ -19,14 +22,24 @@ const PLACE: f64 = 0.5;
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
 
-/// Raises heights along streams to those of the streams. All stay between `bounds`.
-pub(crate) fn raise_to(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
-    streams.iter().for_each(|stream| raise_along(stream, grid, heights, &bounds));
+/// Raises heights along streams to those of the streams, as far as this is `allowed`.
+pub(crate) fn raise_to(
+    streams: &[Stream],
+    grid: &Grid,
+    heights: &mut [f32],
+    allowed: impl Fn(usize, f32) -> Option<f32>,
+) {
+    streams.iter().for_each(|stream| raise_along(stream, grid, heights, &allowed));
 }
 
-/// Lowers heights along streams until they never rise downstream. All stay between `bounds`. Heights that are NaN stay.
+/// Lowers heights along streams until they never rise downstream, as far as this is `allowed`. Heights that are NaN stay.
 /// `streams` come in an order in which each one follows those that flow into it.
-pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], bounds: impl Fn(usize) -> [f32; 2]) {
+pub(crate) fn fall_along(
+    streams: &[Stream],
+    grid: &Grid,
+    heights: &mut [f32],
+    allowed: impl Fn(usize, f32) -> Option<f32>,
+) {
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
         let mut changed = false;
@@ -39,16 +52,17 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], b
                 if let Some(n) = n.filter(|&n| n != before && !heights[n].is_nan()) {
                     before = n;
                     let below = if most[0] == f32::INFINITY { most[0] } else { most[0].next_down() };
-                    if heights[n] > below {
-                        let lowered = below.max(bounds(n)[0]).min(heights[n]);
-                        changed |= lowered < heights[n];
+                    if heights[n] > below
+                        && let Some(lowered) = allowed(n, below).filter(|lowered| *lowered < heights[n])
+                    {
                         heights[n] = lowered;
+                        changed = true;
                     }
                     most[0] = most[0].min(heights[n]);
                 }
                 if let Some(corners) = corners(grid, place) {
                     if reading(heights, &corners) > most[1] {
-                        changed |= move_to(most[1], heights, &corners, &bounds);
+                        changed |= move_to(most[1], heights, &corners, &allowed);
                     }
                     most[1] = most[1].min(reading(heights, &corners));
                 }
@@ -65,7 +79,12 @@ pub(crate) fn fall_along(streams: &[Stream], grid: &Grid, heights: &mut [f32], b
 /// Raises what is lower than a stream: the cells that it runs through, where it is nearest to their centre, and the readings
 /// between cells. They are raised to the height that the stream has [`PLACE`] cells further downstream. On steep ground
 /// its height at the very place would be too much.
-fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl Fn(usize) -> [f32; 2]) {
+fn raise_along(
+    stream: &Stream,
+    grid: &Grid,
+    heights: &mut [f32],
+    allowed: &impl Fn(usize, f32) -> Option<f32>,
+) {
     let mut readings: Vec<(DVec2, f32)> = Vec::new();
     for_each_reading(stream, grid, |place, z| readings.push((place, z)));
     let mut walked = 0.0;
@@ -76,7 +95,7 @@ fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl 
     }
     let raise = |heights: &mut [f32], n: usize, z: f32| {
         if heights[n] < z {
-            heights[n] = z.min(bounds(n)[1]).max(heights[n]);
+            heights[n] = allowed(n, z).map_or(heights[n], |raised| raised.max(heights[n]));
         }
     };
     // The cell that the stream runs through, with its distance from the centre and the height for it.
@@ -101,7 +120,7 @@ fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], bounds: &impl 
             }
         }
         if let Some(corners) = corners(grid, place).filter(|corners| reading(heights, corners) < z) {
-            move_to(z, heights, &corners, bounds);
+            move_to(z, heights, &corners, allowed);
         }
     }
     if let Some((cell, _, height)) = through {
@@ -114,19 +133,18 @@ pub(super) fn reading(heights: &[f32], corners: &[(usize, f32); 4]) -> f32 {
     corners.iter().map(|&(n, share)| share * heights[n]).sum()
 }
 
-/// Moves the corners on the other side of `wanted` towards it, until the reading between them is there. Corners stay
-/// between their bounds. Whether one was changed.
+/// Moves the corners on the other side of `wanted` towards it, as far as this is `allowed`, until the reading between them
+/// is there. Whether one was changed.
 pub(super) fn move_to(
     wanted: f32,
     heights: &mut [f32],
     corners: &[(usize, f32); 4],
-    bounds: &impl Fn(usize) -> [f32; 2],
+    allowed: &impl Fn(usize, f32) -> Option<f32>,
 ) -> bool {
     let misses = wanted - reading(heights, corners);
     // How far a corner may move; of the sign of `misses`.
     let room = |n: usize, heights: &[f32]| {
-        let [lo, hi] = bounds(n);
-        let by = wanted.min(hi).max(lo) - heights[n];
+        let by = allowed(n, wanted).map_or(0.0, |to| to - heights[n]);
         if by * misses > 0.0 { by } else { 0.0 }
     };
     let all: f32 = corners.iter().map(|&(n, share)| share * room(n, heights)).sum();
@@ -175,4 +193,51 @@ pub(super) fn corners(grid: &Grid, place: DVec2) -> Option<[(usize, f32); 4]> {
         let below = n + grid.cols;
         [(n, (1.0 - u) * (1.0 - v)), (n + 1, u * (1.0 - v)), (below, (1.0 - u) * v), (below + 1, u * v)]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Sure;
+    use crate::subdomains::Band;
+
+    #[test]
+    fn a_stream_between_cells_moves_only_those_that_may_move() {
+        // Two columns of cells, and a stream midway between them, from north to south. It falls from 99 m to 90 m.
+        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(2.0, 10.0), 1.0);
+        let at = |k: usize| DVec3::new(1.0, 9.5 - k as f64, 99.0 - k as f64);
+        let stream = Stream {
+            points: (0..10).map(at).collect(),
+            sure: vec![Sure::Between; 10],
+            bands: vec![Band { lo: 0.0, hi: 100.0 }; 10],
+            feature: 0.into(),
+            order: 1,
+            shift: 0.0,
+            turned: false,
+        };
+        // The eastern column lies beyond a contour of 100 m.
+        let before: Vec<f32> = (0..20).map(|n| if n % 2 == 0 { 80.0 + (n % 7) as f32 } else { 140.0 }).collect();
+        let nodes = |n: usize, wanted: f32| {
+            let [lo, hi] = if n % 2 == 0 { [0.0, 100.0] } else { [100.0, 200.0] };
+            (lo < wanted && wanted < hi).then_some(wanted)
+        };
+        let mut heights = before.clone();
+        raise_to(std::slice::from_ref(&stream), &grid, &mut heights, nodes);
+        fall_along(std::slice::from_ref(&stream), &grid, &mut heights, nodes);
+        let east = |heights: &[f32]| heights.iter().skip(1).step_by(2).copied().collect::<Vec<f32>>();
+        assert_eq!(east(&heights), east(&before));
+        let readings = |heights: &[f32]| {
+            let mut found = Vec::new();
+            for_each_reading(&stream, &grid, |place, _| {
+                found.extend(corners(&grid, place).map(|corners| reading(heights, &corners)));
+            });
+            found
+        };
+        let rise = |heights: &[f32]| readings(heights).windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max);
+        assert!(rise(&before) > 2.0 && rise(&heights) < 1e-4, "{} {}", rise(&before), rise(&heights));
+        // Cells of a height map move as far as their bands allow.
+        let cells = |n: usize, wanted: f32| Some(wanted.max(if n % 2 == 0 { 0.0 } else { 100.0 }));
+        fall_along(std::slice::from_ref(&stream), &grid, &mut heights, cells);
+        assert!(east(&heights).iter().all(|z| *z >= 100.0));
+    }
 }

@@ -134,15 +134,14 @@ impl<'a> Held<'a> {
     /// Lowers banks between which heights rise along streams. Whether one was changed.
     fn lower_banks(&self, streams: &[Stream], heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
         // Cells of streams stay.
-        let floor = |n: usize| if self.places[n] < Place::Stream { floor(n) } else { f32::INFINITY };
-        let bounds = |n: usize| [floor(n), f32::INFINITY];
+        let allowed = |n: usize, wanted: f32| (self.places[n] < Place::Stream).then(|| wanted.max(floor(n)));
         let mut changed = false;
         for stream in streams {
             let mut most = f32::INFINITY;
             for_each_reading(stream, self.grid, |place, _| {
                 let Some(corners) = corners(self.grid, place) else { return };
                 if reading(heights, &corners) > most {
-                    changed |= move_to(most, heights, &corners, &bounds);
+                    changed |= move_to(most, heights, &corners, &allowed);
                 }
                 most = most.min(reading(heights, &corners));
             });

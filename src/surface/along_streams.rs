@@ -18,18 +18,37 @@ use crate::streams::{Stream, fall_along, hold_along, raise_to};
 /// 0.25. More than needed digs trenches.
 const DEEPEST: f64 = 0.125;
 
-/// Makes streams hold the water of a height map ([`hold_along`]). This depends on the size of the cells. So the surface itself
-/// stays as it is. Cells on vertices of contours keep their heights.
-pub(super) fn hold_water(surface: &Surface, grid: &Grid, values: &mut [f32]) {
+/// Where the cells of a height map have their centres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Centres {
+    /// On nodes of the working grid. These were raised to the streams already.
+    OnNodes,
+    BetweenNodes,
+}
+
+/// Makes a height map fall along streams and hold their water ([`hold_along`]). This depends on the size of the cells. So the
+/// surface itself stays as it is. Cells on vertices of contours keep their heights.
+pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres) {
     if surface.streams.is_empty() {
         return;
     }
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
+    let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
     let band = bands(surface, grid, &Some);
-    let floor = floor(surface, values, band);
-    let floor = |cell: usize| if fixed.binary_search(&cell).is_ok() { f32::INFINITY } else { floor(cell) };
+    let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
+    if centres == Centres::BetweenNodes {
+        raise_to(&surface.streams, grid, values, allowed);
+    }
+    fall_along(&surface.streams, grid, values, allowed);
+    let floor = floor(surface, values, &band);
+    let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
     hold_along(&surface.streams, (grid, grid.cell), values, floor);
+}
+
+/// The height in a band that is nearest to a wanted one.
+fn within([lo, hi]: [f32; 2], wanted: f32) -> f32 {
+    wanted.min(hi).max(lo)
 }
 
 /// Brings a height map in other coordinates into agreement with the streams: heights fall along them, and they hold the
@@ -45,8 +64,9 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     };
     let streams: Vec<Stream> = surface.streams.iter().map(in_other).collect();
     let band = bands(surface, grid, other.to_surface);
-    raise_to(&streams, grid, values, &band);
-    fall_along(&streams, grid, values, &band);
+    let allowed = |cell: usize, wanted: f32| Some(within(band(cell), wanted));
+    raise_to(&streams, grid, values, allowed);
+    fall_along(&streams, grid, values, allowed);
     let floor = floor(surface, values, band);
     hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, floor);
 }

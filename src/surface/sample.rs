@@ -2,13 +2,12 @@
 
 use glam::DVec2;
 
-use super::along_streams::hold_water;
+use super::along_streams::{Centres, flow_along};
 use super::built::Surface;
 use super::conditions::on_contours;
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::dem::{Dem, height, locate, rasterise};
-use crate::streams::{fall_along, raise_to};
 use crate::tin::{NONE, Tin};
 
 /// Rows per task: enough to be worth a task.
@@ -24,7 +23,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
     };
     if let Some(mut values) = working.on_nodes(grid) {
-        hold_water(surface, grid, &mut values);
+        flow_along(surface, grid, &mut values, Centres::OnNodes);
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
@@ -39,15 +38,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
             values[cell] = level.clamp(region.band.lo, region.band.hi) as f32;
         }
     }
-    if !surface.streams.is_empty() {
-        let band = |cell: usize| match triangles[cell] {
-            NONE => [f32::NEG_INFINITY, f32::INFINITY],
-            t => surface.regions.region(t).map_or([f32::NAN; 2], |r| [r.band.lo as f32, r.band.hi as f32]),
-        };
-        raise_to(&surface.streams, grid, &mut values, band);
-        fall_along(&surface.streams, grid, &mut values, band);
-        hold_water(surface, grid, &mut values);
-    }
+    flow_along(surface, grid, &mut values, Centres::BetweenNodes);
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }
 
