@@ -173,7 +173,10 @@ impl Ground<'_> {
         let at = point.position;
         let own = match point.level {
             Some(level) => self.levels.near(level, at),
-            None => self.levels.nearest(at, |_| true, |near| near.distance).and_then(|(_, level)| self.levels.near(level, at)),
+            None => self
+                .levels
+                .nearest(at, |_| true, |near| near.distance)
+                .and_then(|(_, level)| self.levels.near(level, at)),
         };
         let Some(own) = own else {
             // Only barrier edges: the level of the contour ends at both sides is all that is known.

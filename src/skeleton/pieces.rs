@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::tin::NONE;
+
 /// A point of the axis. Most lie midway between two vertices on one level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisPoint {
@@ -31,4 +33,23 @@ pub struct Axis {
     pub points: Vec<AxisPoint>,
     /// Pieces of ridge and canyon lines. The first end is an axis point.
     pub pieces: Vec<[End; 2]>,
+}
+
+impl Axis {
+    /// Drops the points that are not `kept`, and the pieces that lead to them.
+    pub(crate) fn retain(&mut self, kept: &[bool]) {
+        let is_kept = |end: &End| !matches!(end, End::Axis(p) if !kept[*p as usize]);
+        self.pieces.retain(|piece| piece.iter().all(is_kept));
+        let mut number = vec![NONE; kept.len()];
+        for (next, k) in (0..kept.len()).filter(|&k| kept[k]).enumerate() {
+            number[k] = next as u32;
+        }
+        let mut kept = kept.iter();
+        self.points.retain(|_| *kept.next().unwrap_or(&false));
+        for end in self.pieces.iter_mut().flatten() {
+            if let End::Axis(p) = end {
+                *p = number[*p as usize];
+            }
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! Height maps along streams: their cells fall downstream and hold the water.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
+use foldhash::HashMap;
 use glam::DVec2;
 
 use super::built::Surface;
@@ -96,14 +97,17 @@ fn bands<'a>(
     grid: &'a Grid,
     to_surface: &'a dyn Fn(DVec2) -> Option<DVec2>,
 ) -> impl Fn(usize) -> [f32; 2] + 'a {
-    // Cells are asked for in the order of streams. So the triangle of one is near that of the one before.
+    // Cells are asked for in the order of streams. So the triangle of one is mostly near that of the one before. From one
+    // stream to the next it may be far, so that a band is looked up only once.
     let near = Cell::new(0);
-    move |cell| {
+    let known: RefCell<HashMap<usize, [f32; 2]>> = RefCell::default();
+    let look_up = move |cell: usize| {
         let mut from = near.get();
         let place = to_surface(grid.center(cell % grid.cols, cell / grid.cols));
         let triangle = place.and_then(|p| triangle_at(surface, &mut from, p));
         near.set(from);
         let region = triangle.and_then(|t| surface.regions.region(t));
         region.map_or([f32::NAN; 2], |region| [region.band.lo as f32, region.band.hi as f32])
-    }
+    };
+    move |cell| *known.borrow_mut().entry(cell).or_insert_with(|| look_up(cell))
 }

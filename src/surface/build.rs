@@ -11,7 +11,7 @@ use super::given_lines::{GivenLines, known, settle_lines};
 use super::known_lines::give_heights;
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
-use super::skeleton_lines::{finer, with_skeleton};
+use super::skeleton_lines::{Finer, finer, with_skeleton};
 use super::trial_builder::TrialBuilder;
 use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
@@ -19,7 +19,7 @@ use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
 use crate::creases::{Bend, Crease};
 use crate::dem::locate;
-use crate::skeleton::{Axis, Skeleton};
+use crate::skeleton::Axis;
 use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
@@ -144,7 +144,7 @@ struct Triangulated {
     creases: Vec<Crease>,
     /// Ridge and canyon lines, and the triangulation with them; `None` for the linear surface. Their progress step is
     /// not finished yet.
-    finer: Option<(Skeleton, Tin)>,
+    finer: Option<Finer>,
     findings: Vec<Finding>,
 }
 

@@ -14,7 +14,7 @@ use super::smooth_height::smooth_height;
 use crate::base::error::Result;
 use crate::base::parallel;
 use crate::contour::source_raster;
-use crate::skeleton::{Axis, BreakLine, End, break_lines, flow};
+use crate::skeleton::{Axis, BreakLine, break_lines, flow};
 use crate::spline::Lattice;
 use crate::spline::WorkingGrid;
 use crate::subdivision::Subdivision;
@@ -125,19 +125,7 @@ fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingG
     }
     // Some points share their place with another vertex or lie outside the frame. The pieces that lead to them are
     // dropped.
-    let is_known = |end: &End| !matches!(end, End::Axis(p) if !known[*p as usize]);
-    axis.pieces.retain(|piece| piece.iter().all(is_known));
-    let mut number = vec![NONE; known.len()];
-    for (next, k) in (0..known.len()).filter(|&k| known[k]).enumerate() {
-        number[k] = next as u32;
-    }
-    let mut keep = known.iter();
-    axis.points.retain(|_| *keep.next().unwrap_or(&false));
-    for end in axis.pieces.iter_mut().flatten() {
-        if let End::Axis(p) = end {
-            *p = number[*p as usize];
-        }
-    }
+    axis.retain(&known);
     (vertices, heights)
 }
 

@@ -1,37 +1,73 @@
 //! Ridge and canyon lines in the triangulation (paper, section 4: the curve mesh).
 
 use super::known_lines::push_lines;
-use crate::base::KnownLine;
+use rstar::RTree;
+use rstar::primitives::Line;
+
 use crate::base::error::Result;
+use crate::base::{KnownLine, Sure, parallel};
 use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
 use crate::subdivision::Subdivision;
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 use crate::tuning::SkeletonTuning;
 
-/// The ridge and canyon lines, and the triangulation with them. `triangulation` is the one of `subdivision`.
+/// A triangulation with the points of ridge and canyon lines.
+pub struct Finer {
+    pub lines: Vec<BreakLine>,
+    /// The points in the triangulation, and the pieces between them.
+    pub axis: Axis,
+    pub tin: Tin,
+}
+
+/// Finds the ridge and canyon lines, and triangulates with them and with the `known` lines. `triangulation` is the one of
+/// `subdivision`.
 pub fn finer(
     subdivision: &Subdivision,
     mut triangulation: Triangulation,
     known: &[KnownLine<'_>],
     resolution: f64,
     tuning: &SkeletonTuning,
-) -> Result<(Skeleton, Tin)> {
-    let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
+) -> Result<Finer> {
+    let Skeleton { mut axis, flow, lines, .. } = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
+    let mut heights = flow.heights;
+    if !known.is_empty() {
+        let kept = clear_of_lines(&subdivision.tin, &axis, known);
+        axis.retain(&kept);
+        let mut kept = kept.into_iter();
+        heights.retain(|_| kept.next().unwrap_or(false));
+    }
     let input = triangulation.input();
     subdivision.push_borders(input);
-    let points = push_points(input, &skeleton.axis, &skeleton.flow.heights);
+    let points = push_points(input, &axis, &heights);
     // Streams and break lines come first; ridge and canyon lines give way to them.
     push_lines(input, &subdivision.tin, known);
-    push_pieces(input, &subdivision.tin.source, (&skeleton.axis, &points), known.is_empty());
-    Ok((skeleton, triangulation.into_tin()?))
+    push_pieces(input, &subdivision.tin.source, (&axis, &points), known.is_empty());
+    Ok(Finer { lines, axis, tin: triangulation.into_tin()? })
 }
 
 /// The map with the [`finer`] triangulation, its ridge and canyon lines, and their axis.
 pub fn with_skeleton(
     subdivision: Subdivision,
-    (skeleton, tin): (Skeleton, Tin),
+    Finer { lines, axis, tin }: Finer,
 ) -> (Subdivision, Vec<BreakLine>, Axis) {
-    (subdivision.retriangulated(tin, &|_| None), skeleton.lines, skeleton.axis)
+    (subdivision.retriangulated(tin, &|_| None), lines, axis)
+}
+
+/// For each axis point: whether no stream or break line whose height is known is nearer than the contours around. Where
+/// one is nearer, its own vertices tell the height of the ground, and the point would contradict them.
+fn clear_of_lines(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
+    let segments = known.iter().flat_map(|line| {
+        let is_known = line.sure.windows(2).map(|w| w[0].min(w[1]) > Sure::Guessed);
+        let places = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
+        places.zip(is_known).filter(|(_, known)| *known).map(|([a, b], _)| Line::new(a, b))
+    });
+    let segments = RTree::bulk_load(segments.collect());
+    parallel::values_each(&axis.points, |point| {
+        let corners = tin.corners(point.triangle);
+        let room =
+            corners.into_iter().map(|corner| corner.distance_squared(point.position)).fold(f64::INFINITY, f64::min);
+        segments.locate_within_distance(point.position.to_array(), room).next().is_none()
+    })
 }
 
 /// Adds axis points with heights. Returns their numbers.
