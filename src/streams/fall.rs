@@ -211,7 +211,7 @@ mod tests {
             turned: false,
         };
         // The eastern column lies beyond a contour of 100 m.
-        let before: Vec<f32> = (0..20).map(|n| if n % 2 == 0 { 30.0 + (n % 7) as f32 } else { 140.0 }).collect();
+        let before: Vec<f32> = (0..20).map(|n| if n % 2 == 0 { 30.0 + 3.0 * (n % 7) as f32 } else { 140.0 }).collect();
         let nodes = |n: usize, wanted: f32| {
             let [lo, hi] = if n.is_multiple_of(2) { [0.0, 100.0] } else { [100.0, 200.0] };
             (lo < wanted && wanted < hi).then_some(wanted)
@@ -229,7 +229,7 @@ mod tests {
             found
         };
         let rise = |heights: &[f32]| readings(heights).windows(2).map(|w| w[1] - w[0]).fold(0.0, f32::max);
-        assert!(rise(&before) > 2.0 && rise(&heights) < 1e-4, "{} {}", rise(&before), rise(&heights));
+        assert!(rise(&before) > 0.5 && rise(&heights) < 1e-4, "{} {}", rise(&before), rise(&heights));
         // Cells of a height map move as far as their bands allow.
         let cells = |n: usize, wanted: f32| Some(wanted.max(if n.is_multiple_of(2) { 0.0 } else { 100.0 }));
         fall_along(std::slice::from_ref(&stream), &grid, &mut heights, cells);
