@@ -1,8 +1,8 @@
 //! Ridge and canyon lines in the triangulation (paper, section 4: the curve mesh).
 
 use super::known_lines::push_lines;
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{PointDistance, RTree};
+use rstar::RTree;
+use rstar::primitives::Line;
 
 use crate::base::error::Result;
 use crate::base::{KnownLine, Sure, parallel};
@@ -31,7 +31,7 @@ pub fn finer(
     let Skeleton { mut axis, flow, lines, .. } = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
     let mut heights = flow.heights;
     if !known.is_empty() {
-        let kept = clear_of_lines(&subdivision.tin, &axis, known, tuning.line_clearance);
+        let kept = clear_of_lines(&subdivision.tin, &axis, known);
         axis.retain(&kept);
         let mut kept = kept.into_iter();
         heights.retain(|_| kept.next().unwrap_or(false));
@@ -53,25 +53,19 @@ pub fn with_skeleton(
     (subdivision.retriangulated(tin, &|_| None), lines, axis)
 }
 
-/// For each axis point: whether it keeps clear of the streams and break lines whose heights are known. Near them, their own
-/// vertices tell the height of the ground, and the point would contradict them. `clearance` is
-/// [`SkeletonTuning::line_clearance`].
-fn clear_of_lines(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], clearance: f64) -> Vec<bool> {
+/// For each axis point: whether no surveyed line is nearer than the contours around. Where one is nearer, its own vertices
+/// tell the height of the ground, and the point would contradict them.
+fn clear_of_lines(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
     let segments = known.iter().flat_map(|line| {
+        let is_surveyed = line.sure.windows(2).map(|w| w[0].min(w[1]) >= Sure::Surveyed);
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
-        let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
-        let segments = ends.zip(sure).map(|([a, b], sure)| GeomWithData::new(Line::new(a, b), sure));
-        segments.filter(|segment| segment.data > Sure::Guessed)
+        ends.zip(is_surveyed).filter(|(_, surveyed)| *surveyed).map(|([a, b], _)| Line::new(a, b))
     });
     let segments = RTree::bulk_load(segments.collect());
     parallel::values_each(&axis.points, |point| {
         let corners = tin.corners(point.triangle).into_iter();
         let room = corners.map(|corner| corner.distance_squared(point.position)).fold(f64::INFINITY, f64::min);
-        let at = point.position.to_array();
-        let is_close = |segment: &GeomWithData<Line<[f64; 2]>, Sure>| {
-            segment.data > Sure::Between || segment.distance_2(&at) <= clearance * clearance * room
-        };
-        !segments.locate_within_distance(at, room).any(is_close)
+        segments.locate_within_distance(point.position.to_array(), room).next().is_none()
     })
 }
 
