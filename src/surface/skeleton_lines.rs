@@ -57,7 +57,8 @@ pub fn with_skeleton(
 /// tell the height of the ground, and the point would contradict them.
 fn clear_of_lines(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
     let segments = known.iter().flat_map(|line| {
-        let is_surveyed = line.sure.windows(2).map(|w| w[0].min(w[1]) >= Sure::Surveyed);
+        // Between two contours that a stream crosses, nothing is surveyed.
+        let is_surveyed = line.sure.windows(2).map(|w| w[0].min(w[1]) == Sure::Surveyed);
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
         ends.zip(is_surveyed).filter(|(_, surveyed)| *surveyed).map(|([a, b], _)| Line::new(a, b))
     });
