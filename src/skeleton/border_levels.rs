@@ -109,14 +109,16 @@ impl BorderLevels {
         let mut boxes = Vec::new();
         for ((k, level), same) in (0u32..).zip(&trees).zip(&levels) {
             let mut push = |piece: AABB<[f64; 2]>| boxes.push(GeomWithData::new(Rectangle::from_aabb(piece), k));
-            match () {
-                () if trees.len() <= FEW_LEVELS => push_boxes(level.tree.root(), 0, &mut push),
+            if trees.len() <= FEW_LEVELS {
+                push_boxes(level.tree.root(), 0, &mut push);
+            } else if !is_small(level) {
+                push_boxes(level.tree.root(), BOX_STEPS, &mut push);
+            } else {
                 // Lines of one level may lie far from each other. A box around segments of two lines would be large.
-                () if is_small(level) => connected(tin, same).into_iter().for_each(|piece| {
-                    let piece: Vec<Segment> = piece.into_iter().map(line).collect();
-                    push_boxes(RTree::bulk_load(piece).root(), usize::MAX, &mut push);
-                }),
-                () => push_boxes(level.tree.root(), BOX_STEPS, &mut push),
+                for connected in connected_edges(tin, same) {
+                    let segments: Vec<Segment> = connected.into_iter().map(line).collect();
+                    push_boxes(RTree::bulk_load(segments).root(), usize::MAX, &mut push);
+                }
             }
         }
         Self { trees, boxes: RTree::bulk_load(boxes) }
@@ -133,7 +135,7 @@ impl BorderLevels {
         self.of(level).map(|tree| NearLevel::new(tree, at))
     }
 
-    /// Whether a segment of another level is nearer than one level.
+    /// Whether a segment of another level is nearer than `near`, a level and its distance from `at`.
     pub fn has_nearer_other(&self, near: &NearLevel, at: DVec2) -> bool {
         let (p, d2) = (at.to_array(), near.distance * near.distance * (1.0 + ROUNDING));
         let mut seen: Vec<u32> = Vec::new();
@@ -147,8 +149,9 @@ impl BorderLevels {
         })
     }
 
-    /// Of the levels that are wanted, the nearest one, and its distance; of two at one distance, the lower one. `distance`
-    /// tells how far a level is: no less than its nearest segment. It is asked as rarely as possible.
+    /// The distance of the nearest level that is wanted, and this level. Of two at one distance, it is the lower one.
+    /// `distance` tells how far a level is. That is never less than the distance of its nearest segment. It takes time, so it is
+    /// called for few levels.
     pub fn nearest(
         &self,
         at: DVec2,
@@ -156,7 +159,7 @@ impl BorderLevels {
         distance: impl Fn(&NearLevel) -> f64,
     ) -> Option<(f64, f64)> {
         let mut best: Option<(f64, f64)> = None;
-        let is_beyond = |best: Option<(f64, f64)>, bound: f64| best.is_some_and(|(distance, _)| bound > distance);
+        let is_too_far = |best: Option<(f64, f64)>, bound: f64| best.is_some_and(|(distance, _)| bound > distance);
         let mut boxes = self.boxes.nearest_neighbor_iter_with_distance_2(&at.to_array());
         let mut seen: Vec<u32> = Vec::new();
         let mut found: BinaryHeap<ByDistance> = BinaryHeap::new();
@@ -165,7 +168,7 @@ impl BorderLevels {
             let bound = piece.map_or(f64::INFINITY, |(_, d2)| d2.sqrt()) * (1.0 - ROUNDING);
             while found.peek().is_some_and(|nearest| nearest.0.distance < bound) {
                 let Some(ByDistance(near)) = found.pop() else { break };
-                if is_beyond(best, near.distance * (1.0 - ROUNDING)) {
+                if is_too_far(best, near.distance * (1.0 - ROUNDING)) {
                     return best;
                 }
                 let found = (distance(&near), near.tree.level);
@@ -173,7 +176,7 @@ impl BorderLevels {
                     best = Some(found);
                 }
             }
-            let Some((piece, _)) = piece.filter(|_| !is_beyond(best, bound)) else { return best };
+            let Some((piece, _)) = piece.filter(|_| !is_too_far(best, bound)) else { return best };
             let tree = &self.trees[piece.data as usize];
             if wanted(tree.level) && !seen.contains(&piece.data) {
                 seen.push(piece.data);
@@ -183,18 +186,18 @@ impl BorderLevels {
     }
 }
 
-/// The edges of triangles (with a level) in groups that hang together.
-fn connected<'a>(tin: &Tin, edges: &'a [(f64, u32, u8)]) -> Vec<Vec<&'a (f64, u32, u8)>> {
-    let mut pieces = UnionFind::new(edges.len());
+/// Groups edges (level, triangle and number of the edge) that share vertices.
+fn connected_edges<'a>(tin: &Tin, edges: &'a [(f64, u32, u8)]) -> Vec<Vec<&'a (f64, u32, u8)>> {
+    let mut sets = UnionFind::new(edges.len());
     let mut first_at: HashMap<u32, usize> = HashMap::new();
     for (k, &(_, t, i)) in edges.iter().enumerate() {
         for v in tin.edge(t, i as usize) {
-            pieces.unite(*first_at.entry(v).or_insert(k), k);
+            sets.unite(*first_at.entry(v).or_insert(k), k);
         }
     }
     let mut groups: BTreeMap<usize, Vec<_>> = BTreeMap::new();
     for (k, edge) in edges.iter().enumerate() {
-        groups.entry(pieces.root(k)).or_default().push(edge);
+        groups.entry(sets.root(k)).or_default().push(edge);
     }
     groups.into_values().collect()
 }

@@ -1,9 +1,9 @@
 //! Ridge and canyon lines in the triangulation (paper, section 4: the curve mesh).
 
-use super::known_lines::push_lines;
 use rstar::RTree;
 use rstar::primitives::Line;
 
+use super::known_lines::push_lines;
 use crate::base::error::Result;
 use crate::base::{KnownLine, Sure, parallel};
 use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
@@ -30,11 +30,11 @@ pub fn finer(
 ) -> Result<Finer> {
     let Skeleton { mut axis, flow, lines, .. } = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
     let mut heights = flow.heights;
-    if !known.is_empty() {
-        let kept = clear_of_lines(&subdivision.tin, &axis, known);
-        axis.retain(&kept);
-        let mut kept = kept.into_iter();
-        heights.retain(|_| kept.next().unwrap_or(false));
+    if known.iter().any(|line| line.sure.contains(&Sure::Surveyed)) {
+        let is_clear = clear_of_surveyed(&subdivision.tin, &axis, known);
+        axis.retain(&is_clear);
+        let mut is_clear = is_clear.into_iter();
+        heights.retain(|_| is_clear.next().unwrap_or(false));
     }
     let input = triangulation.input();
     subdivision.push_borders(input);
@@ -53,11 +53,11 @@ pub fn with_skeleton(
     (subdivision.retriangulated(tin, &|_| None), lines, axis)
 }
 
-/// For each axis point: whether no surveyed line is nearer than the contours around. Where one is nearer, its own vertices
-/// tell the height of the ground, and the point would contradict them.
-fn clear_of_lines(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
+/// For each axis point: whether all surveyed lines are further away than the contours around. A nearer line tells the height
+/// of the ground by its own vertices, and the point would contradict them.
+fn clear_of_surveyed(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
     let segments = known.iter().flat_map(|line| {
-        // Between two contours that a stream crosses, nothing is surveyed.
+        // Where a stream runs straight from contour to contour, both ends of a segment are sure, but not surveyed.
         let is_surveyed = line.sure.windows(2).map(|w| w[0].min(w[1]) == Sure::Surveyed);
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
         ends.zip(is_surveyed).filter(|(_, surveyed)| *surveyed).map(|([a, b], _)| Line::new(a, b))

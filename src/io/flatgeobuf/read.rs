@@ -21,7 +21,10 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let mut reader = FileReader::open(path)?;
     let mut magic = [0; 8];
     if reader.remaining < 12 || reader.fill(&mut magic).is_err() || !magic.starts_with(&MAGIC) {
-        return Err(Error::file(path, "the file is not a FlatGeobuf of version 3, or it is broken"));
+        return Err(Error::file(
+            path,
+            "the file is not a FlatGeobuf of version 3, or it is broken; copy or export it again",
+        ));
     }
     let mut header = Vec::new();
     reader.chunk(&mut header, "the header")?;
@@ -96,8 +99,12 @@ impl<'a> FileReader<'a> {
 
     /// Reads a table and the length before it.
     fn chunk(&mut self, buffer: &mut Vec<u8>, what: &str) -> Result<()> {
-        let cut =
-            || Error::file(self.path, format!("the file ends within {what}; it is not complete, or it is broken"));
+        let cut = || {
+            Error::file(
+                self.path,
+                format!("the file ends within {what}; it is not complete, or it is broken; copy or export it again"),
+            )
+        };
         let mut length = [0; 4];
         if self.remaining < 4 {
             return Err(cut());
@@ -119,7 +126,8 @@ impl<'a> FileReader<'a> {
     fn skip_index(&mut self, header: &Header<'_>) -> Result<()> {
         let Some(size) = index_size(header.features_count(), header.index_node_size()).filter(|&s| s <= self.remaining)
         else {
-            let message = "the file ends within its spatial index; it is not complete, or it is broken";
+            let message =
+                "the file ends within its spatial index; it is not complete, or it is broken; copy or export it again";
             return Err(Error::file(self.path, message));
         };
         self.remaining -= size;

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::error::Category;
 
 use super::coordinates::{Coordinates, Part};
 use crate::base::error::{Error, Result};
@@ -30,13 +31,17 @@ pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> 
     let root = ObjectSeed { table: &mut table, is_root: true }
         .deserialize(&mut json)
         .and_then(|root| json.end().map(|()| root))
-        .map_err(|e| {
-            let message = match e.classify() {
-                serde_json::error::Category::Eof => "the file ends in the middle; it is not complete",
-                serde_json::error::Category::Data => "the file is JSON, but not GeoJSON as it should be",
-                _ => "the file is not JSON as it should be",
-            };
-            Error::file_cause(path, message, e)
+        .map_err(|e| match e.classify() {
+            Category::Eof => Error::file(path, "the file ends in the middle; it is not complete: copy or export it again"),
+            Category::Data => Error::file_cause(path, "the file is JSON, but not GeoJSON as it should be", e),
+            _ => {
+                let message = format!(
+                    "the text is not JSON, from line {}, column {}; correct this place, or export the file again as GeoJSON",
+                    e.line(),
+                    e.column()
+                );
+                Error::file(path, message)
+            }
         })?;
     let crs = root.crs.clone();
     match root.kind.as_deref() {

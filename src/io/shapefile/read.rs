@@ -82,7 +82,9 @@ fn open(path: &Path) -> Result<ShapeReader<BufReader<File>>> {
     {
         return Ok(reader);
     }
-    ShapeReader::new(source()?).map_err(|e| Error::file_cause(path, "the file is not a shapefile, or it is broken", e))
+    ShapeReader::new(source()?).map_err(|e| {
+        Error::file_cause(path, "the file is not a shapefile, or it is broken; copy or export it again", e)
+    })
 }
 
 /// The content of a small text file, if it exists. Bytes that are not UTF-8 only occur in names that are not looked
