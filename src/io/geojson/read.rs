@@ -32,14 +32,13 @@ pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> 
         .deserialize(&mut json)
         .and_then(|root| json.end().map(|()| root))
         .map_err(|e| match e.classify() {
-            Category::Eof => Error::file(path, "the file ends in the middle; it is not complete: copy or export it again"),
+            Category::Eof => {
+                Error::file(path, "the file ends in the middle; it is not complete: copy or export it again")
+            }
             Category::Data => Error::file_cause(path, "the file is JSON, but not GeoJSON as it should be", e),
             _ => {
-                let message = format!(
-                    "the text is not JSON, from line {}, column {}; correct this place, or export the file again as GeoJSON",
-                    e.line(),
-                    e.column()
-                );
+                let message =
+                    format!("the text is not JSON ({e}); correct this place, or export the file again as GeoJSON");
                 Error::file(path, message)
             }
         })?;
