@@ -5,9 +5,11 @@
 //! lies between those levels, and most likely the ground beside it does too. A surveyed height, of a spot height or of a
 //! break line, tells the same: the ground there lies between the levels around it.
 
-use std::collections::VecDeque;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
 
 use foldhash::HashMap;
+use glam::DVec2;
 
 use super::regions::WIDE;
 use super::{Band, Regions};
@@ -17,9 +19,9 @@ use crate::tin::{NONE, Tin, VertexKind};
 
 /// Narrower bands for triangles of sub-domains that are wider than one interval. A triangle with corners on two levels, or
 /// with a corner whose height is surveyed, lies between the levels at its corners. Any other takes the band of the nearest
-/// such triangle, counted in triangles. The band of a triangle holds the heights that are `given` at its corners, also of
-/// streams. Bands that would not be narrower are left out. Triangles with a corner that `is_wrong` (a vertex of a line
-/// with a wrong elevation) keep the band of the sub-domain.
+/// such triangle whose band reaches to the contours around both. The band of a triangle holds the heights that are `given`
+/// at its corners, also of streams. Bands that would not be narrower are left out. Triangles with a corner that `is_wrong`
+/// (a vertex of a line with a wrong elevation) keep the band of the sub-domain.
 pub(crate) fn local_bands(
     tin: &Tin,
     regions: &Regions,
@@ -51,21 +53,11 @@ pub(crate) fn local_bands(
         return HashMap::default();
     }
     let is_beside_wrong: Vec<bool> = parallel::values(tin.len(), |t| is_beside_wrong(t as u32));
-    // For each triangle: the place of the nearest one among those that are known.
-    let mut nearest = vec![NONE; tin.len()];
-    let mut open = VecDeque::with_capacity(known.len());
-    for (k, &(t, _)) in known.iter().enumerate() {
-        nearest[t as usize] = k as u32;
-        open.push_back(t);
-    }
-    while let Some(t) = open.pop_front() {
-        for n in (0..3).filter_map(|i| tin.across(t, i)).filter(|&n| !is_beside_wrong[n as usize]) {
-            if nearest[n as usize] == NONE {
-                nearest[n as usize] = nearest[t as usize];
-                open.push_back(n);
-            }
-        }
-    }
+    let next = |t: u32| (0..3).filter_map(move |i| tin.across(t, i)).filter(|&n| !is_beside_wrong[n as usize]);
+    let levels = levels_around(tin, next, |t| is_wide(t) && !is_beside_wrong[t as usize]);
+    // A band that does not reach to the contours around a triangle is not its own.
+    let fits = |t: u32, band: Band| levels[t as usize].is_none_or(|at| band.lo <= at.lo && at.hi <= band.hi);
+    let nearest = nearest_known(tin, &known, next, fits);
     let narrower = |t: usize| {
         let (_, band) = known.get(nearest[t] as usize)?;
         let whole = regions.region(t as u32)?.band;
@@ -75,6 +67,56 @@ pub(crate) fn local_bands(
         (band.lo < band.hi && band != whole).then_some((t as u32, band))
     };
     parallel::flat_map(tin.len(), narrower).into_iter().collect()
+}
+
+/// The levels of the contours at the corners of each triangle, and elsewhere those at the nearest triangle with such
+/// corners, counted in triangles. `next` gives the triangles beside one, `from` where the search begins.
+fn levels_around<N: Iterator<Item = u32>>(
+    tin: &Tin,
+    next: impl Fn(u32) -> N,
+    from: impl Fn(u32) -> bool,
+) -> Vec<Option<Band>> {
+    let mut levels: Vec<Option<Band>> = parallel::values(tin.len(), |t| {
+        let on_contours = tin.triangles[t].into_iter().filter(|&v| tin.kinds[v as usize] == VertexKind::Contour);
+        on_contours.map(|v| Band { lo: tin.heights[v as usize], hi: tin.heights[v as usize] }).reduce(Band::union)
+    });
+    let mut open: VecDeque<u32> = (0..tin.len() as u32).filter(|&t| levels[t as usize].is_some() && from(t)).collect();
+    while let Some(t) = open.pop_front() {
+        for n in next(t) {
+            if levels[n as usize].is_none() {
+                levels[n as usize] = levels[t as usize];
+                open.push_back(n);
+            }
+        }
+    }
+    levels
+}
+
+/// For each triangle: the place in `known` of the nearest triangle whose band fits it, by the way through the middles of
+/// the triangles between. They fit it too. `next` gives the triangles beside one.
+fn nearest_known<N: Iterator<Item = u32>>(
+    tin: &Tin,
+    known: &[(u32, Band)],
+    next: impl Fn(u32) -> N,
+    fits: impl Fn(u32, Band) -> bool,
+) -> Vec<u32> {
+    let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0;
+    let mut nearest = vec![NONE; tin.len()];
+    // The bits of numbers that are not negative have the order of the numbers.
+    let entry = |distance: f64, k: u32, t: u32| Reverse((distance.to_bits(), k, t));
+    let mut open: BinaryHeap<_> = known.iter().enumerate().map(|(k, &(t, _))| entry(0.0, k as u32, t)).collect();
+    while let Some(Reverse((distance, k, t))) = open.pop() {
+        if nearest[t as usize] != NONE {
+            continue;
+        }
+        nearest[t as usize] = k;
+        for n in next(t).filter(|&n| fits(n, known[k as usize].1)) {
+            if nearest[n as usize] == NONE {
+                open.push(entry(f64::from_bits(distance) + middle(t).distance(middle(n)), k, n));
+            }
+        }
+    }
+    nearest
 }
 
 /// The band between the levels around a height.
@@ -104,12 +146,13 @@ mod tests {
         corners.windows(2).flat_map(|w| side(w[0], w[1])).chain([corners[0]]).collect()
     }
 
-    /// A triangulation, its sub-domains, and the bands of single triangles. Heights of spots are `sure`.
+    /// A triangulation, its sub-domains, and the bands of single triangles. Heights of spots are `sure`; guessed ones are
+    /// not given.
     fn local(lines: &[(f64, Vec<DVec2>)], spots: &[(f64, DVec2)], sure: Sure) -> (Tin, Regions, HashMap<u32, Band>) {
         let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
         lines.iter().for_each(|(level, line)| input.push_line(line, *level, VertexKind::Contour));
         for &(height, at) in spots {
-            input.push(at, height, VertexKind::Spot);
+            input.push(at, height, if sure == Sure::Guessed { VertexKind::Axis } else { VertexKind::Spot });
         }
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &TEN);
@@ -175,6 +218,23 @@ mod tests {
             }
         }
         assert!(narrowed > 50, "{narrowed}");
+    }
+
+    #[test]
+    fn a_band_reaches_to_the_contours_at_its_triangle() {
+        // A ring of points without sure heights, such as those of a stream, parts the ground between two contours. So no
+        // triangle there tells its band, and the gap leads to ground beyond the lower contour.
+        let spots: Vec<(f64, DVec2)> = ring(0.0, 45.0).into_iter().map(|p| (115.0, p)).collect();
+        let (tin, _, local) = local(&rings_with_gap(), &spots, Sure::Guessed);
+        let mut checked = 0;
+        for (&t, band) in &local {
+            for v in tin.triangles[t as usize].into_iter().filter(|&v| tin.kinds[v as usize] == VertexKind::Contour) {
+                let level = tin.heights[v as usize];
+                assert!(band.lo <= level && level <= band.hi, "a triangle at {level} in {band:?}");
+                checked += 1;
+            }
+        }
+        assert!(checked > 50, "{checked}");
     }
 
     #[test]
