@@ -160,12 +160,15 @@ fn solve(
     let inside = |z: f64, band: Band| if z.is_finite() { band.strictly_inside(z) } else { band.lo.midpoint(band.hi) };
     // Whether the heights of the ends are known.
     let mut is_known = [true; 2];
+    // Whether the guess for an end lies on the wrong side of the nearest known height.
+    let mut is_contradicted = [false; 2];
     if knots.last().is_none_or(|&(s, _)| s < walked) {
         let edge = &edges[last];
         let highest = knots.last().map_or(f64::INFINITY, |k| k.1);
         let (z, sure) = known(edge.nodes[1]).unwrap_or((inside(edge.guesses[1], edge.bands[1]), Sure::Guessed));
         knots.push((walked, z.min(highest)));
         is_known[1] = sure > Sure::Guessed;
+        is_contradicted[1] = z >= highest;
     }
     if knots.first().is_none_or(|&(s, _)| s > 0.0) {
         let edge = &edges[first];
@@ -173,6 +176,7 @@ fn solve(
         let (z, sure) = known(edge.nodes[0]).unwrap_or((inside(edge.guesses[0], edge.bands[0]), Sure::Guessed));
         knots.insert(0, (0.0, z.max(lowest)));
         is_known[0] = sure > Sure::Guessed;
+        is_contradicted[0] = z <= lowest;
     }
     let curve = Monotone::new(&knots);
     let sure_at = |s: f64| {
@@ -182,7 +186,8 @@ fn solve(
         let one_sided = (is_first && !is_known[0]) || (is_last && !is_known[1]);
         let gap = (knots[after].0 - knots[after - 1].0) * if one_sided { 2.0 } else { 1.0 };
         let is_open = is_first && is_last && !is_known[0] && !is_known[1];
-        if gap <= reach && !is_open { Sure::Between } else { Sure::Guessed }
+        let is_level = (is_first && is_contradicted[0]) || (is_last && is_contradicted[1]);
+        if gap <= reach && !is_open && !is_level { Sure::Between } else { Sure::Guessed }
     };
     for (&e, at) in stem.iter().zip(&at) {
         heights[e] = at.iter().map(|&s| curve.at(s)).collect();
@@ -270,5 +275,22 @@ mod tests {
         assert!(heights.windows(2).all(|w| w[1] <= w[0]));
         // It is no chain of straight pieces.
         assert!((curve.at(26.0) - 25.0).abs() > 0.5);
+    }
+
+    #[test]
+    fn an_end_whose_guess_would_rise_is_not_sure() {
+        // From the contour of 200 m on, 30 map units to the end of the stream.
+        let sure_at_end = |guess: f64| {
+            let vertex = |x: f64, height| Vertex { place: DVec2::new(x, 0.0), height, region: 0 };
+            let vertices =
+                vec![vertex(0.0, Some(400.0)), vertex(20.0, Some(200.0)), vertex(35.0, None), vertex(50.0, None)];
+            let piece = Piece { vertices, ..Piece::default() };
+            let band = Band { lo: 100.0, hi: 1000.0 };
+            let edge = Edge { piece, nodes: [None; 2], guesses: [f64::NAN, guess], bands: [band; 2] };
+            let Profiles { heights, sure, .. } = profiles(&[edge], 0, 100.0);
+            assert!(heights[0].is_sorted_by(|a, b| a >= b), "{heights:?}");
+            sure[0][3]
+        };
+        assert_eq!([130.0, 200.0, 230.0].map(sure_at_end), [Sure::Between, Sure::Guessed, Sure::Guessed]);
     }
 }
