@@ -1,7 +1,7 @@
 //! Ridge and canyon lines in the triangulation (paper, section 4: the curve mesh).
 
-use rstar::RTree;
-use rstar::primitives::Line;
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{PointDistance, RTree};
 
 use super::known_lines::push_lines;
 use crate::base::error::Result;
@@ -30,8 +30,8 @@ pub fn finer(
 ) -> Result<Finer> {
     let Skeleton { mut axis, flow, lines, .. } = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
     let mut heights = flow.heights;
-    if known.iter().any(|line| line.sure.contains(&Sure::Surveyed)) {
-        let is_clear = clear_of_surveyed(&subdivision.tin, &axis, known);
+    if !known.is_empty() {
+        let is_clear = clear_of_known(&subdivision.tin, &axis, known, tuning);
         axis.retain(&is_clear);
         let mut is_clear = is_clear.into_iter();
         heights.retain(|_| is_clear.next().unwrap_or(false));
@@ -53,20 +53,27 @@ pub fn with_skeleton(
     (subdivision.retriangulated(tin, &|_| None), lines, axis)
 }
 
-/// For each axis point: whether all surveyed lines are further away than the contours around. A nearer line tells the height
-/// of the ground by its own vertices, and the point would contradict them.
-fn clear_of_surveyed(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>]) -> Vec<bool> {
+/// For each axis point: whether it keeps clear of the lines whose heights are known. Near one, its own vertices tell the
+/// height of the ground, and the point would contradict them. Surveyed lines are to be further away than the contours
+/// around, and streams than [`SkeletonTuning::stream_clearance`] of that.
+fn clear_of_known(tin: &Tin, axis: &Axis, known: &[KnownLine<'_>], tuning: &SkeletonTuning) -> Vec<bool> {
     let segments = known.iter().flat_map(|line| {
-        // Where a stream runs straight from contour to contour, both ends of a segment are sure, but not surveyed.
-        let is_surveyed = line.sure.windows(2).map(|w| w[0].min(w[1]) == Sure::Surveyed);
         let ends = line.points.windows(2).map(|w| [w[0], w[1]].map(|p| (p.truncate() - tin.origin).to_array()));
-        ends.zip(is_surveyed).filter(|(_, surveyed)| *surveyed).map(|([a, b], _)| Line::new(a, b))
+        let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
+        let segments = ends.zip(sure).map(|([a, b], sure)| GeomWithData::new(Line::new(a, b), sure));
+        segments.filter(|segment| segment.data > Sure::Guessed)
     });
     let segments = RTree::bulk_load(segments.collect());
+    let clearance = tuning.stream_clearance.powi(2);
     parallel::values_each(&axis.points, |point| {
         let corners = tin.corners(point.triangle).into_iter();
         let room = corners.map(|corner| corner.distance_squared(point.position)).fold(f64::INFINITY, f64::min);
-        segments.locate_within_distance(point.position.to_array(), room).next().is_none()
+        let at = point.position.to_array();
+        // Where a stream runs straight from contour to contour, both ends of a segment are exact, but nothing is surveyed.
+        let is_close = |segment: &GeomWithData<Line<[f64; 2]>, Sure>| {
+            segment.data == Sure::Surveyed || segment.distance_2(&at) <= clearance * room
+        };
+        !segments.locate_within_distance(at, room).any(is_close)
     })
 }
 
