@@ -1,19 +1,20 @@
-//! Moves the surface of noisy contours so that it meets them.
+//! Moves the surface of noisy contours so that it meets them, spot heights, and surveyed lines.
 //!
 //! A surface that follows noisy contours everywhere is rough. So it is first found with a low weight of the contours,
-//! and misses them by a little. These residuals are then spread from the contours over their surroundings. The
-//! correction r is a membrane that is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where
-//! contours cross the lattice.
+//! and misses them by a little. These residuals are then spread over their surroundings. The correction r is a membrane that
+//! is pulled to 0: least `Σ |Δr|² + r² / ℓ²` over the nodes, with r given where contours and lines cross the lattice.
+//!
+//! The heights of streams between contours are not surveyed. To meet them would cost more near by than it gains: up to 3 %
+//! in the RMSE near streams of five maps.
 
-use super::conditions::contour_crossings;
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::lattice::Crossing;
 use super::minimise::{Effort, Minimiser};
 use super::stages::{Problem, with_margin};
-use crate::base::parallel;
+use crate::base::{Sure, parallel};
 use crate::tuning::SplineTuning;
 
-/// Adds the residuals at the contours to `heights`, spread over the surroundings.
+/// Adds the residuals at contours, spot heights and surveyed lines to `heights`, spread over the surroundings.
 pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
     let SplineTuning { residual_reach, residual_weight, residual_steps, convergence, .. } = *problem.tuning;
     let lattice = &problem.lattice;
@@ -28,7 +29,7 @@ pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
         let all: Vec<_> = found.into_iter().flatten().chain(more.iter().copied()).map(residual).collect();
         EdgeTerms::new(&all, weight, lattice)
     };
-    let [east, south] = contour_crossings(problem.contours, lattice);
+    let [east, south] = problem.crossings(lattice, Sure::Surveyed);
     let (east, south) = rayon::join(|| terms(1, east, &problem.spots), || terms(cols, south, &[]));
     let inside = with_margin(&problem.bounds[0], cols, rows);
     let ratio = (lattice.step.y / lattice.step.x) as f32;

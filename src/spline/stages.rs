@@ -73,6 +73,18 @@ impl Problem<'_> {
         levels.sum::<f64>() / self.contours.len().max(1) as f64
     }
 
+    /// The crossings of each contour with the eastward and with the southward edges of a lattice, with their heights, and of
+    /// each line where its height is at least as sure as `least`.
+    pub(super) fn crossings(&self, lattice: &Lattice, least: Sure) -> [Vec<Vec<(Crossing, f64)>>; 2] {
+        let [mut east, mut south] = contour_crossings(self.contours, lattice);
+        let reach = self.tuning.least_line_nodes * lattice.step.max_element();
+        for [of_east, of_south] in self.known.iter().map(|line| line_crossings(*line, least, reach, lattice)) {
+            east.push(of_east);
+            south.push(of_south);
+        }
+        [east, south]
+    }
+
     /// Breaches pits where no contour speaks for them and no sink is given, if pits are to be drained at all.
     pub(super) fn breach(&self, heights: &mut [f32], limits: &Limits<'_>) {
         if self.drainage.drain == Drain::None {
@@ -244,13 +256,7 @@ impl Stage<'_> {
         let lattice = &self.lattice;
         let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
         let walls = Walls::new(problem.cliffs, lattice);
-        let [mut east, mut south] = contour_crossings(problem.contours, lattice);
-        let reach = problem.tuning.least_line_nodes * lattice.step.max_element();
-        for [of_east, of_south] in problem.known.iter().map(|line| line_crossings(*line, Sure::Between, reach, lattice))
-        {
-            east.push(of_east);
-            south.push(of_south);
-        }
+        let [east, south] = problem.crossings(lattice, Sure::Between);
         let SplineTuning { coarse_contour_weight, crease_weight, wide, .. } = *problem.tuning;
         let weight =
             problem.contour_weight.map(|full| (full * 8f64.powi(self.depth)).min(full.max(coarse_contour_weight)));

@@ -97,6 +97,19 @@ fn the_surface_passes_through_the_heights_of_a_break_line_and_bends_there() {
 }
 
 #[test]
+fn the_surface_of_noisy_contours_passes_through_surveyed_heights_too() {
+    // The bottom of a ditch, 3 m below the ground, midway between two contours.
+    let ditch = line(&[(-150.0, 247.5), (150.0, 247.5)], &[22.0; 2], Bend::Valley);
+    let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), noise: Some(1.0), ..SplineParams::default() };
+    let params = SurfaceParams { creases: vec![ditch], spline, ..SurfaceParams::default() };
+    let surface = build(slope(), &params, &()).expect("a slope has a surface").value;
+    for x in [-97.5, 2.5, 97.5] {
+        let z = at(&surface, x, 247.5);
+        assert!((z - 22.0).abs() < 0.1, "{x}: {z}");
+    }
+}
+
+#[test]
 fn contours_win_over_heights_of_break_lines_and_that_is_told() {
     // Across the contours of 20 and 30 m, 4 m too high between them.
     let across = line(&[(0.0, 150.0), (0.0, 250.0), (0.0, 350.0)], &[15.0, 34.0, 35.0], Bend::Ridge);
