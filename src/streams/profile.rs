@@ -168,7 +168,7 @@ fn solve(
         let (z, sure) = known(edge.nodes[1]).unwrap_or((inside(edge.guesses[1], edge.bands[1]), Sure::Guessed));
         knots.push((walked, z.min(highest)));
         is_known[1] = sure > Sure::Guessed;
-        is_contradicted[1] = z >= highest;
+        is_contradicted[1] = !is_known[1] && z >= highest;
     }
     if knots.first().is_none_or(|&(s, _)| s > 0.0) {
         let edge = &edges[first];
@@ -176,7 +176,7 @@ fn solve(
         let (z, sure) = known(edge.nodes[0]).unwrap_or((inside(edge.guesses[0], edge.bands[0]), Sure::Guessed));
         knots.insert(0, (0.0, z.max(lowest)));
         is_known[0] = sure > Sure::Guessed;
-        is_contradicted[0] = z <= lowest;
+        is_contradicted[0] = !is_known[0] && z <= lowest;
     }
     let curve = Monotone::new(&knots);
     let sure_at = |s: f64| {
