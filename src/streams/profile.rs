@@ -158,36 +158,36 @@ fn solve(
     });
     let known = |node: Option<usize>| node.map(|n| node_heights[n]).filter(|(z, _)| z.is_finite());
     let inside = |z: f64, band: Band| if z.is_finite() { band.strictly_inside(z) } else { band.lo.midpoint(band.hi) };
-    // Whether the heights of the ends are known.
-    let mut is_known = [true; 2];
-    // Whether the guess for an end lies on the wrong side of the nearest known height.
-    let mut is_contradicted = [false; 2];
+    // How much longer the gap at either end counts. What is known on one side only reaches half as far. A guess that would
+    // rise from it tells nothing.
+    let factor = |sure: Sure, rises: bool| match sure {
+        Sure::Guessed if rises => f64::INFINITY,
+        Sure::Guessed => 2.0,
+        _ => 1.0,
+    };
+    let mut factors = [1.0; 2];
     if knots.last().is_none_or(|&(s, _)| s < walked) {
         let edge = &edges[last];
         let highest = knots.last().map_or(f64::INFINITY, |k| k.1);
         let (z, sure) = known(edge.nodes[1]).unwrap_or((inside(edge.guesses[1], edge.bands[1]), Sure::Guessed));
         knots.push((walked, z.min(highest)));
-        is_known[1] = sure > Sure::Guessed;
-        is_contradicted[1] = !is_known[1] && z >= highest;
+        factors[1] = factor(sure, z >= highest);
     }
     if knots.first().is_none_or(|&(s, _)| s > 0.0) {
         let edge = &edges[first];
         let lowest = knots.first().map_or(f64::NEG_INFINITY, |k| k.1);
         let (z, sure) = known(edge.nodes[0]).unwrap_or((inside(edge.guesses[0], edge.bands[0]), Sure::Guessed));
         knots.insert(0, (0.0, z.max(lowest)));
-        is_known[0] = sure > Sure::Guessed;
-        is_contradicted[0] = !is_known[0] && z <= lowest;
+        factors[0] = factor(sure, z <= lowest);
     }
     let curve = Monotone::new(&knots);
     let sure_at = |s: f64| {
         let after = knots.partition_point(|k| k.0 <= s).clamp(1, knots.len() - 1);
-        let (is_first, is_last) = (after == 1, after + 1 == knots.len());
-        // What is known on one side only reaches half as far.
-        let one_sided = (is_first && !is_known[0]) || (is_last && !is_known[1]);
-        let gap = (knots[after].0 - knots[after - 1].0) * if one_sided { 2.0 } else { 1.0 };
-        let is_open = is_first && is_last && !is_known[0] && !is_known[1];
-        let is_level = (is_first && is_contradicted[0]) || (is_last && is_contradicted[1]);
-        if gap <= reach && !is_open && !is_level { Sure::Between } else { Sure::Guessed }
+        let at_ends = [after == 1, after + 1 == knots.len()];
+        let of_ends = factors.iter().zip(at_ends).filter(|(_, at_end)| *at_end).map(|(factor, _)| factor);
+        let gap = (knots[after].0 - knots[after - 1].0) * of_ends.product::<f64>();
+        let is_open = at_ends == [true; 2] && factors.iter().all(|factor| *factor > 1.0);
+        if gap <= reach && !is_open { Sure::Between } else { Sure::Guessed }
     };
     for (&e, at) in stem.iter().zip(&at) {
         heights[e] = at.iter().map(|&s| curve.at(s)).collect();

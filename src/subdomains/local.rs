@@ -36,12 +36,8 @@ pub(crate) fn local_bands(
                 .is_some_and(|r| r.water.is_none() && r.levels.len() > 2 && r.band.hi - r.band.lo > near)
     };
     let is_beside_wrong = |t: u32| tin.triangles[t as usize].into_iter().any(&is_wrong);
-    let at_corner = |v: u32| match tin.kinds[v as usize] {
-        VertexKind::Contour => Some(Band { lo: tin.heights[v as usize], hi: tin.heights[v as usize] }),
-        _ => given(v)
-            .filter(|(_, sure)| *sure >= Sure::Surveyed)
-            .map(|(height, _)| between_levels(&regions.interval, height)),
-    };
+    let surveyed = |v: u32| given(v).filter(|(_, sure)| *sure >= Sure::Surveyed);
+    let at_corner = |v: u32| level(tin, v).or_else(|| Some(between_levels(&regions.interval, surveyed(v)?.0)));
     let corner_band = |t: u32| {
         let band = tin.triangles[t as usize].into_iter().filter_map(at_corner).reduce(Band::union)?;
         (band.lo < band.hi).then_some(band)
@@ -69,6 +65,12 @@ pub(crate) fn local_bands(
     parallel::flat_map(tin.len(), narrower).into_iter().collect()
 }
 
+/// The level of a vertex of a contour, as a band.
+fn level(tin: &Tin, v: u32) -> Option<Band> {
+    let height = tin.heights[v as usize];
+    (tin.kinds[v as usize] == VertexKind::Contour).then_some(Band { lo: height, hi: height })
+}
+
 /// The levels of the contours at the corners of each triangle, and elsewhere those at the nearest triangle with such
 /// corners, counted in triangles. `next` gives the triangles beside one, `from` where the search begins.
 fn levels_around<N: Iterator<Item = u32>>(
@@ -76,10 +78,8 @@ fn levels_around<N: Iterator<Item = u32>>(
     next: impl Fn(u32) -> N,
     from: impl Fn(u32) -> bool,
 ) -> Vec<Option<Band>> {
-    let mut levels: Vec<Option<Band>> = parallel::values(tin.len(), |t| {
-        let on_contours = tin.triangles[t].into_iter().filter(|&v| tin.kinds[v as usize] == VertexKind::Contour);
-        on_contours.map(|v| Band { lo: tin.heights[v as usize], hi: tin.heights[v as usize] }).reduce(Band::union)
-    });
+    let at_corners = |t: usize| tin.triangles[t].into_iter().filter_map(|v| level(tin, v)).reduce(Band::union);
+    let mut levels: Vec<Option<Band>> = parallel::values(tin.len(), at_corners);
     let mut open: VecDeque<u32> = (0..tin.len() as u32).filter(|&t| levels[t as usize].is_some() && from(t)).collect();
     while let Some(t) = open.pop_front() {
         for n in next(t) {
@@ -92,8 +92,8 @@ fn levels_around<N: Iterator<Item = u32>>(
     levels
 }
 
-/// For each triangle: the place in `known` of the nearest triangle whose band fits it, by the way through the middles of
-/// the triangles between. They fit it too. `next` gives the triangles beside one.
+/// For each triangle: the place in `known` of the nearest triangle whose band fits it and all triangles on the way. The way
+/// runs through the middles of the triangles. `next` gives the triangles beside one.
 fn nearest_known<N: Iterator<Item = u32>>(
     tin: &Tin,
     known: &[(u32, Band)],

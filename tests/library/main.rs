@@ -12,6 +12,7 @@ mod degenerate;
 mod faults;
 mod figures;
 mod floors;
+mod gorge;
 mod gsi_files;
 mod height_map_contours;
 mod invariants;

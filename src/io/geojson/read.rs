@@ -35,7 +35,9 @@ pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> 
             Category::Eof => {
                 Error::file(path, "the file ends in the middle; it is not complete: copy or export it again")
             }
-            Category::Data => Error::file_cause(path, "the file is JSON, but not GeoJSON as it should be", e),
+            Category::Data => {
+                Error::file_cause(path, "the file is JSON, but not GeoJSON; export it again as GeoJSON", e)
+            }
             _ => {
                 let message =
                     format!("the text is not JSON ({e}); correct this place, or export the file again as GeoJSON");
