@@ -49,7 +49,12 @@ pub(crate) fn local_bands(
         return HashMap::default();
     }
     let is_beside_wrong: Vec<bool> = parallel::values(tin.len(), |t| is_beside_wrong(t as u32));
-    let next = |t: u32| (0..3).filter_map(move |i| tin.across(t, i)).filter(|&n| !is_beside_wrong[n as usize]);
+    // Nothing about a band passes through a contour.
+    let is_next = |t: u32, n: u32| regions.of_triangle[t as usize] == regions.of_triangle[n as usize];
+    let next = |t: u32| {
+        let across = (0..3).filter_map(move |i| tin.across(t, i));
+        across.filter(move |&n| is_next(t, n)).filter(|&n| !is_beside_wrong[n as usize])
+    };
     let levels = levels_around(tin, next, |t| is_wide(t) && !is_beside_wrong[t as usize]);
     // A band that does not reach to the contours around a triangle is not its own.
     let fits = |t: u32, band: Band| levels[t as usize].is_none_or(|at| band.lo <= at.lo && at.hi <= band.hi);
@@ -102,18 +107,20 @@ fn nearest_known<N: Iterator<Item = u32>>(
 ) -> Vec<u32> {
     let middle = |t: u32| tin.corners(t).iter().sum::<DVec2>() / 3.0;
     let mut nearest = vec![NONE; tin.len()];
-    // The bits of numbers that are not negative have the order of the numbers.
-    let entry = |distance: f64, k: u32, t: u32| Reverse((distance.to_bits(), k, t));
-    let mut open: BinaryHeap<_> = known.iter().enumerate().map(|(k, &(t, _))| entry(0.0, k as u32, t)).collect();
-    while let Some(Reverse((distance, k, t))) = open.pop() {
-        if nearest[t as usize] != NONE {
-            continue;
+    known.iter().enumerate().for_each(|(k, &(t, _))| nearest[t as usize] = k as u32);
+    let mut open = BinaryHeap::new();
+    let reach = |open: &mut BinaryHeap<_>, nearest: &[u32], distance: f64, k: u32, t: u32| {
+        for n in next(t).filter(|&n| nearest[n as usize] == NONE && fits(n, known[k as usize].1)) {
+            let distance = distance + middle(t).distance(middle(n));
+            // The bits of numbers that are not negative have the order of the numbers.
+            open.push(Reverse((distance.to_bits(), k, n)));
         }
-        nearest[t as usize] = k;
-        for n in next(t).filter(|&n| fits(n, known[k as usize].1)) {
-            if nearest[n as usize] == NONE {
-                open.push(entry(f64::from_bits(distance) + middle(t).distance(middle(n)), k, n));
-            }
+    };
+    known.iter().enumerate().for_each(|(k, &(t, _))| reach(&mut open, &nearest, 0.0, k as u32, t));
+    while let Some(Reverse((distance, k, t))) = open.pop() {
+        if nearest[t as usize] == NONE {
+            nearest[t as usize] = k;
+            reach(&mut open, &nearest, f64::from_bits(distance), k, t);
         }
     }
     nearest
