@@ -19,7 +19,7 @@ use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
 use crate::creases::{Bend, Crease};
 use crate::dem::locate;
-use crate::skeleton::Axis;
+use crate::skeleton::{Axis, skeleton};
 use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
@@ -169,21 +169,23 @@ fn triangulated(
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines } = settle_lines(&subdivision, params, progress);
     findings.extend(of_lines);
-    let finer = || {
-        if params.kind == SurfaceKind::Linear {
-            return Ok(None);
-        }
+    let skeleton = (params.kind != SurfaceKind::Linear).then(|| {
         progress.start("ridge and canyon lines", 0);
-        let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-        finer(&subdivision, triangulation, &known, params.resolution, &params.tuning.skeleton).map(Some)
+        skeleton(&subdivision.tin, &subdivision.regions, params.resolution, &params.tuning.skeleton)
+    });
+    let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
+    let finer = || {
+        let finer = |skeleton| finer(&subdivision, triangulation, skeleton, &known, &params.tuning.skeleton);
+        skeleton.map(finer).transpose()
     };
     // The choice that runs beside the triangulation takes all elevations as correct. Only the triangulation shows which
-    // are wrong.
+    // are wrong. Triangulating with the ridge and canyon lines keeps one thread busy too.
     let trusted = subdivision.trusted();
     let of_map = |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) };
     let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
     let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
     let finer = finer?;
+    drop(known);
     Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })
 }
 

@@ -6,7 +6,7 @@ use rstar::{PointDistance, RTree};
 use super::known_lines::push_lines;
 use crate::base::error::Result;
 use crate::base::{KnownLine, Sure, parallel};
-use crate::skeleton::{Axis, BreakLine, End, Skeleton, skeleton};
+use crate::skeleton::{Axis, BreakLine, End, Skeleton};
 use crate::subdivision::Subdivision;
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 use crate::tuning::SkeletonTuning;
@@ -19,16 +19,14 @@ pub struct Finer {
     pub tin: Tin,
 }
 
-/// Finds the ridge and canyon lines, and triangulates with them and with the `known` lines. `triangulation` is the one of
-/// `subdivision`.
+/// Triangulates with ridge and canyon lines, and with the `known` lines. `triangulation` is the one of `subdivision`.
 pub fn finer(
     subdivision: &Subdivision,
     mut triangulation: Triangulation,
+    Skeleton { mut axis, flow, lines, .. }: Skeleton,
     known: &[KnownLine<'_>],
-    resolution: f64,
     tuning: &SkeletonTuning,
 ) -> Result<Finer> {
-    let Skeleton { mut axis, flow, lines, .. } = skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning);
     let mut heights = flow.heights;
     if !known.is_empty() {
         let is_clear = clear_of_known(&subdivision.tin, &axis, known, tuning);

@@ -3,7 +3,7 @@
 use super::conditions::conditions;
 use super::skeleton_lines::{finer, with_skeleton};
 use crate::base::Grid;
-use crate::skeleton::BreakLine;
+use crate::skeleton::{BreakLine, skeleton};
 use crate::spline::Conditions;
 use crate::subdivision::Subdivision;
 use crate::tuning::SkeletonTuning;
@@ -21,7 +21,8 @@ impl SurfaceBuilder for TrialBuilder<'_> {
     fn with_lines(&self, mut subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)> {
         let Some(resolution) = self.resolution else { return Some((subdivision, Vec::new())) };
         let triangulation = std::mem::take(&mut subdivision.triangulation);
-        let finer = finer(&subdivision, triangulation, &[], resolution, self.tuning).ok()?;
+        let skeleton = skeleton(&subdivision.tin, &subdivision.regions, resolution, self.tuning);
+        let finer = finer(&subdivision, triangulation, skeleton, &[], self.tuning).ok()?;
         let (subdivision, break_lines, _) = with_skeleton(subdivision, finer);
         Some((subdivision, break_lines))
     }
