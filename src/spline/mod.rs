@@ -17,7 +17,8 @@
 //! The steps are in `solve`. First the surface is found on coarse lattices, then on finer ones (`stages`, `lattice`).
 //! On each, conjugate gradients between bounds (`minimise`, `tile`, `stencil`) minimise the energy in `energy`. Its
 //! weights follow the surface (`reweight`). Then heights shrink towards the centre of their band (`shrinkage`), ridges
-//! and valleys get their curvature gain (`curvature_gain`), and pits are breached (`pits`).
+//! and valleys get their curvature gain (`curvature_gain`), pits are breached (`pits`), and heights are made to fall along
+//! streams (`stream_beds`).
 
 mod blur;
 mod cliffs;
@@ -41,6 +42,7 @@ mod soft_spots;
 mod solve;
 mod stages;
 mod stencil;
+mod stream_beds;
 mod tile;
 mod unevenness;
 mod wide;

@@ -1,4 +1,5 @@
-//! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching.
+//! The smooth surface from its conditions. The steps: solution, shelves, shrinkage, curvature gain, breaching,
+//! streams.
 
 use super::conditions::{Conditions, spot_crossings};
 use super::density::{contour_density, tension};
@@ -11,14 +12,11 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, residual, shrinkage, soft_spots};
+use super::{curvature_gain, residual, shrinkage, soft_spots, stream_beds};
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
-use crate::streams::{Stream, fall_along, follow, raise_to};
+use crate::streams::Stream;
 use crate::tuning::SplineTuning;
-
-/// How often pits are breached beside streams.
-const STREAM_ROUNDS: usize = 2;
 
 /// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
 pub fn spline(
@@ -99,26 +97,10 @@ pub fn spline(
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
-    let limits = Limits { lo, depth: interval as f32 };
-    if conditions.streams.is_empty() {
-        problem.breach(&mut heights, &limits);
-        progress.finish();
-        return (WorkingGrid { grid: *grid, heights }, Vec::new());
-    }
-    let mut streams = conditions.streams.to_vec();
+    let breach = |heights: &mut [f32], depth: f64| problem.breach(heights, &Limits { lo, depth: depth as f32 });
     let mut working = WorkingGrid { grid: *grid, heights };
-    follow(&mut streams, |p| f64::from(working.at(p.truncate())));
-    let heights = &mut working.heights;
-    // A node beyond a contour from the stream stays. Heights between nodes follow it up to two nodes away, so moving it
-    // would falsify the ground there.
-    let allowed = |n: usize, wanted: f32| (lo[n] < wanted && wanted < hi[n]).then_some(wanted);
-    raise_to(&streams, grid, heights, allowed);
-    fall_along(&streams, grid, heights, allowed);
-    // Each of the two may undo a little of what the other has done.
-    for _ in 0..STREAM_ROUNDS {
-        problem.breach(heights, &limits);
-        fall_along(&streams, grid, heights, allowed);
-    }
+    let mut streams = conditions.streams.to_vec();
+    stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);
     progress.finish();
     (working, streams)
 }

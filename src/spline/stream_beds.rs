@@ -1,0 +1,84 @@
+//! The smooth surface along streams: pits are breached, and nodes beside streams get their heights.
+
+use super::working_grid::WorkingGrid;
+use crate::streams::{Stream, fall_along, follow, raise_to};
+
+/// Cuts undo falls along streams, and falls make pits. So both are repeated.
+const ROUNDS: usize = 2;
+/// Depth of the ways out of pits that raised streams have closed, as a share of the contour interval. A stream may be far
+/// above ground that sags. A deeper cut beside it would be a trench down to that ground.
+const DEEPEST: f64 = 0.125;
+
+/// Breaches pits, gives streams the heights of the surface where theirs were a guess, and makes the surface fall along
+/// them. `breach` cuts ways out of pits that are less deep than a number of metres.
+pub(super) fn settle(
+    streams: &mut [Stream],
+    working: &mut WorkingGrid,
+    [lo, hi]: [&[f32]; 2],
+    interval: f64,
+    breach: impl Fn(&mut [f32], f64),
+) {
+    follow(streams, |p| f64::from(working.at(p.truncate())));
+    let WorkingGrid { grid, heights } = working;
+    // Between neighbouring contours no cut needs to be deeper.
+    breach(heights, interval);
+    if streams.is_empty() {
+        return;
+    }
+    // A node beyond a contour from the stream stays. Heights between nodes follow it up to two nodes away, so moving it
+    // would falsify the ground there.
+    let allowed = |n: usize, wanted: f32| (lo[n] < wanted && wanted < hi[n]).then_some(wanted);
+    raise_to(streams, grid, heights, allowed);
+    fall_along(streams, grid, heights, allowed);
+    for _ in 0..ROUNDS {
+        breach(heights, DEEPEST * interval);
+        fall_along(streams, grid, heights, allowed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::super::lattice::Lattice;
+    use super::super::pits::{self, Limits};
+    use super::*;
+    use crate::base::{Grid, Sure};
+    use crate::subdomains::Band;
+
+    #[test]
+    fn a_stream_above_sagging_ground_gets_no_trench_beside_it_and_other_dams_are_cut() {
+        let (cols, rows) = (40, 15);
+        let grid = Grid { corner: DVec2::new(0.0, rows as f64), cell: DVec2::ONE, cols, rows };
+        let (valley, stream_row) = (3, 10);
+        // Two valleys in level ground. Both fall to the east. In one there is a dam, and in the other a stream far above the floor.
+        let dam = valley * cols + 15;
+        let ground = |n: usize| match (n / cols, n % cols) {
+            _ if n == dam => 250.0,
+            (row, col) if row == valley || row == stream_row => 180.0 - 0.5 * col as f32,
+            _ => 350.0,
+        };
+        let before: Vec<f32> = (0..grid.len()).map(ground).collect();
+        let points: Vec<DVec3> =
+            [(10, 396.0), (20, 392.0), (36, 162.0)].map(|(col, z)| grid.center(col, stream_row).extend(z)).to_vec();
+        let mut streams = [Stream {
+            sure: vec![Sure::Between; points.len()],
+            bands: vec![Band { lo: 0.0, hi: 400.0 }; points.len()],
+            points,
+            feature: 0.into(),
+            order: 1,
+            shift: 0.0,
+            turned: false,
+        }];
+        let [lo, hi] = [0.0, 400.0].map(|bound| vec![bound; grid.len()]);
+        let mut working = WorkingGrid { grid, heights: before.clone() };
+        settle(&mut streams, &mut working, [&lo, &hi], 200.0, |heights, depth| {
+            pits::breach(heights, &Lattice::of_grid(&grid), &Limits { lo: &lo, depth: depth as f32 }, |_| false);
+        });
+        let heights = &working.heights;
+        assert!(heights[dam] < 180.0 && heights[stream_row * cols + 12] > 390.0);
+        let beside = (0..grid.len()).filter(|n| before[*n] == 350.0);
+        beside
+            .for_each(|n| assert!(heights[n] > 350.0 - 25.0, "node {} in row {}: {}", n % cols, n / cols, heights[n]));
+    }
+}
