@@ -14,7 +14,8 @@ tuned! {
         ///
         /// Refit: RMSE.
         chords: [f64; 2] = [0.25, 0.5],
-        /// Least number of chords of each length; with fewer the exponent is unknown.
+        /// Least number of chords of each length. With fewer, chords of half the length are used. If these are too few
+        /// too, the exponent is unknown.
         ///
         /// Tried 100 and 400: no effect on the RMSE or the shares of two maps.
         ///

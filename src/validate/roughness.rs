@@ -6,8 +6,8 @@
 //! followed.
 //!
 //! The half-lengths of the chords are a quarter and a half of the mean spacing. The surface between contours can
-//! show detail of this size. Single vertices far off a line are digitising errors and are left out. The long ways there
-//! and back would make a smooth line rough.
+//! show detail of this size. Where contours are too few, chords are half as long. Single vertices far off a line are
+//! digitising errors and are left out. The long ways there and back would make a smooth line rough.
 
 use glam::DVec2;
 
@@ -26,10 +26,19 @@ pub fn hurst_exponent(extent: &MapExtent<'_>, tuning: &RoughnessTuning) -> Optio
 }
 
 fn exponent(lines: &[&[DVec2]], spacing: f64, tuning: &RoughnessTuning) -> Option<f64> {
-    let RoughnessTuning { chords, min_chords, .. } = *tuning;
-    let [near, far] = chords.map(|share| median_offset(lines, share * spacing, min_chords));
-    let ratio = (far? / near?).log2() / (chords[1] / chords[0]).log2();
-    ratio.is_finite().then_some(ratio)
+    let RoughnessTuning { chords, min_chords, usual_exponent, .. } = *tuning;
+    let offsets = |of_chords: f64| {
+        let [near, far] = chords.map(|share| median_offset(lines, share * of_chords * spacing, min_chords));
+        Some([near?, far?])
+    };
+    let exponent = |[near, far]: [f64; 2]| {
+        let exponent = (far / near).log2() / (chords[1] / chords[0]).log2();
+        exponent.is_finite().then_some(exponent)
+    };
+    // Few contours have more chords of half the length. These may lie on straight pieces between vertices. So they can show
+    // that a line is rough, but not that it is smooth.
+    let of_shorter = || exponent(offsets(0.5)?).map(|exponent| exponent.min(usual_exponent));
+    offsets(1.0).map_or_else(of_shorter, exponent)
 }
 
 /// Median offset of the middle of chords; `None` if there are fewer than `fewest`.
@@ -103,6 +112,13 @@ mod tests {
         assert!((of(0.0).unwrap_or(0.0) - 2.0).abs() < 0.1, "{:?}", of(0.0));
         assert!(of(1.0).unwrap_or(9.0) < 0.5, "{:?}", of(1.0));
         assert_eq!(exponent(&[], 1.0, &tuning), None);
+        let of_few = |jitter: f64| {
+            let rings = rings(jitter);
+            let few: Vec<&[DVec2]> = rings.iter().map(|ring| &ring[..150]).collect();
+            exponent(&few, 10.0, &tuning)
+        };
+        assert!(of_few(1.0).unwrap_or(9.0) < 0.5, "{:?}", of_few(1.0));
+        assert_eq!(of_few(0.0), Some(tuning.usual_exponent));
         let straight = [DVec2::ZERO, DVec2::new(1e9, 0.0)];
         assert_eq!(exponent(&[&straight], 1.0, &tuning), None, "no bend at all");
     }
