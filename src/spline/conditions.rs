@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::density::contour_density;
 use super::fold::Fold;
-use super::lattice::{Crossing, Lattice};
+use super::lattice::{Crossing, CrossingKind, Lattice};
 use super::wide::WidePlaces;
 use super::{curvature_gain, shrinkage};
 use crate::base::{Grid, KnownLine, Sure, parallel};
@@ -121,15 +121,19 @@ pub(super) fn line_crossings(
     let (mut east, mut south) = (Vec::new(), Vec::new());
     let lengths = ways_between_contours(line);
     let sure = line.sure.windows(2).map(|w| w[0].min(w[1]));
-    let is_known = sure.zip(lengths).map(|(sure, length)| sure >= least && (sure != Sure::Between || length >= reach));
-    for (w, _) in line.points.windows(2).zip(is_known).filter(|(_, known)| *known) {
+    for ((w, sure), length) in line.points.windows(2).zip(sure).zip(lengths) {
+        let is_between = sure == Sure::Between;
+        if sure < least || is_between && length < reach {
+            continue;
+        }
         let (a, b) = (w[0].truncate(), w[1].truncate());
         let height = |crossing: Crossing, step: DVec2| {
             let node = crossing.node as usize;
             let at = DVec2::new((node % lattice.cols) as f64, (node / lattice.cols) as f64) + crossing.along * step;
             let at = lattice.first + at * lattice.step * DVec2::new(1.0, -1.0);
             let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-            (crossing, w[0].z + share * (w[1].z - w[0].z))
+            let kind = if is_between { CrossingKind::Between } else { crossing.kind };
+            (Crossing { kind, ..crossing }, w[0].z + share * (w[1].z - w[0].z))
         };
         lattice.cross(&[a, b], |c| east.push(height(c, DVec2::X)), |c| south.push(height(c, DVec2::Y)));
     }
@@ -171,9 +175,31 @@ pub(super) fn spot_crossings(spots: &[DVec3], lattice: &Lattice, reference: &[f3
         let here = north * (1.0 - v) + south * v;
         if here.is_finite() {
             // The reference surface passes through the spot. Its slope carries the height to the edges north and south.
-            found.push((Crossing { node: node as u32, along: u, at_vertex: false }, spot.z + north - here));
-            found.push((Crossing { node: below as u32, along: u, at_vertex: false }, spot.z + south - here));
+            found.push((Crossing { node: node as u32, along: u, kind: CrossingKind::Chord }, spot.z + north - here));
+            found.push((Crossing { node: below as u32, along: u, kind: CrossingKind::Chord }, spot.z + south - here));
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_of_streams_between_contours_count_less_than_surveyed_ones() {
+        let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 12, rows: 3 };
+        let points: Vec<DVec3> = (0..=10).map(|k| DVec3::new(f64::from(k) + 0.5, -0.5, 20.0 - f64::from(k))).collect();
+        let kinds = |sure: Sure, reach: f64| -> Vec<CrossingKind> {
+            let sure = vec![sure; points.len()];
+            let [east, south] =
+                line_crossings(KnownLine { points: &points, sure: &sure }, Sure::Between, reach, &lattice);
+            assert!(east.is_empty() && south.iter().all(|(c, z)| (z - (20.5 - f64::from(c.node))).abs() < 1e-9));
+            south.into_iter().map(|(crossing, _)| crossing.kind).collect()
+        };
+        assert_eq!(kinds(Sure::Between, 10.0), vec![CrossingKind::Between; 10]);
+        assert_eq!(kinds(Sure::Surveyed, 11.0), vec![CrossingKind::Chord; 10]);
+        assert_eq!(kinds(Sure::Between, 11.0), []);
+        assert_eq!(kinds(Sure::Guessed, 0.0), []);
+    }
 }

@@ -16,7 +16,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::lattice::{Crossing, Lattice};
+use super::lattice::{Crossing, CrossingKind, Lattice};
 use crate::base::parallel;
 
 /// Rows per task: enough to be worth a task.
@@ -27,21 +27,32 @@ const STRIDE: usize = 32;
 /// Weight of the square at a crossing, against that of a second difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingWeight {
-    /// At crossings where a vertex of the line lies on the edge.
+    /// At a [`CrossingKind::Vertex`].
     pub at_vertex: f64,
-    /// At crossings where the edge crosses a chord between two vertices.
+    /// On a [`CrossingKind::Chord`].
     pub on_chord: f64,
+    /// Where the height is that [`CrossingKind::Between`] contours.
+    pub between: f64,
 }
 
 impl CrossingWeight {
-    /// One weight for both kinds of crossings.
+    /// One weight for all kinds of crossings.
     pub fn even(weight: f64) -> Self {
-        Self { at_vertex: weight, on_chord: weight }
+        Self { at_vertex: weight, on_chord: weight, between: weight }
     }
 
-    /// Applies the same change to both weights.
+    /// Applies the same change to all weights.
     pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        Self { at_vertex: change(self.at_vertex), on_chord: change(self.on_chord) }
+        let Self { at_vertex, on_chord, between } = self;
+        Self { at_vertex: change(at_vertex), on_chord: change(on_chord), between: change(between) }
+    }
+
+    fn of(self, kind: CrossingKind) -> f64 {
+        match kind {
+            CrossingKind::Vertex => self.at_vertex,
+            CrossingKind::Chord => self.on_chord,
+            CrossingKind::Between => self.between,
+        }
     }
 }
 
@@ -78,7 +89,7 @@ impl EdgeTerms {
         let mut terms: Vec<EdgeTerm> = Vec::with_capacity(order.len());
         for key in order {
             let (crossing, level) = crossings[key as u32 as usize];
-            let weight = if crossing.at_vertex { weight.at_vertex } else { weight.on_chord };
+            let weight = weight.of(crossing.kind);
             let (v, u) = (crossing.along, 1.0 - crossing.along);
             if terms.last().is_none_or(|last| last.node != crossing.node) {
                 terms.push(EdgeTerm { node: crossing.node, ..EdgeTerm::default() });
@@ -364,7 +375,7 @@ pub(super) mod tests {
         let reference = weights(&|_, _| true).into();
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols, rows };
         let crossing =
-            |node: usize, along: f64| (Crossing { node: node as u32, along, at_vertex: false }, 100.0 * along);
+            |node: usize, along: f64| (Crossing { node: node as u32, along, kind: CrossingKind::Chord }, 100.0 * along);
         let contours = [
             EdgeTerms::new(
                 &[crossing(cols, 0.25), crossing(cols, 0.5), crossing(0, 1.0)],

@@ -18,9 +18,20 @@ pub struct Crossing {
     pub node: u32,
     /// Share of the edge from there, 0 to 1.
     pub along: f64,
-    /// Whether a vertex of the line lies on the edge. Elsewhere the line is only a chord of the curve that it stands
-    /// for.
-    pub at_vertex: bool,
+    /// How well the line tells the height there.
+    pub kind: CrossingKind,
+}
+
+/// How well a line tells the height at a crossing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CrossingKind {
+    /// A vertex of the line lies on the edge.
+    Vertex,
+    /// The line is only a chord there, of the curve that it stands for.
+    #[default]
+    Chord,
+    /// The line is a stream, and its height comes from the contours that it crosses near by.
+    Between,
 }
 
 /// Rows of nodes, from the north-west: the centres of a grid's cells, or every 2nd, 4th, ... row and column of them.
@@ -73,18 +84,21 @@ impl Lattice {
     /// A vertex exactly on a row or column of nodes counts as beyond it. So a line through this vertex crosses once.
     pub fn cross(&self, line: &[DVec2], mut east: impl FnMut(Crossing), mut south: impl FnMut(Crossing)) {
         let Some((&first, rest)) = line.split_first() else { return };
-        let is_near = |k: usize, a: f64, b: f64| (k as f64 - a).abs().min((k as f64 - b).abs()) < AT_VERTEX;
+        let kind = |k: usize, a: f64, b: f64| {
+            let is_vertex = (k as f64 - a).abs().min((k as f64 - b).abs()) < AT_VERTEX;
+            if is_vertex { CrossingKind::Vertex } else { CrossingKind::Chord }
+        };
         let mut a = self.place(first);
         for &p in rest {
             let b = self.place(p);
             for_each_whole(a.x, b.x, self.cols, |col, t| {
                 if let Some((row, along)) = edge(a.y + t * (b.y - a.y), self.rows) {
-                    south(Crossing { node: (row * self.cols + col) as u32, along, at_vertex: is_near(col, a.x, b.x) });
+                    south(Crossing { node: (row * self.cols + col) as u32, along, kind: kind(col, a.x, b.x) });
                 }
             });
             for_each_whole(a.y, b.y, self.rows, |row, t| {
                 if let Some((col, along)) = edge(a.x + t * (b.x - a.x), self.cols) {
-                    east(Crossing { node: (row * self.cols + col) as u32, along, at_vertex: is_near(row, a.y, b.y) });
+                    east(Crossing { node: (row * self.cols + col) as u32, along, kind: kind(row, a.y, b.y) });
                 }
             });
             a = b;
@@ -157,7 +171,7 @@ mod tests {
         let mut found = Vec::new();
         // Vertices on the column at x = 12 and off all others.
         let line = [(11.0, 19.5), (12.0, 19.7), (15.0, 19.6)].map(DVec2::from);
-        NINE.cross(&line, |_| (), |c| found.push((c.node, c.at_vertex)));
+        NINE.cross(&line, |_| (), |c| found.push((c.node, c.kind == CrossingKind::Vertex)));
         assert_eq!(found, [(1, true), (2, false)]);
     }
 

@@ -120,6 +120,7 @@ pub fn remaining_error(error: f64, height: f64, most: f32) -> f64 {
 mod tests {
     use glam::DVec2;
 
+    use super::super::lattice::CrossingKind;
     use super::*;
 
     const LATTICE: Lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 400, rows: 60 };
@@ -172,7 +173,7 @@ mod tests {
     fn the_variance_is_that_of_hidden_contours_in_the_mean_and_none_at_a_spot_height() {
         let tuning = ShrinkageTuning::default();
         let (count, cols, east) = (LATTICE.len(), LATTICE.cols, 30 * 400 + 300);
-        let spot = Crossing { node: east as u32, along: 0.0, at_vertex: false };
+        let spot = Crossing { node: east as u32, along: 0.0, kind: CrossingKind::Chord };
         // Contours are three times as close in the west as in the east.
         let contour_density: Vec<f32> = (0..count).map(|n| if n % cols < cols / 2 { 1.5 } else { 0.5 }).collect();
         // Level ground counts as uneven everywhere.

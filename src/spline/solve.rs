@@ -135,12 +135,13 @@ fn bounded(
 
 /// Weight of the square at a crossing, against that of a second difference. The surface meets the contours within a
 /// thousandth of the interval. Vertices on edges of the lattice mean that the contours were cut from its nodes. The
-/// surface meets them as exactly as the steps allow. For noisy contours, the weight per length of contour is the same
-/// on every grid.
+/// surface meets them as exactly as the steps allow. For noisy contours, and for streams between contours, the weight per
+/// length is the same on every grid.
 fn contour_weight(noise: f64, grid: &Grid, spacing: f64, tuning: &SplineTuning) -> CrossingWeight {
     let SplineTuning { contour_weight_at_vertex: at_vertex, contour_weight_on_chord: on_chord, .. } = *tuning;
     let cell = (grid.cell.x * grid.cell.y).sqrt();
-    let noisy =
-        tuning.noisy_contour_weight / (noise * noise) * (tuning.grid.nodes_per_spacing * cell / spacing).powi(3);
-    CrossingWeight { at_vertex, on_chord }.map(|weight| noisy.min(weight))
+    let per_length = (tuning.grid.nodes_per_spacing * cell / spacing).powi(3);
+    let noisy = tuning.noisy_contour_weight / (noise * noise) * per_length;
+    let between = tuning.stream_weight * per_length;
+    CrossingWeight { at_vertex, on_chord, between }.map(|weight| noisy.min(weight))
 }

@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use crate::base::Grid;
-use crate::spline::Lattice;
+use crate::spline::{CrossingKind, Lattice};
 use crate::subdivision::Subdivision;
 use crate::subdomains::Band;
 use crate::tin::NONE;
@@ -148,7 +148,7 @@ impl Sides {
                 lattice.cross(&line, |c| east.push((c, [1.0, 0.0], 1)), |c| south.push((c, [0.0, 1.0], lattice.cols)));
                 for (crossing, [x, y], step) in east.into_iter().chain(south) {
                     all += 1;
-                    at_vertices += usize::from(crossing.at_vertex);
+                    at_vertices += usize::from(crossing.kind == CrossingKind::Vertex);
                     let node = crossing.node as usize;
                     self.crossings[node] += 1.0;
                     let [col, row] = [node % lattice.cols, node / lattice.cols].map(|k| k as f64);
