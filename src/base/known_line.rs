@@ -20,6 +20,8 @@ pub(crate) enum Sure {
 pub(crate) struct KnownLine<'a> {
     /// Vertices (x, y in map units, height in metres).
     pub points: &'a [DVec3],
+    /// Whether it is a stream. The banks of river areas are none.
+    pub is_stream: bool,
     /// How sure the height of each vertex is.
     pub sure: &'a [Sure],
 }

@@ -48,7 +48,7 @@ pub struct Crease {
 impl Crease {
     /// Its course with heights.
     pub(crate) fn known(&self) -> KnownLine<'_> {
-        KnownLine { points: &self.points, sure: &self.sure }
+        KnownLine { points: &self.points, is_stream: false, sure: &self.sure }
     }
 
     /// Length on the map, map units.

@@ -132,7 +132,7 @@ pub(super) fn line_crossings(
             let at = DVec2::new((node % lattice.cols) as f64, (node / lattice.cols) as f64) + crossing.along * step;
             let at = lattice.first + at * lattice.step * DVec2::new(1.0, -1.0);
             let share = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-            let kind = if is_between { CrossingKind::Between } else { crossing.kind };
+            let kind = if is_between && line.is_stream { CrossingKind::Between } else { crossing.kind };
             (Crossing { kind, ..crossing }, w[0].z + share * (w[1].z - w[0].z))
         };
         lattice.cross(&[a, b], |c| east.push(height(c, DVec2::X)), |c| south.push(height(c, DVec2::Y)));
@@ -187,19 +187,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn heights_of_streams_between_contours_count_less_than_surveyed_ones() {
+    fn heights_of_streams_between_contours_count_less_than_those_of_other_lines() {
         let lattice = Lattice { first: DVec2::ZERO, step: DVec2::ONE, cols: 12, rows: 3 };
         let points: Vec<DVec3> = (0..=10).map(|k| DVec3::new(f64::from(k) + 0.5, -0.5, 20.0 - f64::from(k))).collect();
-        let kinds = |sure: Sure, reach: f64| -> Vec<CrossingKind> {
+        let kinds = |is_stream: bool, sure: Sure, reach: f64| -> Vec<CrossingKind> {
             let sure = vec![sure; points.len()];
             let [east, south] =
-                line_crossings(KnownLine { points: &points, sure: &sure }, Sure::Between, reach, &lattice);
+                line_crossings(KnownLine { points: &points, is_stream, sure: &sure }, Sure::Between, reach, &lattice);
             assert!(east.is_empty() && south.iter().all(|(c, z)| (z - (20.5 - f64::from(c.node))).abs() < 1e-9));
             south.into_iter().map(|(crossing, _)| crossing.kind).collect()
         };
-        assert_eq!(kinds(Sure::Between, 10.0), vec![CrossingKind::Between; 10]);
-        assert_eq!(kinds(Sure::Surveyed, 11.0), vec![CrossingKind::Chord; 10]);
-        assert_eq!(kinds(Sure::Between, 11.0), []);
-        assert_eq!(kinds(Sure::Guessed, 0.0), []);
+        assert_eq!(kinds(true, Sure::Between, 10.0), vec![CrossingKind::Between; 10]);
+        assert_eq!(kinds(false, Sure::Between, 10.0), vec![CrossingKind::Chord; 10]);
+        assert_eq!(kinds(true, Sure::Surveyed, 11.0), vec![CrossingKind::Chord; 10]);
+        assert_eq!(kinds(true, Sure::Between, 11.0), []);
+        assert_eq!(kinds(true, Sure::Guessed, 0.0), []);
     }
 }

@@ -30,7 +30,7 @@ pub enum CrossingKind {
     /// The line is only a chord there, of the curve that it stands for.
     #[default]
     Chord,
-    /// The line is a stream, and its height comes from the contours that it crosses near by.
+    /// A stream, whose height comes from the contours that it crosses near by.
     Between,
 }
 

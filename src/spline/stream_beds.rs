@@ -51,7 +51,7 @@ mod tests {
         let (cols, rows) = (40, 15);
         let grid = Grid { corner: DVec2::new(0.0, rows as f64), cell: DVec2::ONE, cols, rows };
         let (valley, stream_row) = (3, 10);
-        // Two valleys in level ground. Both fall to the east. In one there is a dam, and in the other a stream far above the floor.
+        // Two valleys in level ground fall to the east. In one there is a dam, in the other a stream far above the floor.
         let dam = valley * cols + 15;
         let ground = |n: usize| match (n / cols, n % cols) {
             _ if n == dam => 250.0,

@@ -58,7 +58,7 @@ pub struct Stream {
 impl Stream {
     /// Its course with heights.
     pub(crate) fn known(&self) -> KnownLine<'_> {
-        KnownLine { points: &self.points, sure: &self.sure }
+        KnownLine { points: &self.points, is_stream: true, sure: &self.sure }
     }
 
     /// Length on the map, map units.
