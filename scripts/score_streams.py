@@ -10,7 +10,8 @@ its own, --turn turns every second one. Then `tokosen dem` runs twice, without a
     rmse   root mean square error within three mean spacings of the contours from streams, metres
     far    the same further away
     rise   how much heights rise downstream, metres per kilometre: read at the nearest cell, and bilinear between cells
-    D8     share of stream cells from which water stays within a cell of a stream for ten steps, per cent
+    D8     share of stream cells from which water stays within a cell of a stream for ten steps, per cent: along the true
+           streams, and along the streams as they are used (moved into bends of contours)
     pits   cells lower than all eight neighbours, within three spacings of streams
     trench places, of 200 drawn ones on streams, where the ground lies deeper below the line between the two banks (two
            cells away) than the truth does, by over 0.05 intervals
@@ -124,6 +125,26 @@ def d8_share(heights, lines, near):
     return 100 * stays.mean()
 
 
+def used_streams(file, transform, shape):
+    """The streams as they are used, from a file of diagnostics: for each one, the cells that it runs through."""
+    found = []
+    for line in shapely.from_wkb(pyogrio.raw.read(file, layer="streams")[2]):
+        x, y = shapely.get_coordinates(line).T
+        place = np.column_stack([(y - transform.f) / transform.e, (x - transform.c) / transform.a]) - 0.5
+        cells = np.round(along(place, 4)).astype(int)
+        found.append(cells[((cells >= 0) & (cells < shape)).all(1)])
+    return [cells for cells in found if len(cells)]
+
+
+def near_cells(lines, shape):
+    """Cells within one cell of lines, and the distance of all cells from them."""
+    is_stream = np.zeros(shape, bool)
+    for line in lines:
+        is_stream[tuple(np.asarray(line).T)] = True
+    distance = distance_transform_edt(~is_stream)
+    return distance <= 1.5, distance
+
+
 def trenches(heights, truth, lines, interval, seed):
     draw = np.random.default_rng(seed)
     lengths = np.array([len(line) for line in lines], float)
@@ -184,12 +205,9 @@ def main():
         pyogrio.raw.write(folder / "streams.gpkg", geometry=shapely.to_wkb([shapely.linestrings(place(line)) for line in drawn]),
                           field_data=[np.arange(len(drawn))], fields=["number"], geometry_type="LineString", crs=crs.to_wkt(),
                           driver="GPKG", layer="streams")
-        is_stream = np.zeros(truth.shape, bool)
-        for line in true:
-            is_stream[tuple(np.array(line).T)] = True
-        distance = distance_transform_edt(~is_stream)
+        beside, distance = near_cells(true, truth.shape)
         rows = []
-        streams = folder / "streams.gpkg"
+        streams, diagnostics = folder / "streams.gpkg", folder / "diagnostics.gpkg"
         ours = [args.program, "dem", args.contours, "--like", args.truth, "-q", "--overwrite", *[f"--tune={t}" for t in args.tune]]
         runs = [("without", ours), ("with", [*ours, "--streams", streams])]
         for other in args.other:
@@ -206,22 +224,29 @@ def main():
             rms = lambda which: float(np.sqrt(np.mean(error[which] ** 2)))
             up, length = rises(heights, true, nearest)
             between, _ = rises(heights, true, bilinear)
+            used = []
+            if name == "with":
+                # A run of its own: diagnostics take time.
+                run(*command, "--diagnostics", diagnostics, "-o", folder / "again.tif")
+                used = used_streams(diagnostics, transform, truth.shape)
             rows.append({
                 "run": name, "rmse": rms(near), "far": rms(ok & ~near) if (ok & ~near).any() else float("nan"),
                 "rise_nearest": up / length / cell * 1000, "rise_bilinear": between / length / cell * 1000,
-                "d8": d8_share(heights, true, distance <= 1.5), "pits": int((pits(heights) & near).sum()),
+                "d8": d8_share(heights, true, beside),
+                "d8_used": d8_share(heights, used, near_cells(used, truth.shape)[0]) if used else float("nan"),
+                "pits": int((pits(heights) & near).sum()),
                 "trench": trenches(heights, truth, true, interval, args.seed), "time": taken,
             })
     if args.json:
         print(json.dumps({"streams": len(true), "rows": rows}))
         return
     print(f"{len(true)} streams, interval {interval:g} m, mean spacing {spacing:.1f} cells")
-    print(f"{'':8} {'rmse':>7} {'far':>7} {'rise nearest/bilinear':>22} {'D8':>6} {'pits':>5} {'trench':>6} {'time':>6}")
+    print(f"{'':8} {'rmse':>7} {'far':>7} {'rise nearest/bilinear':>22} {'D8 true/used':>13} {'pits':>5} {'trench':>6} {'time':>6}")
     for row in rows:
         rise = f"{row['rise_nearest']:.2f} / {row['rise_bilinear']:.2f}"
-        print(f"{row['run']:8} {row['rmse']:7.3f} {row['far']:7.3f} {rise:>22} {row['d8']:6.1f} {row['pits']:5} {row['trench']:6} {row['time']:6.1f}")
+        print(f"{row['run']:8} {row['rmse']:7.3f} {row['far']:7.3f} {rise:>22} {row['d8']:6.1f} {row['d8_used']:6.1f} {row['pits']:5} {row['trench']:6} {row['time']:6.1f}")
     without, with_, *_ = rows
-    print(f"ratio    {with_['rmse'] / without['rmse']:7.3f} {with_['far'] / without['far']:7.3f} {'':22} {'':6} {'':5} {'':6} {with_['time'] / without['time']:6.2f}")
+    print(f"ratio    {with_['rmse'] / without['rmse']:7.3f} {with_['far'] / without['far']:7.3f} {'':22} {'':13} {'':5} {'':6} {with_['time'] / without['time']:6.2f}")
 
 
 if __name__ == "__main__":

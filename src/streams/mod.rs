@@ -14,13 +14,15 @@
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
 //! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
-//!    stream are made to fall (`fall`), and to hold water that flows from cell to cell (`hold`).
+//!    stream get a shallow bed (`bed`), and are made to fall (`fall`) and to hold water that flows from cell to cell
+//!    (`hold`).
 //! 8. The banks of river areas get the heights of the streams between them (`areas`).
 //!
 //! What was changed, cut or left out is a finding.
 
 mod along;
 mod areas;
+mod bed;
 mod beside;
 mod chords;
 mod descend;
@@ -36,6 +38,7 @@ mod settle;
 mod shift;
 
 pub(crate) use areas::banks;
+pub(crate) use bed::lower_beds;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
 pub(crate) use hold::hold_along;

@@ -1,4 +1,4 @@
-//! Height maps along streams: their cells fall downstream and hold the water.
+//! Height maps along streams: their cells are beds that fall downstream and hold the water.
 
 use std::cell::{Cell, RefCell};
 
@@ -11,13 +11,17 @@ use super::drained::InOther;
 use super::sample::triangle_at;
 use crate::base::Grid;
 use crate::dem::Dem;
-use crate::streams::{Stream, fall_along, hold_along, raise_to};
+use crate::streams::{Stream, fall_along, hold_along, lower_beds, raise_to};
 
 /// Cells are lowered by at most this share of the contour interval to hold water.
 ///
-/// Tried on four maps: water stays in 93 to 99 % of the stream cells with 0.06, in 96 to 100 % with 0.12, and in 98 to 100 % with
-/// 0.25. More than needed digs trenches.
-const DEEPEST: f64 = 0.125;
+/// Tried 0.125 on five maps: water stays in 0.2 to 1.7 % fewer of the stream cells. The number of trenches is the same.
+const DEEPEST: f64 = 0.25;
+/// Depth of the bed of a stream below its banks, as a share of the contour interval ([`lower_beds`]).
+///
+/// Tried 0 and 0.03 on five maps: water leaves 0.8 % more and 0.3 % fewer of the stream cells. In 1000 places on streams,
+/// 0.03 makes 4 trenches more. The RMSE near streams changes by 0.1 % at most.
+const BED: f64 = 0.02;
 
 /// Where the cells of a height map have their centres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,7 +31,7 @@ pub(super) enum Centres {
     BetweenNodes,
 }
 
-/// Makes a height map fall along streams and hold their water ([`hold_along`]). This depends on the size of the cells. So the
+/// Gives streams their beds in a height map, makes it fall along them and hold their water ([`hold_along`]). This depends on the size of the cells. So the
 /// surface itself stays as it is. Cells on vertices of contours keep their heights.
 pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres) {
     if surface.streams.is_empty() {
@@ -41,6 +45,7 @@ pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], cen
     if centres == Centres::BetweenNodes {
         raise_to(&surface.streams, grid, values, allowed);
     }
+    lower_beds(&surface.streams, grid, values, (BED * surface.interval.step) as f32, allowed);
     fall_along(&surface.streams, grid, values, allowed);
     let floor = floor(surface, values, &band);
     let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
@@ -67,6 +72,7 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     let band = bands(surface, grid, other.to_surface);
     let allowed = |cell: usize, wanted: f32| Some(within(band(cell), wanted));
     raise_to(&streams, grid, values, allowed);
+    lower_beds(&streams, grid, values, (BED * surface.interval.step) as f32, allowed);
     fall_along(&streams, grid, values, allowed);
     let floor = floor(surface, values, band);
     hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, floor);
