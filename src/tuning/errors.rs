@@ -11,14 +11,6 @@ tuned! {
         ///
         /// Refit: shares.
         width_classes: usize = 8,
-        /// Weight of the two-sigma figure against the one-sigma figure in the standard error, on a logarithmic scale.
-        /// The figures are half of the 95 % quantile and the 68 % quantile. It applies where errors have light tails.
-        ///
-        /// Tried 0.3 and 1.2: the share of errors within one standard error of three maps changes by +0.3 and -0.6
-        /// points.
-        ///
-        /// Refit: shares.
-        two_sigma_weight: f64 = 0.6,
         /// Largest ratio of the 95 % figure to the standard error, where errors have heavy tails.
         ///
         /// Tried 1.35 and 5.4: the share of errors within one standard error of four maps changes by +10.6 and -0.1
@@ -39,7 +31,7 @@ tuned! {
         /// points.
         ///
         /// Refit: shares.
-        hidden_to_all: f64 = 0.9,
+        hidden_to_all: f64 = 0.86,
         /// The same; surface of triangles.
         ///
         /// Tried 0.475 and 1.9: no effect on the share of errors within one standard error of three maps. It acts on

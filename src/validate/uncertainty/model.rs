@@ -194,7 +194,7 @@ fn classes(between: &mut [Residual], count: usize, fewest: usize) -> Vec<Vec<Res
 /// Width and error of a class, carried from twice the interval to the interval. `spacing` is the mean spacing of the
 /// contours.
 fn point(mut class: Vec<Residual>, exponent: f64, interval: f64, spacing: f64, tuning: &ErrorTuning) -> [f64; 2] {
-    let ErrorTuning { two_sigma_weight, max_tail, unknown, .. } = *tuning;
+    let ErrorTuning { max_tail, unknown, .. } = *tuning;
     let [level_from, level_at] = tuning.level_spacings;
     let width = class[class.len() / 2].width();
     let area = |s: &Residual| s.length * s.width();
@@ -204,9 +204,8 @@ fn point(mut class: Vec<Residual>, exponent: f64, interval: f64, spacing: f64, t
     let error = if class.iter().all(|s| s.apart.is_none()) {
         tuning.hidden_to_all_triangles * one.max(two / max_tail)
     } else {
-        // The error lies between both figures. With heavy tails it is the first one.
-        let both = one.powf(1.0 - two_sigma_weight) * (two / 2.0).powf(two_sigma_weight);
-        tuning.hidden_to_all * both.min(one).max(two / max_tail)
+        // Where few errors are large, half of the two-sigma figure is the smaller one.
+        tuning.hidden_to_all * one.min(two / 2.0).max(two / max_tail)
     };
     let level = ((width / 2.0 / spacing / level_from).ln() / (level_at / level_from).ln()).clamp(0.0, 1.0);
     let exponent = exponent + level * (exponent.min(1.0) - exponent);
@@ -298,9 +297,9 @@ mod tests {
 
     #[test]
     fn errors_are_larger_where_two_guesses_are_far_apart() {
-        // Errors are as large as the distance between the two surfaces.
+        // Errors are twice as large as the distance between the two surfaces.
         let mut residuals = places(1.0, 100.0);
-        residuals.iter_mut().for_each(|s| s.apart = Some(s.by));
+        residuals.iter_mut().for_each(|s| s.apart = Some(s.by / 2.0));
         let model = learn(&residuals, Some(1.0), 10.0, 50.0);
         let tuning = ErrorTuning::default();
         let [least, slope, most] = [tuning.agreement_factor, tuning.disagreement_slope, tuning.max_disagreement];
