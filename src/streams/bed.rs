@@ -13,8 +13,8 @@ use crate::base::bits::bits;
 use crate::drain::neighbours;
 
 /// Lowers the cells that streams run through, as far as this is `allowed`, until they lie `depth` below the mean of their
-/// neighbours beside streams. It never makes a cell lower than one further downstream. Heights that are NaN stay. `streams`
-/// come in an order in which each one follows those that flow into it.
+/// neighbours beside streams. A cell without such neighbours stays. So do heights that are NaN. No cell is lowered below one
+/// further downstream. `streams` come in an order in which each one follows those that flow into it.
 pub(crate) fn lower_beds(
     streams: &[Stream],
     grid: &Grid,
@@ -31,12 +31,13 @@ pub(crate) fn lower_beds(
     };
     let ways: Vec<Vec<usize>> = streams.iter().map(way).collect();
     // The height of each cell with its bed.
-    let mut beds: HashMap<usize, f32> = ways.iter().flatten().map(|cell| (*cell, f32::NAN)).collect();
+    let mut beds: HashMap<usize, f32> = ways.iter().flatten().map(|cell| (*cell, heights[*cell])).collect();
     let bed = |cell: usize| {
         let banks = neighbours(cell, grid.cols, grid.rows).flatten().map(|(_, n)| n);
         let banks = banks.filter(|n| !beds.contains_key(n) && !heights[*n].is_nan()).map(|n| heights[n]);
         let (sum, count) = banks.fold((0.0, 0.0), |(sum, count), z| (sum + z, count + 1.0));
-        (sum / count - depth).clamp(heights[cell] - depth, heights[cell])
+        let wanted = if count > 0.0 { sum / count - depth } else { heights[cell] };
+        wanted.max(heights[cell] - depth).min(heights[cell])
     };
     let found: Vec<(usize, f32)> = beds.keys().map(|&cell| (cell, bed(cell))).collect();
     beds.extend(found);
@@ -46,8 +47,7 @@ pub(crate) fn lower_beds(
         let (Some(first), Some(last)) = (stream.points.first(), stream.points.last()) else { continue };
         let mut highest = downstream.get(&bits(last.truncate())).copied().unwrap_or(f32::NEG_INFINITY);
         for &cell in cells.iter().rev() {
-            let wanted = beds.get(&cell).map_or(f32::NAN, |bed| bed.max(highest));
-            if let Some(lowered) = allowed(cell, wanted).filter(|lowered| *lowered < heights[cell]) {
+            if let Some(lowered) = allowed(cell, beds[&cell].max(highest)).filter(|lowered| *lowered < heights[cell]) {
                 heights[cell] = lowered;
             }
             highest = highest.max(heights[cell]);
@@ -100,6 +100,13 @@ mod tests {
             let beds = lowered(&[stream(0, 11)], &ground, &|_, wanted| Some(wanted));
             assert_eq!(beds, [50.0 - valley - missing; 12]);
         }
+        // Where streams are everywhere, no cell shows the ground beside them.
+        let mut ground = before.clone();
+        let rows: Vec<Stream> = (0..3)
+            .map(|k| Stream { points: [0, 11].map(|col| grid.center(col, k).extend(0.0)).to_vec(), ..stream(0, 11) })
+            .collect();
+        lower_beds(&rows, &grid, &mut ground, 1.0, |_, wanted| Some(wanted));
+        assert_eq!(ground, before);
         let outside = Stream { points: vec![DVec3::splat(-9.0), DVec3::splat(-5.0)], ..stream(0, 5) };
         lowered(&[outside], &before, &|_, wanted| Some(wanted));
     }

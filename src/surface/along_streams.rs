@@ -19,8 +19,8 @@ use crate::streams::{Stream, fall_along, hold_along, lower_beds, raise_to};
 const DEEPEST: f64 = 0.25;
 /// Depth of the bed of a stream below its banks, as a share of the contour interval ([`lower_beds`]).
 ///
-/// Tried 0 and 0.03 on five maps: water leaves 0.8 % more and 0.3 % fewer of the stream cells. In 1000 places on streams,
-/// 0.03 makes 4 trenches more. The RMSE near streams changes by 0.1 % at most.
+/// Tried 0 and 0.03 on five maps: water leaves 0.8 % more and 0.3 % fewer of the stream cells. With 0.03, there are 4
+/// trenches more in 1000 places on streams. The RMSE near streams changes by 0.1 % at most.
 const BED: f64 = 0.02;
 
 /// Where the cells of a height map have their centres.
@@ -31,8 +31,9 @@ pub(super) enum Centres {
     BetweenNodes,
 }
 
-/// Gives streams their beds in a height map, makes it fall along them and hold their water ([`hold_along`]). This depends on the size of the cells. So the
-/// surface itself stays as it is. Cells on vertices of contours keep their heights.
+/// Gives streams their beds in a height map, makes it fall along them, and makes it hold their water ([`hold_along`]). All
+/// this depends on the size of the cells. So the surface itself stays as it is. Cells on vertices of contours keep their
+/// heights.
 pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres) {
     if surface.streams.is_empty() {
         return;

@@ -190,7 +190,6 @@ fn check_calibration(kind: SurfaceKind, one: Range<f64>, two: Range<f64>, single
 
 #[test]
 fn two_thirds_of_the_errors_lie_within_one_standard_error() {
-    // Measured: 73.8 and 93.2 per cent.
     check_calibration(SurfaceKind::Spline, 63.0..78.0, 88.0..97.0, [50.0..92.0, 84.0..100.0]);
 }
 
