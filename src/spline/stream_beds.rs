@@ -43,7 +43,7 @@ mod tests {
     use super::super::lattice::Lattice;
     use super::super::pits::{self, Limits};
     use super::*;
-    use crate::base::{Grid, Sure};
+    use crate::base::Grid;
     use crate::subdomains::Band;
 
     #[test]
@@ -61,15 +61,7 @@ mod tests {
         let before: Vec<f32> = (0..grid.len()).map(ground).collect();
         let points: Vec<DVec3> =
             [(10, 396.0), (20, 392.0), (36, 162.0)].map(|(col, z)| grid.center(col, stream_row).extend(z)).to_vec();
-        let mut streams = [Stream {
-            sure: vec![Sure::Between; points.len()],
-            bands: vec![Band { lo: 0.0, hi: 400.0 }; points.len()],
-            points,
-            feature: 0.into(),
-            order: 1,
-            shift: 0.0,
-            turned: false,
-        }];
+        let mut streams = [Stream::between(points, Band { lo: 0.0, hi: 400.0 })];
         let [lo, hi] = [0.0, 400.0].map(|bound| vec![bound; grid.len()]);
         let mut working = WorkingGrid { grid, heights: before.clone() };
         settle(&mut streams, &mut working, [&lo, &hi], 200.0, |heights, depth| {

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use super::fall::{for_each_reading, nearest};
+use super::fall::cells_along;
 use super::line::Stream;
 use crate::base::Grid;
 use crate::base::bits::bits;
@@ -23,9 +23,7 @@ pub(crate) fn lower_beds(
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
     let way = |stream: &Stream| {
-        let mut cells = Vec::new();
-        for_each_reading(stream, grid, |place, _| cells.extend(nearest(grid, place)));
-        cells.dedup();
+        let mut cells = cells_along(stream, grid);
         cells.retain(|cell| !heights[*cell].is_nan());
         cells
     };
@@ -62,21 +60,16 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
-    use crate::base::Sure;
     use crate::subdomains::Band;
 
     #[test]
     fn a_stream_gets_a_bed_but_none_below_a_cell_further_downstream() {
         let grid = Grid { corner: DVec2::new(0.0, 3.0), cell: DVec2::ONE, cols: 12, rows: 3 };
-        let stream = |from: usize, to: usize| Stream {
-            points: vec![grid.center(from, 1).extend(0.0), grid.center(to, 1).extend(0.0)],
-            sure: vec![Sure::Between; 2],
-            bands: vec![Band { lo: 0.0, hi: 200.0 }; 2],
-            feature: 0.into(),
-            order: 1,
-            shift: 0.0,
-            turned: false,
+        let along_row = |row: usize, from: usize, to: usize| {
+            let points = [from, to].map(|col| grid.center(col, row).extend(0.0));
+            Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 })
         };
+        let stream = |from: usize, to: usize| along_row(1, from, to);
         // Level ground that falls by steps of 10 m at the columns 4 and 8; the cell in column 6 has to stay.
         let before: Vec<f32> = (0..36).map(|n| 100.0 - 10.0 * ((n % 12) / 4) as f32).collect();
         let row = |k: usize, heights: &[f32]| heights[12 * k..12 * (k + 1)].to_vec();
@@ -102,10 +95,7 @@ mod tests {
         }
         // Where streams are everywhere, no cell shows the ground beside them.
         let mut ground = before.clone();
-        let rows: Vec<Stream> = (0..3)
-            .map(|k| Stream { points: [0, 11].map(|col| grid.center(col, k).extend(0.0)).to_vec(), ..stream(0, 11) })
-            .collect();
-        lower_beds(&rows, &grid, &mut ground, 1.0, |_, wanted| Some(wanted));
+        lower_beds(&[0, 1, 2].map(|row| along_row(row, 0, 11)), &grid, &mut ground, 1.0, |_, wanted| Some(wanted));
         assert_eq!(ground, before);
         let outside = Stream { points: vec![DVec3::splat(-9.0), DVec3::splat(-5.0)], ..stream(0, 5) };
         lowered(&[outside], &before, &|_, wanted| Some(wanted));

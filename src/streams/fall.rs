@@ -172,7 +172,15 @@ pub(super) fn for_each_reading(stream: &Stream, grid: &Grid, mut read: impl FnMu
     }
 }
 
-pub(super) fn nearest(grid: &Grid, place: DVec2) -> Option<usize> {
+/// The cells that a stream runs through, downstream, each once in a row.
+pub(super) fn cells_along(stream: &Stream, grid: &Grid) -> Vec<usize> {
+    let mut cells = Vec::new();
+    for_each_reading(stream, grid, |place, _| cells.extend(nearest(grid, place)));
+    cells.dedup();
+    cells
+}
+
+fn nearest(grid: &Grid, place: DVec2) -> Option<usize> {
     let whole = place.round();
     let is_on = whole.cmpge(DVec2::ZERO).all() && whole.x < grid.cols as f64 && whole.y < grid.rows as f64;
     is_on.then(|| whole.y as usize * grid.cols + whole.x as usize)
@@ -193,7 +201,6 @@ pub(super) fn corners(grid: &Grid, place: DVec2) -> Option<[(usize, f32); 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Sure;
     use crate::subdomains::Band;
 
     #[test]
@@ -201,15 +208,7 @@ mod tests {
         // Two columns of cells, and a stream about midway between them, from north to south. It falls from 99 m to 90 m.
         let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(2.0, 10.0), 1.0);
         let at = |k: usize| DVec3::new(0.98, 9.5 - k as f64, 99.0 - k as f64);
-        let stream = Stream {
-            points: (0..10).map(at).collect(),
-            sure: vec![Sure::Between; 10],
-            bands: vec![Band { lo: 0.0, hi: 100.0 }; 10],
-            feature: 0.into(),
-            order: 1,
-            shift: 0.0,
-            turned: false,
-        };
+        let stream = Stream::between((0..10).map(at).collect(), Band { lo: 0.0, hi: 100.0 });
         // The eastern column lies beyond a contour of 100 m.
         let before: Vec<f32> = (0..20).map(|n| if n % 2 == 0 { 30.0 + 3.0 * (n % 7) as f32 } else { 140.0 }).collect();
         let nodes = |n: usize, wanted: f32| {

@@ -8,7 +8,7 @@
 
 use glam::DVec2;
 
-use super::fall::{corners, for_each_reading, move_to, nearest, reading};
+use super::fall::{cells_along, corners, for_each_reading, move_to, reading};
 use super::line::Stream;
 use crate::base::{Grid, parallel};
 use crate::drain::{STEPS, neighbours};
@@ -68,13 +68,7 @@ struct Held<'a> {
 
 impl<'a> Held<'a> {
     fn new(streams: &[Stream], (grid, size): (&'a Grid, DVec2), cells: usize) -> Self {
-        let way = |stream: &Stream| {
-            let mut cells = Vec::new();
-            for_each_reading(stream, grid, |place, _| cells.extend(nearest(grid, place)));
-            cells.dedup();
-            cells
-        };
-        let ways: Vec<Vec<usize>> = streams.iter().map(way).collect();
+        let ways: Vec<Vec<usize>> = streams.iter().map(|stream| cells_along(stream, grid)).collect();
         let mut places = vec![Place::Away; cells];
         for &cell in ways.iter().flatten() {
             for (_, bank) in neighbours(cell, grid.cols, grid.rows).flatten() {

@@ -65,4 +65,18 @@ impl Stream {
     pub fn length(&self) -> f64 {
         self.points.windows(2).map(|w| w[0].truncate().distance(w[1].truncate())).sum()
     }
+
+    /// A stream between contours, for tests.
+    #[cfg(test)]
+    pub(crate) fn between(points: Vec<DVec3>, band: Band) -> Self {
+        Self {
+            sure: vec![Sure::Between; points.len()],
+            bands: vec![band; points.len()],
+            points,
+            feature: 0.into(),
+            order: 1,
+            shift: 0.0,
+            turned: false,
+        }
+    }
 }

@@ -297,18 +297,23 @@ mod tests {
 
     #[test]
     fn errors_are_larger_where_two_guesses_are_far_apart() {
-        // Errors are twice as large as the distance between the two surfaces.
-        let mut residuals = places(1.0, 100.0);
-        residuals.iter_mut().for_each(|s| s.apart = Some(s.by / 2.0));
-        let model = learn(&residuals, Some(1.0), 10.0, 50.0);
+        // Errors are as large as the distance between the two surfaces, or twice as large.
+        let [model, other] = [1.0, 2.0].map(|times| {
+            let mut residuals = places(1.0, 100.0);
+            residuals.iter_mut().for_each(|s| s.apart = Some(s.by / times));
+            learn(&residuals, Some(1.0), 10.0, 50.0)
+        });
         let tuning = ErrorTuning::default();
         let [least, slope, most] = [tuning.agreement_factor, tuning.disagreement_slope, tuning.max_disagreement];
-        let at = |apart: f64| model.error(&PlaceInBand { apart: Some(apart), ..between(25.0, 25.0) }, 1.0);
+        let of = |model: &ErrorModel, apart: f64| {
+            model.error(&PlaceInBand { apart: Some(apart), ..between(25.0, 25.0) }, 1.0)
+        };
+        let at = |apart: f64| of(&model, apart);
         assert!((at(0.0) / at(1e9) - least / (least + slope * most)).abs() < 1e-12);
         assert!(at(0.0) < at(0.1) && at(0.1) < at(0.3) && at(0.3) < at(1e9));
         // With one surface only, there is one error for all.
         let plain = learn(&places(1.0, 100.0), Some(1.0), 10.0, 50.0).error(&between(25.0, 25.0), 1.0);
-        assert!(at(0.0) < plain && plain < at(1e9));
+        assert!(at(0.0) < plain && of(&other, 0.0) < plain && plain < of(&other, 1e9));
         let contour = PlaceInBand { apart: Some(1.0), ..between(0.0, 50.0) };
         assert_eq!(model.error(&contour, 1.0), 0.0);
         let usual = learn(&[], Some(1.0), 10.0, 50.0);
