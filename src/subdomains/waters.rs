@@ -54,7 +54,7 @@ fn split_at_shores(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
             continue;
         }
         let id = regions.len() as u32;
-        let mut border = BorderLevels::default();
+        let mut border = PieceBorder::default();
         of_triangle[first as usize] = id;
         stack.push(first);
         while let Some(t) = stack.pop() {
@@ -74,15 +74,15 @@ fn split_at_shores(whole: &Regions, tin: &Tin, heights: &[f64]) -> Regions {
     Regions { of_triangle, regions, interval: whole.interval }
 }
 
-/// The levels on the border of a piece of sub-domain.
+/// The border of a piece of sub-domain: what is on it.
 #[derive(Default)]
-struct BorderLevels {
+struct PieceBorder {
     levels: Vec<f64>,
     shores: Vec<f64>,
     has_barrier: bool,
 }
 
-impl BorderLevels {
+impl PieceBorder {
     fn add(&mut self, tin: &Tin, t: u32, i: usize) {
         let insert = |levels: &mut Vec<f64>, level: f64| {
             if let Err(at) = levels.binary_search_by(|l| l.total_cmp(&level)) {
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_shore_above_a_contour_is_not_the_lowest_ground() {
-        let border = || BorderLevels { levels: vec![0.0, 30.0], shores: vec![17.5], has_barrier: false };
+        let border = || PieceBorder { levels: vec![0.0, 30.0], shores: vec![17.5], has_barrier: false };
         let land = |levels: Vec<(f64, Side)>, lo: f64| {
             let parent = Region { band: Band { lo, hi: 30.0 }, levels, triangle: 0, outer: false, water: None };
             border().region(&parent, 0, None).band
