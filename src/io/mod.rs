@@ -234,7 +234,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     let format = VectorFormat::from_path(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_file() && meta.len() == 0 {
-        return Err(Error::file(path, "the file is empty"));
+        return Err(Error::empty(path));
     }
     if matches!(format, VectorFormat::GeoJson | VectorFormat::Shapefile) {
         let stem = path.file_stem().and_then(|s| s.to_str());

@@ -48,7 +48,7 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, |_| None)?;
     let text = decoded(&bytes);
     let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
-    let first = first.ok_or_else(|| Error::file(path, "the file is empty"))?;
+    let first = first.ok_or_else(|| Error::empty(path))?;
     let separator = [b';', b'\t', b','].into_iter().find(|&separator| first.contains(char::from(separator)));
     let mut table = Table::new(request);
     let mut columns: Option<(Columns, Vec<usize>)> = None;

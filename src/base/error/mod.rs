@@ -7,6 +7,7 @@ mod arrays;
 mod finding;
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
@@ -391,8 +392,8 @@ fn quoted(names: &[String]) -> String {
 }
 
 impl Error {
-    /// The message with those of its causes. Some errors contain the text of their cause, some causes end with the text of
-    /// the error above; these are not repeated.
+    /// The message with those of its causes, and what to do where the operating system gives only the cause. Some errors
+    /// contain the text of their cause, some causes end with the text of the error above; these are not repeated.
     pub fn with_causes(&self) -> String {
         let mut text = self.to_string();
         let mut last = text.clone();
@@ -405,12 +406,32 @@ impl Error {
             last = message;
             cause = inner.source();
         }
-        text
+        match self.remedy() {
+            Some(remedy) => text + "; " + remedy,
+            None => text,
+        }
+    }
+
+    /// What to do about a refusal of the operating system.
+    fn remedy(&self) -> Option<&'static str> {
+        let Self::Io { action, source, .. } = self.root() else { return None };
+        match source.kind() {
+            ErrorKind::NotFound if *action == "read" => Some("check the name and the folder"),
+            ErrorKind::NotFound => Some("make its folder first, or choose another one"),
+            ErrorKind::StorageFull => Some("make room, or choose another disk"),
+            ErrorKind::PermissionDenied => Some("change its permissions, or choose another file"),
+            _ => None,
+        }
     }
 
     /// An operating system error on `path`.
     pub fn io(action: &'static str, path: &Path, source: std::io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
+    }
+
+    /// A file without content.
+    pub fn empty(path: &Path) -> Self {
+        Self::file(path, "the file is empty; copy or download it again, or name another one")
     }
 
     /// A file whose content is wrong.

@@ -24,7 +24,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
 pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> Result<Table> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if text.trim_ascii().is_empty() {
-        return Err(Error::file(path, "the file is empty"));
+        return Err(Error::empty(path));
     }
     let mut table = Table::new(request);
     let mut json = serde_json::Deserializer::from_slice(text);

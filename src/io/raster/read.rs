@@ -111,7 +111,7 @@ fn check_file(path: &Path) -> Result<()> {
         return Err(Error::file(path, "is a folder; name a file in it"));
     }
     if meta.is_file() && meta.len() == 0 {
-        return Err(Error::file(path, "the file is empty"));
+        return Err(Error::empty(path));
     }
     Ok(())
 }
