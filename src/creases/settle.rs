@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::line::{Crease, CreaseLine};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Sure, parallel};
-use crate::skeleton::heights_at;
+use crate::skeleton::Heights;
 use crate::subdomains::{Band, Course, Regions, band_of};
 use crate::tin::Tin;
 use crate::tuning::CreaseTuning;
@@ -42,7 +42,7 @@ pub(crate) fn settle(
         .flat_map(|cut| cut.pieces.iter().flatten())
         .map(|v| v.height().is_none().then_some((v.place, v.region)))
         .collect();
-    let mut guesses = heights_at((tin, regions), &places).into_iter();
+    let mut guesses = Heights::new(tin, regions).at(&places).into_iter();
     let name = if sure == Sure::Surveyed { "the break line" } else { "the banks of the river area" };
     let mut settled = Settled::default();
     for (line, cut) in lines.iter().zip(cut) {

@@ -1,7 +1,8 @@
 //! Heights of axis points: equation (1) of the paper between two levels, a rounded top where there is only one.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use glam::DVec2;
 
@@ -25,64 +26,105 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
     if points.is_empty() {
         return Vec::new();
     }
-    let groups = Groups::new(tin, regions, points);
+    let mut is_asked = vec![false; regions.regions.len()];
+    points.iter().for_each(|p| is_asked[p.region as usize] = true);
+    let contents = Contents::new(tin, regions, |region| is_asked[region]);
+    let levels = |region: usize| BorderLevels::new(tin, contents.borders.of(region));
+    heights_in((tin, regions, &contents), levels, points, tuning)
+}
+
+/// Sub-domains for heights at places in them. Each border is indexed once, when the first place is asked for.
+pub(crate) struct Heights<'a> {
+    tin: &'a Tin,
+    regions: &'a Regions,
+    contents: Contents,
+    levels: Vec<OnceLock<BorderLevels>>,
+}
+
+impl<'a> Heights<'a> {
+    /// Prepares the sub-domains of a triangulation.
+    pub fn new(tin: &'a Tin, regions: &'a Regions) -> Self {
+        let levels = regions.regions.iter().map(|_| OnceLock::new()).collect();
+        Self { tin, regions, contents: Contents::new(tin, regions, |_| true), levels }
+    }
+
+    /// Heights by equation (1) at places in sub-domains, as [`axis_heights`]; NaN without a place. Where no contour gives
+    /// a height, it is the middle of the band.
+    pub fn at(&self, places: &[Option<(DVec2, u32)>]) -> Vec<f64> {
+        let mut near = 0;
+        let mut points = Vec::new();
+        let mut number = Vec::new();
+        for (k, (position, region)) in places.iter().enumerate().filter_map(|(k, place)| place.map(|p| (k, p))) {
+            if let Ok(triangle) = self.tin.walk(near, position) {
+                near = triangle;
+                points.push(AxisPoint { position, level: None, triangle, region });
+                number.push(k);
+            }
+        }
+        let levels = |region: usize| {
+            let index = || BorderLevels::new(self.tin, self.contents.borders.of(region));
+            self.levels[region].get_or_init(index)
+        };
+        let of_all = (self.tin, self.regions, &self.contents);
+        let found = heights_in(of_all, levels, &points, &SkeletonTuning::default());
+        let mut heights = vec![f64::NAN; places.len()];
+        for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
+            let band = band_of(self.regions, point.region);
+            heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
+        }
+        heights
+    }
+}
+
+/// Heights of points. `levels` gives the index of a sub-domain's border.
+fn heights_in<L: Borrow<BorderLevels>>(
+    (tin, regions, contents): (&Tin, &Regions, &Contents),
+    levels: impl Fn(usize) -> L + Sync,
+    points: &[AxisPoint],
+    tuning: &SkeletonTuning,
+) -> Vec<f64> {
+    let of_region =
+        Rows::new(regions.regions.len(), || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32)));
     // Computed on demand: few maps need it, and it takes time.
     let map_slope = LazyLock::new(|| {
         let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
         let all: Vec<(u32, u8)> = inside.flat_map(|t| borders(tin, t)).collect();
         slope_outside(tin, &all, None).unwrap_or(0.0)
     });
-    let mut heights = vec![f64::NAN; points.len()];
     // Only points with a level need it, and it takes time.
     let glimpse = points.iter().any(|point| point.level.is_some()).then(|| Glimpse::new(tin));
     let found: Vec<Vec<(u32, f64)>> = parallel::map(regions.regions.len(), |r| {
-        region_heights((tin, glimpse.as_ref()), regions, points, &groups, (&|| *map_slope, tuning), r)
+        let own = of_region.of(r);
+        if own.is_empty() {
+            return Vec::new();
+        }
+        let (levels, region) = (levels(r), &regions.regions[r]);
+        let map_slope: &(dyn Fn() -> f64 + Sync) = &|| *map_slope;
+        let ground =
+            Ground { tin, glimpse: glimpse.as_ref(), regions, region, levels: levels.borrow(), map_slope, tuning };
+        ground.heights(points, own, (contents.borders.of(r), contents.spots.of(r)))
     });
+    let mut heights = vec![f64::NAN; points.len()];
     for (p, h) in found.into_iter().flatten() {
         heights[p as usize] = h;
     }
     heights
 }
 
-/// Heights by equation (1) at places in sub-domains, as [`axis_heights`]; NaN without a place. Where no contour gives a
-/// height, it is the middle of the band.
-pub(crate) fn heights_at((tin, regions): (&Tin, &Regions), places: &[Option<(DVec2, u32)>]) -> Vec<f64> {
-    let mut near = 0;
-    let mut points = Vec::new();
-    let mut number = Vec::new();
-    for (k, (position, region)) in places.iter().enumerate().filter_map(|(k, place)| place.map(|p| (k, p))) {
-        if let Ok(triangle) = tin.walk(near, position) {
-            near = triangle;
-            points.push(AxisPoint { position, level: None, triangle, region });
-            number.push(k);
-        }
-    }
-    let mut heights = vec![f64::NAN; places.len()];
-    let found = axis_heights(tin, regions, &points, &SkeletonTuning::default());
-    for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
-        let band = band_of(regions, point.region);
-        heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
-    }
-    heights
-}
-
 /// What lies in or on each sub-domain.
-struct Groups {
-    /// Numbers of points.
-    points: Rows<u32>,
+struct Contents {
     /// Triangle and edge of each piece of contour on the border.
     borders: Rows<(u32, u8)>,
     /// Vertices that are spot heights.
     spots: Rows<u32>,
 }
 
-impl Groups {
-    fn new(tin: &Tin, regions: &Regions, points: &[AxisPoint]) -> Self {
+impl Contents {
+    /// Sorts the contents of those sub-domains that are asked for.
+    fn new(tin: &Tin, regions: &Regions, is_asked: impl Fn(usize) -> bool + Sync) -> Self {
         let count = regions.regions.len();
-        let mut is_asked = vec![false; count];
-        points.iter().for_each(|p| is_asked[p.region as usize] = true);
         let region_of = |t: u32| regions.of_triangle[t as usize] as usize;
-        let asked = |&t: &u32| tin.is_inside(t) && is_asked[region_of(t)];
+        let asked = |&t: &u32| tin.is_inside(t) && is_asked(region_of(t));
         let triangles = parallel::flat_map(tin.len(), |t| Some(t as u32).filter(asked));
         let is_spot = |&v: &u32| tin.kinds[v as usize] == VertexKind::Spot;
         let spots_of = |&t: &u32| tin.triangles[t as usize].into_iter().filter(is_spot).map(move |v| (v, region_of(t)));
@@ -90,7 +132,6 @@ impl Groups {
         let borders_of = |&t: &u32| borders(tin, t).map(move |border| (region_of(t), border));
         let borders: Vec<(usize, (u32, u8))> = parallel::flat_map_each(&triangles, borders_of);
         Self {
-            points: Rows::new(count, || points.iter().enumerate().map(|(i, p)| (p.region as usize, i as u32))),
             borders: Rows::new(count, || borders.iter().copied()),
             spots: Rows::new(count, || region_of_spot.iter().map(|(&v, &region)| (region, v))),
         }
@@ -100,48 +141,6 @@ impl Groups {
 /// The edges of a triangle that are pieces of contour or of shore, with the triangle.
 fn borders(tin: &Tin, t: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
     (0..3).filter(move |&i| tin.border_level(t, i).is_some()).map(move |i| (t, i as u8))
-}
-
-fn region_heights(
-    (tin, glimpse): (&Tin, Option<&Glimpse>),
-    regions: &Regions,
-    points: &[AxisPoint],
-    groups: &Groups,
-    (map_slope, tuning): (&(dyn Fn() -> f64 + Sync), &SkeletonTuning),
-    region: usize,
-) -> Vec<(u32, f64)> {
-    let own = groups.points.of(region);
-    if own.is_empty() {
-        return Vec::new();
-    }
-    let borders = groups.borders.of(region);
-    let levels = BorderLevels::new(tin, borders);
-    let ground = Ground { tin, glimpse, regions, region: &regions.regions[region], levels, map_slope, tuning };
-    let found: Vec<Known> = parallel::map_each(own, |&p| ground.known(&points[p as usize]));
-    let mut tops: Vec<(f64, Cap)> = Vec::new();
-    let spots = groups.spots.of(region);
-    let mut heights = Vec::with_capacity(own.len());
-    for (&p, known) in own.iter().zip(&found) {
-        let height = match *known {
-            Known::Height(height) => height,
-            Known::Distance { from, side, distance } => {
-                let k = tops.iter().position(|(level, _)| *level == from).unwrap_or_else(|| {
-                    let distances = found.iter().filter_map(|k| match k {
-                        Known::Distance { from: level, distance, .. } if *level == from => Some(*distance),
-                        _ => None,
-                    });
-                    tops.push((from, ground.cap(from, side, borders, spots, distances)));
-                    tops.len() - 1
-                });
-                let height = tops[k].1.height(points[p as usize].position, distance);
-                // Beside water the band is narrower than one interval.
-                let band = regions.regions[region].band;
-                if band.contains(height) { height } else { band.strictly_inside(height) }
-            }
-        };
-        heights.push((p, height));
-    }
-    heights
 }
 
 /// What the contours around a point give for its height.
@@ -159,7 +158,7 @@ struct Ground<'a> {
     glimpse: Option<&'a Glimpse<'a>>,
     regions: &'a Regions,
     region: &'a Region,
-    levels: BorderLevels,
+    levels: &'a BorderLevels,
     /// Mean slope at the contours of the whole map.
     map_slope: &'a (dyn Fn() -> f64 + Sync),
     /// The tuned numbers.
@@ -167,6 +166,34 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
+    /// The heights of its points, whose numbers are `own`. `borders` and `spots` are its contents.
+    fn heights(&self, points: &[AxisPoint], own: &[u32], (borders, spots): (&[(u32, u8)], &[u32])) -> Vec<(u32, f64)> {
+        let found: Vec<Known> = parallel::map_each(own, |&p| self.known(&points[p as usize]));
+        let mut tops: Vec<(f64, Cap)> = Vec::new();
+        let mut heights = Vec::with_capacity(own.len());
+        for (&p, known) in own.iter().zip(&found) {
+            let height = match *known {
+                Known::Height(height) => height,
+                Known::Distance { from, side, distance } => {
+                    let k = tops.iter().position(|(level, _)| *level == from).unwrap_or_else(|| {
+                        let distances = found.iter().filter_map(|k| match k {
+                            Known::Distance { from: level, distance, .. } if *level == from => Some(*distance),
+                            _ => None,
+                        });
+                        tops.push((from, self.cap(from, side, borders, spots, distances)));
+                        tops.len() - 1
+                    });
+                    let height = tops[k].1.height(points[p as usize].position, distance);
+                    // Beside water the band is narrower than one interval.
+                    let band = self.region.band;
+                    if band.contains(height) { height } else { band.strictly_inside(height) }
+                }
+            };
+            heights.push((p, height));
+        }
+        heights
+    }
+
     /// Equation (1) between the point's own level (or the nearest one) and the nearest other level on the sub-domain's
     /// side of it; the distance if there is no such level.
     fn known(&self, point: &AxisPoint) -> Known {

@@ -30,7 +30,7 @@ pub use caps::Cap;
 pub use edges::{JunctionEdge, junction_edges};
 pub use eliminate::{Elimination, eliminate, is_chord};
 pub use flow::{Flow, flow};
+pub(crate) use heights::Heights;
 pub use heights::axis_heights;
-pub(crate) use heights::heights_at;
 pub use lines::break_lines;
 pub use pieces::{Axis, AxisPoint, End};

@@ -21,6 +21,9 @@ type Piece = GeomWithData<Line<[f64; 2]>, ([DVec3; 2], bool)>;
 /// The banks of river areas, as break lines with vertices at most `step` apart (map units). Areas that no stream runs
 /// through are findings.
 pub(crate) fn banks(areas: &[RiverArea], streams: &[Stream], step: f64) -> (Vec<CreaseLine>, Vec<Finding>) {
+    if areas.is_empty() {
+        return Default::default();
+    }
     let pieces = streams.iter().flat_map(|stream| {
         let known = stream.sure.windows(2).map(|w| w[0].min(w[1]) > Sure::Guessed);
         stream.points.windows(2).zip(known).map(|(w, known)| {

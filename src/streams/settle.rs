@@ -14,7 +14,7 @@ use super::shift::{moved, shifts};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Sure, parallel};
 use crate::contour::ContourMap;
-use crate::skeleton::heights_at;
+use crate::skeleton::Heights;
 use crate::subdomains::{Course, band_of};
 use crate::subdomains::{Regions, line_starts};
 use crate::tin::{NONE, Tin};
@@ -56,7 +56,8 @@ pub(crate) fn settle(
     let Network { nodes, reaches, left_out } = Network::new(&lines, snap);
 
     let courses = courses(&ground, &reaches, |_| None);
-    let heights = node_heights(&ground, &reaches, &courses, nodes);
+    let by_distance = Heights::new(tin, regions);
+    let heights = node_heights(&by_distance, &reaches, &courses, nodes);
     let back = flows_back(&reaches, &courses, regions, &heights);
     let turned: Vec<Reach> =
         reaches.into_iter().zip(&back).map(|(r, &back)| if back { r.reversed() } else { r }).collect();
@@ -93,7 +94,7 @@ pub(crate) fn settle(
             reach_of.push(r);
         }
     }
-    guess_ends(&ground, &mut edges);
+    guess_ends(&by_distance, &mut edges);
     let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
     let used = UsedLines {
         lines: &lines,
@@ -118,7 +119,7 @@ pub(crate) fn settle(
         }
     };
     let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
-    guess_between(&ground, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
+    guess_between(&by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
     Settled { streams: used, findings }
 }
 
@@ -134,7 +135,7 @@ fn courses(ground: &Ground<'_>, reaches: &[Reach], known: impl Fn(usize) -> Opti
 }
 
 /// Heights of the nodes by equation (1). A node outside the frame has the height where its reach enters the frame.
-fn node_heights(ground: &Ground<'_>, reaches: &[Reach], courses: &[Course], nodes: usize) -> Vec<f64> {
+fn node_heights(by_distance: &Heights<'_>, reaches: &[Reach], courses: &[Course], nodes: usize) -> Vec<f64> {
     let mut places: Vec<Option<(DVec2, u32)>> = vec![None; nodes];
     for (reach, course) in reaches.iter().zip(courses) {
         let inside = |k: &usize| course.stretches[*k].region != NONE;
@@ -155,19 +156,19 @@ fn node_heights(ground: &Ground<'_>, reaches: &[Reach], courses: &[Course], node
             }
         }
     }
-    let heights = heights_at((ground.tin, ground.regions), &places);
+    let heights = by_distance.at(&places);
     heights.into_iter().map(|z| if z.is_nan() { f64::INFINITY } else { z }).collect()
 }
 
 /// Heights of the ends of pieces that have none.
-fn guess_ends(ground: &Ground<'_>, edges: &mut [Edge]) {
+fn guess_ends(by_distance: &Heights<'_>, edges: &mut [Edge]) {
     let end = |edge: &Edge, k: usize| {
         let vertex = if k == 0 { edge.piece.vertices.first() } else { edge.piece.vertices.last() };
         let region = edge.piece.regions[k];
         vertex.filter(|v| v.height.is_none() && region != NONE).map(|v| (v.place, region))
     };
     let places: Vec<_> = edges.iter().flat_map(|edge| [end(edge, 0), end(edge, 1)]).collect();
-    let heights = heights_at((ground.tin, ground.regions), &places);
+    let heights = by_distance.at(&places);
     for (edge, heights) in edges.iter_mut().zip(heights.as_chunks::<2>().0) {
         edge.guesses = *heights;
     }
@@ -175,7 +176,7 @@ fn guess_ends(ground: &Ground<'_>, edges: &mut [Edge]) {
 
 /// Heights of the vertices of streams that contours are far from: the mean of the curve along the stream and of equation
 /// (1). One knows the slope of the stream, the other the ground beside it.
-fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
+fn guess_between(by_distance: &Heights<'_>, edges: &[&Edge], streams: &mut [Stream]) {
     let is_guessed = |stream: &Stream, k: usize| stream.sure[k] == Sure::Guessed;
     let mut places = Vec::new();
     for (edge, stream) in edges.iter().zip(&*streams) {
@@ -183,7 +184,7 @@ fn guess_between(ground: &Ground<'_>, edges: &[&Edge], streams: &mut [Stream]) {
             edge.piece.vertices.iter().enumerate().filter(|(k, v)| is_guessed(stream, *k) && v.region != NONE);
         places.extend(vertices.map(|(_, v)| Some((v.place, v.region))));
     }
-    let mut heights = heights_at((ground.tin, ground.regions), &places).into_iter();
+    let mut heights = by_distance.at(&places).into_iter();
     for (edge, stream) in edges.iter().zip(&mut *streams) {
         for (k, v) in edge.piece.vertices.iter().enumerate() {
             if is_guessed(stream, k) && v.region != NONE {

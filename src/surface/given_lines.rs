@@ -38,7 +38,8 @@ pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, pr
     if !banks.is_empty() || !params.creases.is_empty() {
         progress.start("break lines", 0);
         // The heights of banks are those of the streams beside them.
-        for lines in [(banks.as_slice(), Sure::Between), (params.creases.as_slice(), Sure::Surveyed)] {
+        let both = [(banks.as_slice(), Sure::Between), (params.creases.as_slice(), Sure::Surveyed)];
+        for lines in both.into_iter().filter(|(lines, _)| !lines.is_empty()) {
             let interval = subdivision.interval.step;
             let settled = creases::settle(lines, (tin, regions), interval, spacing, &params.tuning.creases);
             given.creases.extend(settled.creases);
