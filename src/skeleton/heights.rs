@@ -33,7 +33,8 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
     heights_in((tin, regions, &contents), levels, points, tuning)
 }
 
-/// Sub-domains for heights at places in them. Each border is indexed once, when the first place is asked for.
+/// Gives heights at places in sub-domains. The border of a sub-domain is indexed once, when a place in it is first asked
+/// for.
 pub(crate) struct Heights<'a> {
     tin: &'a Tin,
     regions: &'a Regions,

@@ -179,6 +179,7 @@ fn files_that_hold_no_contours() {
         ("points.geojson", "there is no line in it (found: 1 points)"),
         ("houses.gpkg", "there is no layer of lines; its layers are \"houses\""),
         ("text.txt", "known are .geojson"),
+        ("missing.gpkg", "cannot read"),
         ("missing.gpkg", "check the name and the folder"),
         (".", "is a folder without files of 基盤地図情報"),
         ("noise.zip", "not a zip archive"),
@@ -273,6 +274,7 @@ fn outputs_that_cannot_be_written() {
     folder.put("hill_5m.geojson", hill());
     fs::create_dir(folder.path("sub.gpkg")).unwrap();
     for (arguments, status, words) in [
+        ("densify hill.geojson -i 5 -o no/such/out.gpkg", FAILED, "cannot create a file in no/such"),
         ("densify hill.geojson -i 5 -o no/such/out.gpkg", FAILED, "make its folder first"),
         ("densify hill.geojson -i 5 -o out.gpkg --dem no/d.tif --cell 5", FAILED, "cannot create a file in no"),
         ("densify hill.geojson -i 5 -o out.gpkg --preview no/p.png", FAILED, "cannot create a file in no"),

@@ -415,11 +415,13 @@ impl Error {
     /// What to do about a refusal of the operating system.
     fn remedy(&self) -> Option<&'static str> {
         let Self::Io { action, source, .. } = self.root() else { return None };
-        match source.kind() {
-            ErrorKind::NotFound if *action == "read" => Some("check the name and the folder"),
-            ErrorKind::NotFound => Some("make its folder first, or choose another one"),
-            ErrorKind::StorageFull => Some("make room, or choose another disk"),
-            ErrorKind::PermissionDenied => Some("change its permissions, or choose another file"),
+        match (source.kind(), *action) {
+            (ErrorKind::NotFound, "read" | "find") => Some("check the name and the folder"),
+            (ErrorKind::NotFound, "create" | "create a file in" | "write") => {
+                Some("make its folder first, or choose another one")
+            }
+            (ErrorKind::StorageFull, _) => Some("make room, or choose another disk"),
+            (ErrorKind::PermissionDenied, _) => Some("change its permissions, or choose another file"),
             _ => None,
         }
     }
