@@ -18,4 +18,4 @@ pub(crate) use ground::{Ground, ponds};
 pub(crate) use left::{CellPit, Kinds, cell_pits};
 pub use left::{Pit, Reason};
 pub use params::{Drain, Sink, SinkShape};
-pub(crate) use sink_cells::{Found, Placed, mark_sinks};
+pub(crate) use sink_cells::{Found, Placed, cells_in, mark_sinks};

@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::flood::neighbours;
 use super::ground::{Ground, flooded};
 use super::params::{Sink, SinkShape};
-use crate::base::Grid;
+use crate::base::{Grid, parallel};
 use crate::geometry::Border;
 
 /// A point counts for the nearest pit within this many cells.
@@ -129,7 +129,7 @@ fn bottom_below(heights: &[f32], start: usize, [cols, rows]: [usize; 2]) -> usiz
 }
 
 /// The cells whose centres lie inside an area.
-fn cells_in(placed: &Placed<'_>, area: &MultiPolygon<f64>) -> Vec<usize> {
+pub(crate) fn cells_in(placed: &Placed<'_>, area: &MultiPolygon<f64>) -> Vec<usize> {
     let grid = placed.grid;
     let places = area.iter().flat_map(|polygon| polygon.exterior().coords()).map(|c| DVec2::new(c.x, c.y));
     let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -145,7 +145,9 @@ fn cells_in(placed: &Placed<'_>, area: &MultiPolygon<f64>) -> Vec<usize> {
     }
     let border = Border::new(area);
     let is_in = |col: usize, row: usize| (placed.to_sinks)(grid.center(col, row)).is_some_and(|p| border.contains(p));
-    let rows = lo.y as usize..=hi.y as usize;
-    let cells = rows.flat_map(|row| (lo.x as usize..=hi.x as usize).map(move |col| (col, row)));
-    cells.filter(|&(col, row)| is_in(col, row)).map(|(col, row)| row * grid.cols + col).collect()
+    let (first, rows) = (lo.y as usize, (hi.y - lo.y) as usize + 1);
+    parallel::flat_map(rows, |row| {
+        let cols = lo.x as usize..=hi.x as usize;
+        cols.filter(move |&col| is_in(col, first + row)).map(move |col| (first + row) * grid.cols + col)
+    })
 }

@@ -6,6 +6,7 @@
 //! stream are lowered, until the way along the stream is the steepest one. That mostly takes what the ground falls over
 //! the width of a cell. No trench is dug where water stays in the stream anyway.
 
+use foldhash::HashSet;
 use glam::DVec2;
 
 use super::fall::{cells_along, corners, for_each_reading, move_to, reading};
@@ -25,7 +26,7 @@ const BANK_ROUNDS: usize = 2;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Place {
     Away,
-    /// A neighbour of a cell of a stream.
+    /// A neighbour of a cell of a stream, or in a river area.
     Bank,
     Stream,
     /// In a stream that does not hold its water there.
@@ -34,15 +35,16 @@ enum Place {
 
 /// Lowers heights along streams until their water stays within a cell of them. Then banks are lowered where they rise
 /// between two cells of a stream. No height falls below its `floor`, and none that is below it changes. Heights that are
-/// NaN stay. `streams` come in an order in which each one follows those that flow into it. `size` is that of a cell on the
-/// ground.
+/// NaN stay. `streams` come in an order in which each one follows those that flow into it. Water in the cells of river areas
+/// (`wide`) has not left its stream. `size` is that of a cell on the ground.
 pub(crate) fn hold_along(
     streams: &[Stream],
+    wide: &HashSet<usize>,
     (grid, size): (&Grid, DVec2),
     heights: &mut [f32],
     floor: impl Fn(usize) -> f32,
 ) {
-    let mut held = Held::new(streams, (grid, size), heights.len());
+    let mut held = Held::new(streams, wide, (grid, size), heights.len());
     for round in 0..=BANK_ROUNDS {
         for _ in 0..SEARCHES {
             let leaks = held.find_leaks(heights);
@@ -67,9 +69,10 @@ struct Held<'a> {
 }
 
 impl<'a> Held<'a> {
-    fn new(streams: &[Stream], (grid, size): (&'a Grid, DVec2), cells: usize) -> Self {
+    fn new(streams: &[Stream], wide: &HashSet<usize>, (grid, size): (&'a Grid, DVec2), cells: usize) -> Self {
         let ways: Vec<Vec<usize>> = streams.iter().map(|stream| cells_along(stream, grid)).collect();
         let mut places = vec![Place::Away; cells];
+        wide.iter().for_each(|&cell| places[cell] = Place::Bank);
         for &cell in ways.iter().flatten() {
             for (_, bank) in neighbours(cell, grid.cols, grid.rows).flatten() {
                 places[bank] = places[bank].max(Place::Bank);

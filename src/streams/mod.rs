@@ -16,7 +16,7 @@
 //! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
 //!    stream get a shallow bed (`bed`), and are made to fall (`fall`) and to hold water that flows from cell to cell
 //!    (`hold`).
-//! 8. The banks of river areas get the heights of the streams between them (`areas`).
+//! 8. The banks of river areas get the heights of the streams between them, and the areas are level across (`areas`).
 //!
 //! What was changed, cut or left out is a finding.
 
@@ -37,7 +37,7 @@ mod profile;
 mod settle;
 mod shift;
 
-pub(crate) use areas::banks;
+pub(crate) use areas::{banks, level_areas};
 pub(crate) use bed::lower_beds;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;

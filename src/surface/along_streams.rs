@@ -2,7 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 
-use foldhash::HashMap;
+use foldhash::{HashMap, HashSet};
+use geo::MultiPolygon;
 use glam::DVec2;
 
 use super::built::Surface;
@@ -11,7 +12,8 @@ use super::drained::InOther;
 use super::sample::triangle_at;
 use crate::base::Grid;
 use crate::dem::Dem;
-use crate::streams::{Stream, fall_along, hold_along, lower_beds, raise_to};
+use crate::drain::{Placed, cells_in};
+use crate::streams::{RiverArea, Stream, fall_along, hold_along, level_areas, lower_beds, raise_to};
 
 /// Cells are lowered by at most this share of the contour interval to hold water.
 ///
@@ -31,9 +33,7 @@ pub(super) enum Centres {
     BetweenNodes,
 }
 
-/// Gives streams their beds in a height map, makes it fall along them, and makes it hold their water ([`hold_along`]). All
-/// this depends on the size of the cells. So the surface itself stays as it is. Cells on vertices of contours keep their
-/// heights.
+/// Brings a height map into agreement with the streams and river areas. Cells on vertices of contours keep their heights.
 pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres) {
     if surface.streams.is_empty() {
         return;
@@ -41,25 +41,11 @@ pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], cen
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
     let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
-    let band = bands(surface, grid, &Some);
-    let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
-    if centres == Centres::BetweenNodes {
-        raise_to(&surface.streams, grid, values, allowed);
-    }
-    lower_beds(&surface.streams, grid, values, (BED * surface.interval.step) as f32, allowed);
-    fall_along(&surface.streams, grid, values, allowed);
-    let floor = floor(surface, values, &band);
-    let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
-    hold_along(&surface.streams, (grid, grid.cell), values, floor);
+    let placed = Placed { grid, to_sinks: &Some, from_sinks: &Some };
+    settle(surface, &surface.streams, (&placed, grid.cell), values, (centres, is_fixed));
 }
 
-/// The height in a band that is nearest to a wanted one.
-fn within([lo, hi]: [f32; 2], wanted: f32) -> f32 {
-    wanted.min(hi).max(lo)
-}
-
-/// Brings a height map in other coordinates into agreement with the streams: heights fall along them, and they hold the
-/// water.
+/// Brings a height map in other coordinates into agreement with the streams and river areas.
 pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_>) {
     let Dem { grid, values, .. } = dem;
     if surface.streams.is_empty() || grid.is_empty() {
@@ -70,13 +56,44 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
         Stream { points: points.collect(), ..stream.clone() }
     };
     let streams: Vec<Stream> = surface.streams.iter().map(in_other).collect();
-    let band = bands(surface, grid, other.to_surface);
-    let allowed = |cell: usize, wanted: f32| Some(within(band(cell), wanted));
-    raise_to(&streams, grid, values, allowed);
-    lower_beds(&streams, grid, values, (BED * surface.interval.step) as f32, allowed);
-    fall_along(&streams, grid, values, allowed);
-    let floor = floor(surface, values, band);
-    hold_along(&streams, (grid, size_on_surface(grid, other.to_surface)), values, floor);
+    let placed = Placed { grid, to_sinks: other.to_surface, from_sinks: other.from_surface };
+    let size = size_on_surface(grid, other.to_surface);
+    settle(surface, &streams, (&placed, size), values, (Centres::BetweenNodes, |_| false));
+}
+
+/// Gives streams their beds, makes heights fall along them, levels river areas, and makes streams hold their water
+/// ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it is. `size` is that of a
+/// cell on the ground. Fixed cells keep their heights.
+fn settle(
+    surface: &Surface,
+    streams: &[Stream],
+    (placed, size): (&Placed<'_>, DVec2),
+    values: &mut [f32],
+    (centres, is_fixed): (Centres, impl Fn(usize) -> bool),
+) {
+    let grid = placed.grid;
+    let band = bands(surface, grid, placed.to_sinks);
+    let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
+    if centres == Centres::BetweenNodes {
+        raise_to(streams, grid, values, allowed);
+    }
+    let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
+    let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
+    let wide: HashSet<usize> = areas.iter().flatten().copied().collect();
+    // Water as wide as the map shows it has no bed.
+    let outside_areas = |cell: usize, wanted: f32| if wide.contains(&cell) { None } else { allowed(cell, wanted) };
+    lower_beds(streams, grid, values, (BED * surface.interval.step) as f32, outside_areas);
+    fall_along(streams, grid, values, allowed);
+    level_areas(&areas, streams, grid, values, allowed);
+    let floor = floor(surface, values, &band);
+    let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
+    hold_along(streams, &wide, (grid, size), values, floor);
+    level_areas(&areas, streams, grid, values, allowed);
+}
+
+/// The height in a band that is nearest to a wanted one.
+fn within([lo, hi]: [f32; 2], wanted: f32) -> f32 {
+    wanted.min(hi).max(lo)
 }
 
 /// How far cells may be lowered to hold water: to the floor of their band, but by no more than [`DEEPEST`]. Without this

@@ -120,6 +120,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         closures,
         break_lines,
         streams,
+        river_areas: params.streams.areas.clone(),
         creases,
         drain: params.drain,
         sinks,

@@ -7,7 +7,7 @@ use crate::creases::Crease;
 use crate::drain::{Drain, Sink};
 use crate::skeleton::BreakLine;
 use crate::spline::WorkingGrid;
-use crate::streams::Stream;
+use crate::streams::{RiverArea, Stream};
 use crate::subdomains::{FrameRing, Regions};
 use crate::tin::Tin;
 use crate::validate::{Chosen, ErrorField};
@@ -28,6 +28,8 @@ pub struct Surface {
     pub break_lines: Vec<BreakLine>,
     /// The streams as they are used.
     pub streams: Vec<Stream>,
+    /// The given river areas: height maps are level across them.
+    pub river_areas: Vec<RiverArea>,
     /// The given break lines as they are used.
     pub creases: Vec<Crease>,
     /// Which pits get a way out in height maps.

@@ -203,6 +203,46 @@ fn a_river_area_is_level_across_and_falls_along() {
 }
 
 #[test]
+fn height_maps_are_level_across_rivers_that_no_contour_crosses() {
+    // A valley with a wide floor. The river runs beside its left slope, where the ground falls across it.
+    let contour = |k: i32| {
+        let side = 20.0 * f64::from(k);
+        let legs = [(-100.0 - side, -1500.0), (-100.0 - side, 300.0 + side), (300.0 + side, 300.0 + side)];
+        let points = legs.into_iter().chain([(300.0 + side, -1500.0)]).map(DVec2::from).collect();
+        Contour { elevation: 30.0 + 10.0 * f64::from(k), points, feature: 0.into() }
+    };
+    let map = ContourMap { contours: (0..=6).map(contour).collect(), ..ContourMap::default() };
+    let stream = StreamLine { points: vec![DVec2::new(0.0, 400.0), DVec2::new(0.0, -1480.0)], feature: 0.into() };
+    let river = geo::Rect::new((-85.0, -1300.0), (35.0, 0.0)).to_polygon();
+    let surface = |areas: Vec<RiverArea>| {
+        let streams = Streams { lines: vec![stream.clone()], areas, tolerance: None };
+        let report = build(map.clone(), &SurfaceParams { streams, ..SurfaceParams::default() }, &());
+        report.expect("a valley has a surface").value
+    };
+    let grid = Grid::on_multiples(DVec2::new(-300.0, -1500.0), DVec2::new(500.0, 500.0), 10.0);
+    // How much the ground rises across the river, and how much it falls along it.
+    let of_river = |surface: &Surface| {
+        let dem = heights(surface, &grid, &());
+        let row = |row: usize| {
+            let cells = (0..grid.cols).filter(|col| (-85.0..35.0).contains(&grid.center(*col, row).x));
+            cells.map(|col| dem.values[row * grid.cols + col]).collect::<Vec<_>>()
+        };
+        let rows = (0..grid.rows).filter(|row| (-1290.0..-10.0).contains(&grid.center(0, *row).y));
+        let rows: Vec<Vec<f32>> = rows.map(row).collect();
+        let span = |values: &[f32]| {
+            values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+                - values.iter().copied().fold(f32::INFINITY, f32::min)
+        };
+        let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+        assert!(rows.len() == 128 && rows.iter().flatten().all(|z| z.is_finite()));
+        (rows.iter().map(|row| span(row)).fold(0.0, f32::max), first[8] - last[8])
+    };
+    let (without, _) = of_river(&surface(Vec::new()));
+    let (with, fall) = of_river(&surface(vec![RiverArea { polygon: river, feature: 1.into() }]));
+    assert!(without > 1.0 && with < 0.05 && fall > 0.0, "{with} {without} {fall}");
+}
+
+#[test]
 fn the_middle_line_of_a_river_area_takes_the_place_of_a_stream() {
     let line = |points: &[(f64, f64)], feature: u64| StreamLine {
         points: points.iter().map(|&p| p.into()).collect(),
