@@ -1,4 +1,4 @@
-//! The cells of a grid that lie in given sinks.
+//! The cells of a grid that lie in given sinks and in other areas of the map.
 
 use std::collections::BTreeSet;
 
@@ -25,19 +25,19 @@ pub(crate) enum Found {
     Outside,
 }
 
-/// A grid, and how its positions and those of sinks are converted to each other.
+/// A grid, and how its positions and those of shapes on the map, such as sinks, are converted to each other.
 pub(crate) struct Placed<'a> {
     pub grid: &'a Grid,
-    /// From the grid to the coordinates of sinks.
-    pub to_sinks: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
-    /// From the coordinates of sinks to the grid.
-    pub from_sinks: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
+    /// From the grid to the map.
+    pub to_map: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
+    /// From the map to the grid.
+    pub from_map: &'a (dyn Fn(DVec2) -> Option<DVec2> + Sync),
 }
 
 impl Placed<'_> {
-    /// The cell at a position of a sink, if there is one.
+    /// The cell at a position on the map, if there is one.
     fn cell(&self, p: DVec2) -> Option<usize> {
-        let place = self.grid.place((self.from_sinks)(p)?).round();
+        let place = self.grid.place((self.from_map)(p)?).round();
         let size = DVec2::new(self.grid.cols as f64, self.grid.rows as f64);
         let is_on = place.cmpge(DVec2::ZERO).all() && place.cmplt(size).all();
         is_on.then(|| place.y as usize * self.grid.cols + place.x as usize)
@@ -61,7 +61,7 @@ pub(crate) fn mark_sinks(heights: &[f32], placed: &Placed<'_>, sinks: &[Sink], g
             Some(start) => {
                 let bottom = bottom_below(heights, start, [cols, rows]);
                 let place = placed.grid.center(bottom % cols, bottom / cols);
-                (Found::Pit((placed.to_sinks)(place).unwrap_or(place)), Some(bottom))
+                (Found::Pit((placed.to_map)(place).unwrap_or(place)), Some(bottom))
             }
             None => (Found::NoPit, None),
         }
@@ -133,7 +133,7 @@ pub(crate) fn cells_in(placed: &Placed<'_>, area: &MultiPolygon<f64>) -> Vec<usi
     let grid = placed.grid;
     let places = area.iter().flat_map(|polygon| polygon.exterior().coords()).map(|c| DVec2::new(c.x, c.y));
     let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for place in places.filter_map(|p| (placed.from_sinks)(p)).map(|p| grid.place(p)) {
+    for place in places.filter_map(|p| (placed.from_map)(p)).map(|p| grid.place(p)) {
         (lo, hi) = (lo.min(place), hi.max(place));
     }
     // Edges may bend between their ends in other coordinates.
@@ -144,7 +144,7 @@ pub(crate) fn cells_in(placed: &Placed<'_>, area: &MultiPolygon<f64>) -> Vec<usi
         return Vec::new();
     }
     let border = Border::new(area);
-    let is_in = |col: usize, row: usize| (placed.to_sinks)(grid.center(col, row)).is_some_and(|p| border.contains(p));
+    let is_in = |col: usize, row: usize| (placed.to_map)(grid.center(col, row)).is_some_and(|p| border.contains(p));
     let (first, rows) = (lo.y as usize, (hi.y - lo.y) as usize + 1);
     parallel::flat_map(rows, |row| {
         let cols = lo.x as usize..=hi.x as usize;

@@ -107,7 +107,7 @@ fn a_hollow_in_a_hollow_stays_where_bands_are_kept() {
 fn water_stays_in_sinks_only() {
     let grid = Grid { corner: DVec2::new(-0.5, 0.5), cell: DVec2::ONE, cols: 9, rows: 9 };
     let heights = bowl();
-    let placed = Placed { grid: &grid, to_sinks: &Some, from_sinks: &Some };
+    let placed = Placed { grid: &grid, to_map: &Some, from_map: &Some };
     let marked = |shape: SinkShape| {
         let mut given = vec![false; 81];
         let found = mark_sinks(&heights, &placed, &[Sink { shape, feature: 7.into() }], &mut given);

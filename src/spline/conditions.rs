@@ -64,7 +64,7 @@ impl Drainage<'_> {
             return Vec::new();
         }
         let mut given = vec![false; heights.len()];
-        mark_sinks(heights, &Placed { grid, to_sinks: &Some, from_sinks: &Some }, self.sinks, &mut given);
+        mark_sinks(heights, &Placed { grid, to_map: &Some, from_map: &Some }, self.sinks, &mut given);
         given
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], cen
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
     let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
-    let placed = Placed { grid, to_sinks: &Some, from_sinks: &Some };
+    let placed = Placed { grid, to_map: &Some, from_map: &Some };
     settle(surface, &surface.streams, (&placed, grid.cell), values, (centres, is_fixed));
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
         Stream { points: points.collect(), ..stream.clone() }
     };
     let streams: Vec<Stream> = surface.streams.iter().map(in_other).collect();
-    let placed = Placed { grid, to_sinks: other.to_surface, from_sinks: other.from_surface };
+    let placed = Placed { grid, to_map: other.to_surface, from_map: other.from_surface };
     let size = size_on_surface(grid, other.to_surface);
     settle(surface, &streams, (&placed, size), values, (Centres::BetweenNodes, |_| false));
 }
@@ -72,7 +72,7 @@ fn settle(
     (centres, is_fixed): (Centres, impl Fn(usize) -> bool),
 ) {
     let grid = placed.grid;
-    let band = bands(surface, grid, placed.to_sinks);
+    let band = bands(surface, grid, placed.to_map);
     let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
     if centres == Centres::BetweenNodes {
         raise_to(streams, grid, values, allowed);

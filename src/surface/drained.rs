@@ -35,7 +35,7 @@ pub(crate) fn drain_working(working: &mut WorkingGrid, wanted: Wanted<'_>) -> (V
     let Grid { cols, rows, cell, .. } = working.grid;
     let mut findings = Vec::new();
     let mut stays = vec![false; working.heights.len()];
-    let placed = Placed { grid: &working.grid, to_sinks: &Some, from_sinks: &Some };
+    let placed = Placed { grid: &working.grid, to_map: &Some, from_map: &Some };
     let found = mark_sinks(&working.heights, &placed, &sinks, &mut stays);
     for (sink, found) in sinks.iter_mut().zip(found) {
         match found {
@@ -118,8 +118,8 @@ impl Cells {
         }
         let placed = Placed {
             grid,
-            to_sinks: other.map_or(&Some, |other| other.to_surface),
-            from_sinks: other.map_or(&Some, |other| other.from_surface),
+            to_map: other.map_or(&Some, |other| other.to_surface),
+            from_map: other.map_or(&Some, |other| other.from_surface),
         };
         let mut given = vec![false; grid.len()];
         mark_sinks(&dem.values, &placed, &surface.sinks, &mut given);
