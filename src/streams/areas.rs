@@ -14,7 +14,7 @@ use foldhash::HashSet;
 use geo::{BoundingRect, LineString, MultiPolygon};
 use glam::{DVec2, DVec3};
 use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
+use rstar::{AABB, PointDistance, RTree};
 
 use super::fall::cells_along;
 use super::line::{RiverArea, Stream};
@@ -22,6 +22,9 @@ use crate::base::error::{Finding, FindingKind};
 use crate::base::{Grid, Sure, parallel};
 use crate::creases::{Bend, CreaseLine};
 use crate::geometry::Border;
+
+/// A smaller share of a squared distance is a rounding error.
+const ROUNDING: f64 = 1e-9;
 
 /// A piece of a stream between two vertices, with its ends and whether both heights are known.
 type Piece = GeomWithData<Line<[f64; 2]>, ([DVec3; 2], bool)>;
@@ -100,8 +103,12 @@ pub(crate) fn level_areas(
         let middle = middle.into_iter().map(|cell| GeomWithData::new(centre(cell), heights[cell]));
         let middle = RTree::bulk_load(middle.collect());
         for cell in beside {
-            let nearest = middle.nearest_neighbor(&centre(cell));
-            if let Some(level) = nearest.and_then(|nearest| allowed(cell, nearest.data)) {
+            let at = centre(cell);
+            let nearest = middle.nearest_neighbor(&at).map_or(f64::NAN, |nearest| nearest.distance_2(&at));
+            // Of two that are as near, the upstream one counts. The other one would draw water out of the stream.
+            let as_near = middle.locate_within_distance(at, nearest * (1.0 + ROUNDING));
+            let level = as_near.map(|cell| cell.data).reduce(f32::max);
+            if let Some(level) = level.and_then(|level| allowed(cell, level)) {
                 heights[cell] = level;
             }
         }
@@ -150,5 +157,17 @@ mod tests {
                 _ => assert_eq!(height, before[n], "cell {n}"),
             }
         }
+    }
+
+    #[test]
+    fn beside_a_bend_the_water_has_the_height_upstream() {
+        let grid = Grid { corner: DVec2::new(0.0, 0.3), cell: DVec2::splat(0.1), cols: 3, rows: 3 };
+        let points = [0, 1, 2].map(|k| grid.center(k, k).extend(0.0));
+        let stream = Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 });
+        let mut heights = vec![0.0; 9];
+        (heights[0], heights[4], heights[8]) = (30.0, 20.0, 10.0);
+        let area: Vec<usize> = (0..9).collect();
+        level_areas(&[area], &[stream], &grid, &mut heights, |_, wanted| Some(wanted));
+        assert_eq!(heights, [30.0, 30.0, 20.0, 30.0, 20.0, 20.0, 20.0, 20.0, 10.0]);
     }
 }
