@@ -16,11 +16,13 @@
 //! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
 //!    stream get a shallow bed (`bed`), and are made to fall (`fall`) and to hold water that flows from cell to cell
 //!    (`hold`).
-//! 8. The banks of river areas get the heights of the streams between them, and the areas are level across (`areas`).
+//! 8. The banks of river areas get the heights of the streams between them (`areas`). On a grid, the cells of the areas are
+//!    level across (`area_levels`).
 //!
 //! What was changed, cut or left out is a finding.
 
 mod along;
+mod area_levels;
 mod areas;
 mod bed;
 mod beside;
@@ -30,6 +32,7 @@ mod direction;
 mod fall;
 mod follow;
 mod hold;
+mod hollows;
 mod line;
 mod middle;
 mod network;
@@ -37,10 +40,12 @@ mod profile;
 mod settle;
 mod shift;
 
-pub(crate) use areas::{banks, level_areas};
+pub(crate) use area_levels::AreaLevels;
+pub(crate) use areas::banks;
 pub(crate) use bed::lower_beds;
 pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
 pub(crate) use hold::hold_along;
+pub(crate) use hollows::fill_hollows;
 pub use line::{RiverArea, Stream, StreamLine, Streams};
 pub(crate) use settle::settle;

