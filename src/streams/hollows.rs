@@ -8,12 +8,15 @@
 //! the stream cells, heights rise 0.53 instead of 0.56 m per kilometre of stream, and there are 35,259 pits instead of
 //! 40,305. On five maps with true ground, the RMSE near streams changes by less than 0.1 %.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use foldhash::HashSet;
 
 use super::fall::cells_along;
 use super::line::Stream;
 use crate::base::{Grid, parallel};
-use crate::drain::{Flood, neighbours, sortable};
+use crate::drain::{neighbours, sortable};
 
 /// Largest number of cells of a hollow. It limits time.
 const LARGEST: usize = 20_000;
@@ -47,15 +50,11 @@ pub(crate) fn fill_hollows(
     }
 }
 
-/// Whether all neighbours are higher. No water stays on the border of the grid and beside cells without height.
+/// Whether all neighbours are higher. Of level ground, the first cell counts. No water stays on the border of the grid and
+/// beside cells without height.
 fn is_bottom(cell: usize, grid: &Grid, heights: &[f32]) -> bool {
-    neighbours(cell, grid.cols, grid.rows).all(|near| near.is_some_and(|(_, near)| is_lower(cell, near, heights)))
-}
-
-/// Whether a cell is lower than another one. Of level ground, the first cell counts as the lowest, so that each hollow has one
-/// bottom.
-fn is_lower(cell: usize, other: usize, heights: &[f32]) -> bool {
-    heights[cell] < heights[other] || heights[cell] == heights[other] && cell < other
+    let is_lower = |near: usize| heights[cell] < heights[near] || heights[cell] == heights[near] && cell < near;
+    neighbours(cell, grid.cols, grid.rows).all(|near| near.is_some_and(|(_, near)| is_lower(near)))
 }
 
 /// Ground from which water runs off into a stream, and over no higher place.
@@ -71,15 +70,14 @@ impl Hollow {
     fn around(bottom: usize, in_streams: &HashSet<usize>, grid: &Grid, heights: &[f32]) -> Option<Self> {
         let mut rim = heights[bottom];
         let mut seen: HashSet<usize> = std::iter::once(bottom).collect();
-        let mut flood = Flood::new();
-        flood.push(bottom, sortable(rim));
+        let mut edge = BinaryHeap::from([Reverse((sortable(rim), bottom))]);
         let mut cells = Vec::new();
-        while let Some((cell, _)) = flood.pop() {
+        while let Some(Reverse((_, cell))) = edge.pop() {
             let height = heights[cell];
             if in_streams.contains(&cell) {
                 return (height >= rim).then_some(Self { cells, level: height });
             }
-            if is_lower(cell, bottom, heights) || cells.len() == LARGEST {
+            if height < heights[bottom] || cells.len() == LARGEST {
                 return None;
             }
             rim = rim.max(height);
@@ -87,7 +85,7 @@ impl Hollow {
             for near in neighbours(cell, grid.cols, grid.rows) {
                 let (_, near) = near.filter(|(_, near)| heights[*near].is_finite())?;
                 if seen.insert(near) {
-                    flood.push(near, sortable(heights[near]));
+                    edge.push(Reverse((sortable(heights[near]), near)));
                 }
             }
         }
