@@ -5,6 +5,9 @@ use robust::orient2d;
 
 use super::network::{NONE, Tin};
 
+/// A walk that has not ended after so many triangles comes from far.
+const FAR: usize = 64;
+
 impl Tin {
     /// The triangle in or on which a position lies (relative to the origin), walking from triangle `from`. `None`
     /// outside the triangulation.
@@ -12,18 +15,22 @@ impl Tin {
         self.walk(from, place).ok()
     }
 
-    /// The triangle in or on which a position lies (relative to the origin), walking from triangle `from`. The error is
-    /// the triangle where the walk left the triangulation; the next walk from there is short.
+    /// The triangle in or on which a position lies (relative to the origin), walking from triangle `from`. On an edge or a
+    /// vertex, it is the first of the triangles there, so that the result is the same for each `from`. The error is the
+    /// triangle where the walk left the triangulation; the next walk from there is short.
+    ///
+    /// A long walk goes on from the nearest of some triangles all over the triangulation (jump and walk: Mücke, Saias and
+    /// Zhu 1996, Proc. 12th Symp. Comput. Geom.).
     pub fn walk(&self, from: u32, place: DVec2) -> Result<u32, u32> {
-        let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
         let mut t = from;
         for step in 0..=self.len() {
+            if step == FAR {
+                t = self.nearest_of_some(t, place);
+            }
+            let sides = self.sides(t, place);
             // Each step starts at another edge, which keeps the walk from going in circles.
-            let beyond = (0..3).map(|k| (step + k) % 3).find(|&i| {
-                let [a, b] = self.edge(t, i).map(|v| self.positions[v as usize]);
-                orient2d(coord(a), coord(b), coord(place)) < 0.0
-            });
-            match beyond {
+            match (0..3).map(|k| (step + k) % 3).find(|&i| sides[i] < 0.0) {
+                None if sides.contains(&0.0) => return Ok(self.first_at(t, place)),
                 None => return Ok(t),
                 Some(i) if self.neighbours[t as usize][i] == NONE => return Err(t),
                 Some(i) => t = self.neighbours[t as usize][i],
@@ -33,11 +40,42 @@ impl Tin {
         (0..self.len() as u32).find(|&t| self.holds(t, place)).ok_or(from)
     }
 
+    /// Of triangle `t` and as many others as the cube root of their number, all over the triangulation: the one with the
+    /// nearest corner.
+    fn nearest_of_some(&self, t: u32, place: DVec2) -> u32 {
+        let count = (self.len() as f64).cbrt() as usize;
+        let some = (0..count).map(|k| (k * self.len() / count) as u32);
+        let distance = |t: u32| self.corners(t)[0].distance_squared(place);
+        some.fold(t, |nearest, t| if distance(t) < distance(nearest) { t } else { nearest })
+    }
+
+    /// The first of the triangles that meet at a position on the border of triangle `t`.
+    fn first_at(&self, t: u32, place: DVec2) -> u32 {
+        let mut found = vec![t];
+        let mut next = 0;
+        while let Some(&t) = found.get(next) {
+            next += 1;
+            for n in self.neighbours[t as usize] {
+                if n != NONE && !found.contains(&n) && self.holds(n, place) {
+                    found.push(n);
+                }
+            }
+        }
+        found.into_iter().min().unwrap_or(t)
+    }
+
     /// Whether a position (relative to the origin) lies in or on triangle `t`.
     pub fn holds(&self, t: u32, place: DVec2) -> bool {
+        self.sides(t, place).iter().all(|side| *side >= 0.0)
+    }
+
+    /// On which side of each edge of triangle `t` a position lies: positive inside, zero on the edge.
+    fn sides(&self, t: u32, place: DVec2) -> [f64; 3] {
         let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
-        let [a, b, c] = self.corners(t);
-        [(a, b), (b, c), (c, a)].iter().all(|(u, v)| orient2d(coord(*u), coord(*v), coord(place)) >= 0.0)
+        [0, 1, 2].map(|i| {
+            let [a, b] = self.edge(t, i).map(|v| self.positions[v as usize]);
+            orient2d(coord(a), coord(b), coord(place))
+        })
     }
 }
 
@@ -65,5 +103,27 @@ mod tests {
             assert_eq!(found.is_some(), (0..tin.len() as u32).any(holds), "{p}");
             assert!(found.is_none_or(holds), "{p}");
         }
+    }
+
+    #[test]
+    fn a_walk_ends_in_the_same_triangle_wherever_it_begins() {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::splat(40.0)], 0.0);
+        for k in 0..1600 {
+            input.push(DVec2::new(f64::from(k % 40), f64::from(k / 40)), 0.0, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let count = tin.len() as u32;
+        assert!(tin.corners(count / 2)[0].distance(tin.corners(0)[0]) > 10.0, "far apart");
+        let mut on_borders = 0;
+        for k in 0..300u32 {
+            // In triangles, on their edges, on their vertices.
+            let place = DVec2::new(f64::from(k * 37 % 78), f64::from(k * 53 % 76)) * 0.5 - tin.origin;
+            let holding: Vec<u32> = (0..count).filter(|&t| tin.holds(t, place)).collect();
+            on_borders += usize::from(holding.len() > 1);
+            for from in [0, count / 3, count / 2, k, count - 1] {
+                assert_eq!(tin.locate(from, place), holding.first().copied(), "{place} from {from}");
+            }
+        }
+        assert!(on_borders > 200, "{on_borders}");
     }
 }
