@@ -1,7 +1,7 @@
 //! The smooth surface along streams: pits are breached, and nodes beside streams get their heights.
 
 use super::working_grid::WorkingGrid;
-use crate::streams::{Stream, fall_along, follow, raise_to};
+use crate::streams::{Stream, Ways, fall_along, follow, raise_to};
 
 /// Cuts undo falls along streams, and falls make pits. So both are repeated.
 const ROUNDS: usize = 2;
@@ -29,10 +29,11 @@ pub(super) fn settle(
     // would falsify the ground there.
     let allowed = |n: usize, wanted: f32| (lo[n] < wanted && wanted < hi[n]).then_some(wanted);
     raise_to(streams, grid, heights, allowed);
-    fall_along(streams, grid, heights, allowed);
+    let ways = Ways::new(streams, grid);
+    fall_along(&ways, heights, allowed);
     for _ in 0..ROUNDS {
         breach(heights, DEEPEST * interval);
-        fall_along(streams, grid, heights, allowed);
+        fall_along(&ways, heights, allowed);
     }
 }
 

@@ -13,39 +13,29 @@
 //! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
-//! 7. Where contours are far, heights follow a surface and are made to fall (`follow`). On a grid, the cells along a
-//!    stream get a shallow bed (`bed`), and are made to fall (`fall`) and to hold water that flows from cell to cell
-//!    (`hold`).
-//! 8. The banks of river areas get the heights of the streams between them (`areas`). On a grid, the cells of the areas are
-//!    level across (`area_levels`).
+//! 7. Where contours are far, heights follow a surface and are made to fall (`follow`).
+//! 8. The banks of river areas get the heights of the streams between them (`areas`).
+//! 9. On a grid, the cells along streams hold their water (`on_grid`).
 //!
 //! What was changed, cut or left out is a finding.
 
 mod along;
-mod area_levels;
 mod areas;
-mod bed;
 mod beside;
 mod chords;
 mod descend;
 mod direction;
-mod fall;
 mod follow;
-mod hold;
-mod hollows;
 mod line;
 mod middle;
 mod network;
+mod on_grid;
 mod profile;
 mod settle;
 mod shift;
 
-pub(crate) use area_levels::AreaLevels;
 pub(crate) use areas::banks;
-pub(crate) use bed::lower_beds;
-pub(crate) use fall::{fall_along, raise_to};
 pub(crate) use follow::follow;
-pub(crate) use hold::hold_along;
-pub(crate) use hollows::fill_hollows;
 pub use line::{RiverArea, Stream, StreamLine, Streams};
+pub(crate) use on_grid::{AreaLevels, Ways, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
 pub(crate) use settle::settle;

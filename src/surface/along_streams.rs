@@ -13,7 +13,7 @@ use super::sample::triangle_at;
 use crate::base::Grid;
 use crate::dem::Dem;
 use crate::drain::{Drain, Placed, cells_in, mark_sinks};
-use crate::streams::{AreaLevels, RiverArea, Stream, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
+use crate::streams::{AreaLevels, RiverArea, Stream, Ways, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
 use crate::tin::NONE;
 
 /// Cells are lowered by at most this share of the contour interval to hold water.
@@ -82,26 +82,27 @@ fn settle(
     if centres == Centres::BetweenNodes {
         raise_to(streams, grid, values, allowed);
     }
+    let ways = Ways::new(streams, grid);
     if surface.drain != Drain::None {
         let is_hollow = is_hollow(&surface.regions);
         let mut given = vec![false; values.len()];
         mark_sinks(values, placed, &surface.sinks, &mut given);
         let holds_water = |r: usize| is_hollow[r] || regions[r].water.is_some();
         let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
-        fill_hollows(streams, grid, values, stays, allowed);
+        fill_hollows(&ways, values, stays, allowed);
     }
     let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
     let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
-    let levels = AreaLevels::new(&areas, streams, grid, values);
+    let levels = AreaLevels::new(&areas, streams, &ways, values);
     let wide: HashSet<usize> = areas.iter().flatten().copied().collect();
     // Water as wide as the map shows it has no bed.
     let outside_areas = |cell: usize, wanted: f32| if wide.contains(&cell) { None } else { allowed(cell, wanted) };
-    lower_beds(streams, grid, values, (BED * surface.interval.step) as f32, outside_areas);
-    fall_along(streams, grid, values, allowed);
+    lower_beds(&ways, values, (BED * surface.interval.step) as f32, outside_areas);
+    fall_along(&ways, values, allowed);
     levels.level(values, allowed);
     let floor = floor(surface, values, band);
     let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
-    hold_along(streams, &wide, (grid, size), values, floor);
+    hold_along(&ways, &wide, size, values, floor);
     levels.level(values, allowed);
 }
 

@@ -10,24 +10,23 @@
 
 use foldhash::HashSet;
 
-use super::fall::cells_along;
-use super::line::Stream;
+use super::ways::Ways;
 use crate::base::{Grid, parallel};
 use crate::drain::{Flood, neighbours, sortable};
 
 /// Largest number of cells of a hollow. It limits time.
 const LARGEST: usize = 20_000;
 
-/// Fills the hollows of a grid whose rim is lowest where a stream runs through it, as far as this is `allowed`. Hollows with
+/// Fills the hollows whose rim is lowest where a stream runs through it, as far as this is `allowed`. Hollows with
 /// a cell that `stays` are left. Heights that are NaN stay.
 pub(crate) fn fill_hollows(
-    streams: &[Stream],
-    grid: &Grid,
+    ways: &Ways<'_>,
     heights: &mut [f32],
     stays: impl Fn(usize) -> bool,
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
-    let in_streams: HashSet<usize> = streams.iter().flat_map(|stream| cells_along(stream, grid)).collect();
+    let grid = ways.grid;
+    let in_streams: HashSet<usize> = ways.cells().collect();
     let rows: Vec<usize> = (0..grid.rows).collect();
     let before: &[f32] = heights;
     let found = parallel::flat_map_each(&rows, |row| {
@@ -104,6 +103,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::streams::Stream;
     use crate::subdomains::Band;
 
     const COLS: usize = 9;
@@ -119,7 +119,7 @@ mod tests {
         };
         let before: Vec<f32> = (0..grid.len()).map(ground).collect();
         let mut heights = before.clone();
-        fill_hollows(&streams, &grid, &mut heights, stays, |_, wanted| Some(wanted));
+        fill_hollows(&Ways::new(&streams, &grid), &mut heights, stays, |_, wanted| Some(wanted));
         (before, heights)
     }
 

@@ -9,9 +9,8 @@
 use foldhash::HashSet;
 use glam::DVec2;
 
-use super::fall::{cells_along, corners, for_each_reading, move_to, reading};
-use super::line::Stream;
-use crate::base::{Grid, parallel};
+use super::ways::{Ways, move_to, reading};
+use crate::base::parallel;
 use crate::drain::{STEPS, neighbours};
 
 /// Water that stays within a cell of a stream for so many steps is held.
@@ -35,16 +34,15 @@ enum Place {
 
 /// Lowers heights along streams until their water stays within a cell of them. Then banks are lowered where they rise
 /// between two cells of a stream. No height falls below its `floor`, and none that is below it changes. Heights that are
-/// NaN stay. `streams` come in an order in which each one follows those that flow into it. Water in the cells of river areas
-/// (`wide`) has not left its stream. `size` is that of a cell on the ground.
+/// NaN stay. Water in the cells of river areas (`wide`) has not left its stream. `size` is that of a cell on the ground.
 pub(crate) fn hold_along(
-    streams: &[Stream],
+    ways: &Ways<'_>,
     wide: &HashSet<usize>,
-    (grid, size): (&Grid, DVec2),
+    size: DVec2,
     heights: &mut [f32],
     floor: impl Fn(usize) -> f32,
 ) {
-    let mut held = Held::new(streams, wide, (grid, size), heights.len());
+    let mut held = Held::new(ways, wide, size, heights.len());
     for round in 0..=BANK_ROUNDS {
         for _ in 0..SEARCHES {
             let leaks = held.find_leaks(heights);
@@ -53,39 +51,36 @@ pub(crate) fn hold_along(
                 break;
             }
         }
-        if round == BANK_ROUNDS || !held.lower_banks(streams, heights, &floor) {
+        if round == BANK_ROUNDS || !held.lower_banks(heights, &floor) {
             break;
         }
     }
 }
 
 struct Held<'a> {
-    grid: &'a Grid,
+    ways: &'a Ways<'a>,
     places: Vec<Place>,
-    /// The cells that each stream runs through, downstream.
-    ways: Vec<Vec<usize>>,
     /// The distance of each neighbour, in the order of [`STEPS`].
     distances: [f32; 8],
 }
 
 impl<'a> Held<'a> {
-    fn new(streams: &[Stream], wide: &HashSet<usize>, (grid, size): (&'a Grid, DVec2), cells: usize) -> Self {
-        let ways: Vec<Vec<usize>> = streams.iter().map(|stream| cells_along(stream, grid)).collect();
+    fn new(ways: &'a Ways<'a>, wide: &HashSet<usize>, size: DVec2, cells: usize) -> Self {
         let mut places = vec![Place::Away; cells];
         wide.iter().for_each(|&cell| places[cell] = Place::Bank);
-        for &cell in ways.iter().flatten() {
-            for (_, bank) in neighbours(cell, grid.cols, grid.rows).flatten() {
+        for cell in ways.cells() {
+            for (_, bank) in neighbours(cell, ways.grid.cols, ways.grid.rows).flatten() {
                 places[bank] = places[bank].max(Place::Bank);
             }
             places[cell] = Place::Stream;
         }
         let distances = STEPS.map(|(x, y)| (size * DVec2::new(x as f64, y as f64)).length() as f32);
-        Self { grid, places, ways, distances }
+        Self { ways, places, distances }
     }
 
     /// The neighbours of a cell, with their distances.
     fn around(&self, cell: usize) -> impl Iterator<Item = (usize, f32)> {
-        neighbours(cell, self.grid.cols, self.grid.rows).flatten().map(|(step, n)| (n, self.distances[step]))
+        neighbours(cell, self.ways.grid.cols, self.ways.grid.rows).flatten().map(|(step, n)| (n, self.distances[step]))
     }
 
     /// Where water runs to from a cell, if a neighbour is lower.
@@ -101,7 +96,9 @@ impl<'a> Held<'a> {
             let mut way = std::iter::successors(Some(cell), |&at| self.downstream(heights, at)).take(HELD_STEPS + 1);
             self.places[cell] != Place::Leak && way.any(|at| self.places[at] == Place::Away)
         };
-        let leaking = parallel::flat_map_each(&self.ways, |way| way.iter().copied().filter(leaks).collect::<Vec<_>>());
+        let leaking = parallel::flat_map_each(&self.ways.of_streams, |way| {
+            way.cells.iter().copied().filter(leaks).collect::<Vec<_>>()
+        });
         leaking.iter().for_each(|&cell| self.places[cell] = Place::Leak);
         !leaking.is_empty()
     }
@@ -110,7 +107,7 @@ impl<'a> Held<'a> {
     /// changed.
     fn lower_streams(&self, heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
         let mut changed = false;
-        for pair in self.ways.iter().flat_map(|way| way.windows(2)) {
+        for pair in self.ways.of_streams.iter().flat_map(|way| way.cells.windows(2)) {
             let (from, to) = (pair[0], pair[1]);
             let Some((_, length)) = self.around(from).find(|(n, _)| *n == to) else { continue };
             let mut steepest = 0.0f32;
@@ -129,19 +126,18 @@ impl<'a> Held<'a> {
     }
 
     /// Lowers banks between which heights rise along streams. Whether one was changed.
-    fn lower_banks(&self, streams: &[Stream], heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
+    fn lower_banks(&self, heights: &mut [f32], floor: impl Fn(usize) -> f32) -> bool {
         // Cells of streams stay.
         let allowed = |n: usize, wanted: f32| (self.places[n] < Place::Stream).then(|| wanted.max(floor(n)));
         let mut changed = false;
-        for stream in streams {
+        for way in &self.ways.of_streams {
             let mut most = f32::INFINITY;
-            for_each_reading(stream, self.grid, |place, _| {
-                let Some(corners) = corners(self.grid, place) else { return };
+            for corners in way.samples.iter().filter_map(|sample| sample.corners(self.ways.grid)) {
                 if reading(heights, &corners) > most {
                     changed |= move_to(most, heights, &corners, &allowed);
                 }
                 most = most.min(reading(heights, &corners));
-            });
+            }
         }
         changed
     }

@@ -5,11 +5,11 @@ use glam::DVec3;
 use rstar::primitives::GeomWithData;
 use rstar::{PointDistance, RTree};
 
-use super::fall::cells_along;
-use super::line::Stream;
+use super::ways::Ways;
 use crate::base::bits::bits;
 use crate::base::{Grid, parallel};
 use crate::drain::neighbours;
+use crate::streams::Stream;
 
 /// A smaller share of a squared distance is a rounding error.
 const ROUNDING: f64 = 1e-9;
@@ -25,15 +25,14 @@ pub(crate) struct AreaLevels {
 }
 
 impl AreaLevels {
-    /// `areas` are the cells of each area. Those without ground, where `heights` are NaN, have no part in it. `streams` come
-    /// in an order in which each one follows those that flow into it.
-    pub(crate) fn new(areas: &[Vec<usize>], streams: &[Stream], grid: &Grid, heights: &[f32]) -> Self {
+    /// `areas` are the cells of each area. Those without ground, where `heights` are NaN, have no part in it.
+    pub(crate) fn new(areas: &[Vec<usize>], streams: &[Stream], ways: &Ways<'_>, heights: &[f32]) -> Self {
         if areas.is_empty() {
             return Self { pairs: Vec::new() };
         }
-        let ways: Vec<Vec<usize>> = parallel::map_each(streams, |stream| cells_along(stream, grid));
-        let in_streams: HashSet<usize> = ways.iter().flatten().copied().collect();
-        let entering = entering(areas, streams, &ways, grid);
+        let grid = ways.grid;
+        let in_streams: HashSet<usize> = ways.cells().collect();
+        let entering = entering(areas, streams, ways);
         let pairs = parallel::map_each(areas, |area| {
             let area = area.iter().copied().filter(|n| !heights[*n].is_nan());
             let (middle, beside): (Vec<usize>, Vec<usize>) =
@@ -70,12 +69,13 @@ fn nearest(middle: &[usize], beside: &[usize], grid: &Grid) -> Vec<(usize, usize
 
 /// The cells of side streams that are in the water of their river or near it: nearer to a cell of the river than twice the
 /// way from there to its bank. So no water of the river is nearer to the rest of the side stream.
-fn entering(areas: &[Vec<usize>], streams: &[Stream], ways: &[Vec<usize>], grid: &Grid) -> HashSet<usize> {
+fn entering(areas: &[Vec<usize>], streams: &[Stream], ways: &Ways<'_>) -> HashSet<usize> {
+    let grid = ways.grid;
     let wet: HashSet<usize> = areas.iter().flatten().copied().collect();
     let beside = wet.iter().flat_map(|&n| neighbours(n, grid.cols, grid.rows).flatten());
     let banks: HashSet<usize> = beside.map(|(_, n)| n).filter(|n| !wet.contains(n)).collect();
     let banks = index(banks.into_iter(), grid);
-    let in_water = |stream: usize| ways[stream].iter().copied().filter(|n| wet.contains(n));
+    let in_water = |stream: usize| ways.of_streams[stream].cells.iter().copied().filter(|n| wet.contains(n));
     let of_side_stream = |(side, rivers): (usize, Vec<usize>)| {
         let mut entering = Vec::new();
         let side = index(in_water(side), grid);
@@ -136,7 +136,7 @@ mod tests {
     fn a_river_area_gets_the_heights_of_the_stream_cells_in_it() {
         let grid = Grid { corner: DVec2::new(0.0, 4.0), cell: DVec2::ONE, cols: 8, rows: 4 };
         let points = [0, 3].map(|row| grid.center(2, row).extend(0.0));
-        let stream = Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 });
+        let streams = [Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 })];
         // The banks of the stream are uneven. A contour holds one cell, one has no ground, and no stream runs through the
         // area in the last two columns.
         let (held, outside_ground) = (8 + 1, 16 + 3);
@@ -149,7 +149,8 @@ mod tests {
         let area = |cols: [usize; 2]| (0..grid.len()).filter(|n| (cols[0]..=cols[1]).contains(&(n % 8))).collect();
         let mut heights = before.clone();
         let allowed = |cell: usize, wanted: f32| (cell != held).then_some(wanted.min(88.5));
-        AreaLevels::new(&[area([1, 4]), area([6, 7])], &[stream], &grid, &before).level(&mut heights, allowed);
+        AreaLevels::new(&[area([1, 4]), area([6, 7])], &streams, &Ways::new(&streams, &grid), &before)
+            .level(&mut heights, allowed);
         for (n, height) in heights.into_iter().enumerate() {
             let is_level = (1..=4).contains(&(n % 8)) && n % 8 != 2 && n != held;
             match n {
@@ -164,11 +165,12 @@ mod tests {
     fn beside_a_bend_the_water_has_the_height_upstream() {
         let grid = Grid { corner: DVec2::new(0.0, 0.3), cell: DVec2::splat(0.1), cols: 3, rows: 3 };
         let points = [0, 1, 2].map(|k| grid.center(k, k).extend(0.0));
-        let stream = Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 });
+        let streams = [Stream::between(points.to_vec(), Band { lo: 0.0, hi: 200.0 })];
         let mut heights = vec![0.0; 9];
         (heights[0], heights[4], heights[8]) = (30.0, 20.0, 10.0);
         let area: Vec<usize> = (0..9).collect();
-        AreaLevels::new(&[area], &[stream], &grid, &heights).level(&mut heights, |_, wanted| Some(wanted));
+        AreaLevels::new(&[area], &streams, &Ways::new(&streams, &grid), &heights)
+            .level(&mut heights, |_, wanted| Some(wanted));
         assert_eq!(heights, [30.0, 30.0, 20.0, 30.0, 20.0, 20.0, 20.0, 20.0, 10.0]);
     }
 
@@ -190,7 +192,8 @@ mod tests {
             _ => 100.0,
         };
         let mut heights: Vec<f32> = (0..grid.len()).map(ground).collect();
-        AreaLevels::new(&[area], &streams, &grid, &heights).level(&mut heights, |_, wanted| Some(wanted));
+        AreaLevels::new(&[area], &streams, &Ways::new(&streams, &grid), &heights)
+            .level(&mut heights, |_, wanted| Some(wanted));
         let row = |row: usize| heights[20 * row + 8..20 * row + 13].to_vec();
         assert_eq!([row(0), row(1)], [vec![60.0; 5], vec![59.0; 5]], "the side valley is level across");
         for beside in [7, 8, 10, 11] {

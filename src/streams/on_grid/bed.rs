@@ -6,30 +6,22 @@
 
 use std::collections::HashMap;
 
-use super::fall::cells_along;
-use super::line::Stream;
-use crate::base::Grid;
-use crate::base::bits::bits;
+use super::ways::Ways;
 use crate::drain::neighbours;
 
 /// Lowers the cells that streams run through, as far as this is `allowed`, until they lie `depth` below the mean of their
 /// neighbours beside streams. A cell without such neighbours stays. So do heights that are NaN. No cell is lowered below one
-/// further downstream. `streams` come in an order in which each one follows those that flow into it.
+/// further downstream.
 pub(crate) fn lower_beds(
-    streams: &[Stream],
-    grid: &Grid,
+    ways: &Ways<'_>,
     heights: &mut [f32],
     depth: f32,
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
-    let way = |stream: &Stream| {
-        let mut cells = cells_along(stream, grid);
-        cells.retain(|cell| !heights[*cell].is_nan());
-        cells
-    };
-    let ways: Vec<Vec<usize>> = streams.iter().map(way).collect();
+    let grid = ways.grid;
     // The height of each cell with its bed.
-    let mut beds: HashMap<usize, f32> = ways.iter().flatten().map(|cell| (*cell, heights[*cell])).collect();
+    let in_streams = ways.cells().filter(|cell| !heights[*cell].is_nan());
+    let mut beds: HashMap<usize, f32> = in_streams.map(|cell| (cell, heights[cell])).collect();
     let bed = |cell: usize| {
         let banks = neighbours(cell, grid.cols, grid.rows).flatten().map(|(_, n)| n);
         let banks = banks.filter(|n| !beds.contains_key(n) && !heights[*n].is_nan()).map(|n| heights[n]);
@@ -41,16 +33,17 @@ pub(crate) fn lower_beds(
     beds.extend(found);
     // The greatest height downstream of each confluence.
     let mut downstream: HashMap<[u64; 2], f32> = HashMap::new();
-    for (stream, cells) in streams.iter().zip(&ways).rev() {
-        let (Some(first), Some(last)) = (stream.points.first(), stream.points.last()) else { continue };
-        let mut highest = downstream.get(&bits(last.truncate())).copied().unwrap_or(f32::NEG_INFINITY);
-        for &cell in cells.iter().rev() {
-            if let Some(lowered) = allowed(cell, beds[&cell].max(highest)).filter(|lowered| *lowered < heights[cell]) {
+    for way in ways.of_streams.iter().rev() {
+        let Some([first, last]) = way.ends else { continue };
+        let mut highest = downstream.get(&last).copied().unwrap_or(f32::NEG_INFINITY);
+        for &cell in way.cells.iter().rev() {
+            let Some(bed) = beds.get(&cell) else { continue };
+            if let Some(lowered) = allowed(cell, bed.max(highest)).filter(|lowered| *lowered < heights[cell]) {
                 heights[cell] = lowered;
             }
             highest = highest.max(heights[cell]);
         }
-        let start = downstream.entry(bits(first.truncate())).or_insert(f32::NEG_INFINITY);
+        let start = downstream.entry(first).or_insert(f32::NEG_INFINITY);
         *start = start.max(highest);
     }
 }
@@ -60,6 +53,8 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
+    use crate::base::Grid;
+    use crate::streams::Stream;
     use crate::subdomains::Band;
 
     #[test]
@@ -75,7 +70,7 @@ mod tests {
         let row = |k: usize, heights: &[f32]| heights[12 * k..12 * (k + 1)].to_vec();
         let lowered = |streams: &[Stream], before: &[f32], allowed: &dyn Fn(usize, f32) -> Option<f32>| {
             let mut heights = before.to_vec();
-            lower_beds(streams, &grid, &mut heights, 1.0, allowed);
+            lower_beds(&Ways::new(streams, &grid), &mut heights, 1.0, allowed);
             assert_eq!([row(0, &heights), row(2, &heights)], [row(0, before), row(2, before)]);
             row(1, &heights)
         };
@@ -95,7 +90,8 @@ mod tests {
         }
         // Where streams are everywhere, no cell shows the ground beside them.
         let mut ground = before.clone();
-        lower_beds(&[0, 1, 2].map(|row| along_row(row, 0, 11)), &grid, &mut ground, 1.0, |_, wanted| Some(wanted));
+        let rows = [0, 1, 2].map(|row| along_row(row, 0, 11));
+        lower_beds(&Ways::new(&rows, &grid), &mut ground, 1.0, |_, wanted| Some(wanted));
         assert_eq!(ground, before);
         let outside = Stream { points: vec![DVec3::splat(-9.0), DVec3::splat(-5.0)], ..stream(0, 5) };
         lowered(&[outside], &before, &|_, wanted| Some(wanted));
