@@ -154,4 +154,24 @@ mod tests {
             filled(|row, col| (row == 4 && col > 4).then_some(if col == 7 { f32::NAN } else { 30.0 }), |_| false);
         assert!(before.iter().zip(&heights).all(|(a, b)| a.to_bits() == b.to_bits()));
     }
+
+    #[test]
+    fn no_water_runs_across_a_stream_between_banks_as_high_as_it() {
+        // The stream runs from corner to corner. The ground falls away on its other side.
+        let grid = Grid { corner: DVec2::new(0.0, 9.0), cell: DVec2::ONE, cols: COLS, rows: 9 };
+        let streams =
+            [Stream::between([0, 8].map(|k| grid.center(k, k).extend(0.0)).to_vec(), Band { lo: 0.0, hi: 99.0 })];
+        let ground = |n: usize| match (n / COLS, n % COLS) {
+            (row, col) if row.abs_diff(col) <= 1 => 50.0,
+            (3..=4, 6) => 30.0,
+            (row, col) if row < col => 60.0,
+            (row, col) => 50.0 - (row - col) as f32,
+        };
+        let before: Vec<f32> = (0..grid.len()).map(ground).collect();
+        let mut heights = before.clone();
+        fill_hollows(&Ways::new(&streams, &grid), &mut heights, |_| false, |_, wanted| Some(wanted));
+        let filled = (0..grid.len()).filter(|n| heights[*n] != before[*n]);
+        assert_eq!(filled.collect::<Vec<_>>(), [3 * COLS + 6, 4 * COLS + 6]);
+        assert_eq!(heights[3 * COLS + 6], 50.0);
+    }
 }
