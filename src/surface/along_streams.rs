@@ -34,16 +34,37 @@ pub(super) enum Centres {
     BetweenNodes,
 }
 
+/// The cells of a height map.
+struct Cells<'a> {
+    placed: &'a Placed<'a>,
+    /// Size of a cell on the ground.
+    size: DVec2,
+    centres: Centres,
+    /// The sub-domain at a cell, if there is ground.
+    region: &'a dyn Fn(usize) -> Option<usize>,
+    /// Whether a cell keeps its height.
+    is_fixed: &'a dyn Fn(usize) -> bool,
+}
+
 /// Brings a height map into agreement with the streams and river areas. Cells on vertices of contours keep their heights.
-pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres) {
+/// `triangles` are those that the cells lie in.
+pub(super) fn flow_along(
+    surface: &Surface,
+    (grid, triangles): (&Grid, impl FnOnce() -> Vec<u32>),
+    values: &mut [f32],
+    centres: Centres,
+) {
     if surface.streams.is_empty() {
         return;
     }
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
     let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
+    let triangles = triangles();
+    let region = |cell: usize| region_of(surface, triangles[cell]);
     let placed = Placed { grid, to_map: &Some, from_map: &Some };
-    settle(surface, &surface.streams, (&placed, grid.cell), values, (centres, is_fixed));
+    let cells = Cells { placed: &placed, size: grid.cell, centres, region: &region, is_fixed: &is_fixed };
+    settle(surface, &surface.streams, &cells, values);
 }
 
 /// Brings a height map in other coordinates into agreement with the streams and river areas.
@@ -59,21 +80,17 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     let streams: Vec<Stream> = surface.streams.iter().map(in_other).collect();
     let placed = Placed { grid, to_map: other.to_surface, from_map: other.from_surface };
     let size = size_on_surface(grid, other.to_surface);
-    settle(surface, &streams, (&placed, size), values, (Centres::BetweenNodes, |_| false));
+    let region = regions_at(surface, grid, other.to_surface);
+    let cells = Cells { placed: &placed, size, centres: Centres::BetweenNodes, region: &region, is_fixed: &|_| false };
+    settle(surface, &streams, &cells, values);
 }
 
 /// Fills hollows beside streams, gives streams their beds, makes heights fall along them, levels river areas, and makes
 /// streams hold their water ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it
-/// is. `size` is that of a cell on the ground. Fixed cells keep their heights.
-fn settle(
-    surface: &Surface,
-    streams: &[Stream],
-    (placed, size): (&Placed<'_>, DVec2),
-    values: &mut [f32],
-    (centres, is_fixed): (Centres, impl Fn(usize) -> bool),
-) {
+/// is.
+fn settle(surface: &Surface, streams: &[Stream], cells: &Cells<'_>, values: &mut [f32]) {
+    let &Cells { placed, size, centres, region, is_fixed } = cells;
     let grid = placed.grid;
-    let region = regions_at(surface, grid, placed.to_map);
     let regions = &surface.regions.regions;
     // NaN, which bounds nothing, where there is no ground.
     let band =
@@ -91,8 +108,8 @@ fn settle(
         let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
         fill_hollows(&ways, values, stays, allowed);
     }
-    let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
-    let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
+    let cells_of = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
+    let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells_of).collect();
     let levels = AreaLevels::new(&areas, streams, &ways, values);
     let wide: HashSet<usize> = areas.iter().flatten().copied().collect();
     // Water as wide as the map shows it has no bed.
@@ -130,7 +147,7 @@ fn size_on_surface(grid: &Grid, to_surface: &dyn Fn(DVec2) -> Option<DVec2>) -> 
     if let [Some(x), Some(y)] = size { DVec2::new(x, y) } else { grid.cell }
 }
 
-/// The sub-domain at each cell, if there is ground.
+/// The sub-domain at each cell of a grid in other coordinates, if there is ground.
 fn regions_at<'a>(
     surface: &'a Surface,
     grid: &'a Grid,
@@ -145,7 +162,13 @@ fn regions_at<'a>(
         let place = to_surface(grid.center(cell % grid.cols, cell / grid.cols));
         let triangle = place.and_then(|p| triangle_at(surface, &mut from, p));
         near.set(from);
-        triangle.map(|t| surface.regions.of_triangle[t as usize]).filter(|r| *r != NONE).map(|r| r as usize)
+        triangle.and_then(|t| region_of(surface, t))
     };
     move |cell| *known.borrow_mut().entry(cell).or_insert_with(|| look_up(cell))
+}
+
+/// The sub-domain of a triangle; none outside the frame.
+fn region_of(surface: &Surface, triangle: u32) -> Option<usize> {
+    let region = *surface.regions.of_triangle.get(triangle as usize)?;
+    (region != NONE).then_some(region as usize)
 }

@@ -23,7 +23,8 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
     };
     if let Some(mut values) = working.on_nodes(grid) {
-        flow_along(surface, grid, &mut values, Centres::OnNodes);
+        let triangles = || locate(&surface.tin, grid, &());
+        flow_along(surface, (grid, triangles), &mut values, Centres::OnNodes);
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
@@ -38,7 +39,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
             values[cell] = level.clamp(region.band.lo, region.band.hi) as f32;
         }
     }
-    flow_along(surface, grid, &mut values, Centres::BetweenNodes);
+    flow_along(surface, (grid, || triangles), &mut values, Centres::BetweenNodes);
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }
 
