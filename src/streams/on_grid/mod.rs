@@ -1,6 +1,6 @@
 //! Streams on a grid: the cells along them get heights with which water stays in them. In this order:
 //!
-//! 1. Heights below a stream are raised to it ([`raise_to`]), and hollows beside it are filled (`hollows`).
+//! 1. Heights below a stream are raised to it (`raise`), and hollows beside it are filled (`hollows`).
 //! 2. The cells of a stream get a shallow bed (`bed`), and heights fall along it (`fall`).
 //! 3. The cells of river areas are level across (`area_levels`).
 //! 4. Cells hold water that flows from one to the next (`hold`).

@@ -8,6 +8,7 @@ use crate::streams::Stream;
 
 /// A grid knows the place of a stream to half a cell.
 const SURE_TO: f64 = 0.5;
+
 /// Raises heights along streams to those of the streams, as far as this is `allowed`.
 pub(crate) fn raise_to(
     streams: &[Stream],
