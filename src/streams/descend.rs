@@ -96,6 +96,9 @@ pub(super) fn descending(
                 let next = Piece { regions: [stretch.region; 2], at_nodes: [k == 0, false], ..Piece::default() };
                 pieces.push(std::mem::replace(&mut piece, next));
                 piece.vertices.extend(k.checked_sub(1).map(start));
+                if last.is_none() && k > 0 {
+                    detours.extend(left_out(course, 0..k, k - 1));
+                }
             }
         }
         let height = ground.regions.regions[stretch.region as usize].water;
@@ -107,7 +110,7 @@ pub(super) fn descending(
         piece.at_nodes[1] = last + 1 == course.stretches.len();
         if !piece.at_nodes[1] {
             piece.vertices.push(end(last));
-            note_end(course, last + 1..course.stretches.len(), last, &mut detours);
+            detours.extend(left_out(course, last + 1..course.stretches.len(), last));
         }
     }
     pieces.push(piece);
@@ -126,9 +129,8 @@ fn detour(
     tolerance: f64,
 ) -> (Option<Vec<Vertex>>, Option<Detour>) {
     let skipped = &course.stretches[last + 1..next];
-    // A piece outside the frame is no contradiction.
     if skipped.iter().any(|s| s.region == NONE) {
-        return (None, None);
+        return (None, left_out(course, last + 1..next, last));
     }
     let (out, back) = (course.crossings[last], course.crossings[next - 1]);
     let length: f64 = skipped.iter().map(|s| s.to - s.from).sum();
@@ -151,14 +153,12 @@ fn detour(
     (Some(way.into_iter().map(|place| Vertex { place, height, region }).collect()), Some(Detour::Moved(by)))
 }
 
-/// Reports the end of a reach that was left out.
-fn note_end(course: &Course, left_out: std::ops::Range<usize>, last: usize, detours: &mut Vec<Detour>) {
-    let inside: Vec<Stretch> = course.stretches[left_out].iter().copied().filter(|s| s.region != NONE).collect();
-    let length: f64 = inside.iter().map(|s| s.to - s.from).sum();
-    if !inside.is_empty() {
-        let Crossing { place, level, .. } = course.crossings[last];
-        detours.push(Detour::Cut { place, level, length });
-    }
+/// The cut at a crossing where these stretches were left out. What lies outside the frame is no contradiction.
+fn left_out(course: &Course, stretches: std::ops::Range<usize>, crossing: usize) -> Option<Detour> {
+    let inside = course.stretches[stretches].iter().filter(|s| s.region != NONE);
+    let length = inside.map(|s| s.to - s.from).reduce(|a, b| a + b)?;
+    let Crossing { place, level, .. } = course.crossings[crossing];
+    Some(Detour::Cut { place, level, length })
 }
 
 /// The stretches that are kept, ascending: bands never rise from one to the next, and as little length as possible is

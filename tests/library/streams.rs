@@ -130,6 +130,27 @@ fn a_stream_that_crosses_a_contour_three_times_is_moved_along_it_or_cut() {
 }
 
 #[test]
+fn a_start_below_a_ridge_is_cut_and_told_like_an_end_above_one() {
+    // Up the valley and back beside it, further down than it came from. Upwards the stream crosses 30 m and 40 m.
+    let over = [(0.0, 230.0), (0.0, 430.0), (60.0, 430.0), (60.0, 60.0)];
+    let cuts = |drawn: &[(f64, f64)]| {
+        let (surface, findings) = built(valley(), &[drawn], Some(0.5));
+        assert_falls(&surface, "cut");
+        let cut: Vec<&Finding> = findings.iter().filter(|f| f.kind == FindingKind::StreamCut).collect();
+        assert_eq!(cut.len(), 1, "{findings:?}");
+        assert_eq!(cut[0].elevations, [40.0]);
+        assert_eq!(cut[0].features, [0]);
+        assert!(cut[0].message.contains("170.0 map units"), "{}", cut[0].message);
+        let used: f64 = surface.streams.iter().map(Stream::length).sum();
+        assert!((used + 170.0 - 630.0).abs() < 1.0, "{used}");
+    };
+    cuts(&over);
+    // Drawn the other way round, the same is left out.
+    let back: Vec<(f64, f64)> = over.iter().rev().copied().collect();
+    cuts(&back);
+}
+
+#[test]
 fn what_lies_outside_or_is_no_stream_is_told_with_its_length() {
     let down: Vec<(f64, f64)> = (0..=40).map(|k| (0.0, 700.0 - 20.0 * f64::from(k))).collect();
     let ring = [(30.0, 300.0), (50.0, 300.0), (50.0, 320.0), (30.0, 320.0), (30.0, 300.0)];
