@@ -34,8 +34,8 @@ pub(super) enum Centres {
     BetweenNodes,
 }
 
-/// The cells of a height map.
-struct Cells<'a> {
+/// The grid of a height map, and what is known of its cells.
+struct GridCells<'a> {
     placed: &'a Placed<'a>,
     /// Size of a cell on the ground.
     size: DVec2,
@@ -63,8 +63,8 @@ pub(super) fn flow_along(
     let triangles = triangles();
     let region = |cell: usize| region_of(surface, triangles[cell]);
     let placed = Placed { grid, to_map: &Some, from_map: &Some };
-    let cells = Cells { placed: &placed, size: grid.cell, centres, region: &region, is_fixed: &is_fixed };
-    settle(surface, &surface.streams, &cells, values);
+    let grid_cells = GridCells { placed: &placed, size: grid.cell, centres, region: &region, is_fixed: &is_fixed };
+    settle(surface, &surface.streams, &grid_cells, values);
 }
 
 /// Brings a height map in other coordinates into agreement with the streams and river areas.
@@ -81,15 +81,16 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     let placed = Placed { grid, to_map: other.to_surface, from_map: other.from_surface };
     let size = size_on_surface(grid, other.to_surface);
     let region = regions_at(surface, grid, other.to_surface);
-    let cells = Cells { placed: &placed, size, centres: Centres::BetweenNodes, region: &region, is_fixed: &|_| false };
-    settle(surface, &streams, &cells, values);
+    let grid_cells =
+        GridCells { placed: &placed, size, centres: Centres::BetweenNodes, region: &region, is_fixed: &|_| false };
+    settle(surface, &streams, &grid_cells, values);
 }
 
 /// Fills hollows beside streams, gives streams their beds, makes heights fall along them, levels river areas, and makes
 /// streams hold their water ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it
 /// is.
-fn settle(surface: &Surface, streams: &[Stream], cells: &Cells<'_>, values: &mut [f32]) {
-    let &Cells { placed, size, centres, region, is_fixed } = cells;
+fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, values: &mut [f32]) {
+    let &GridCells { placed, size, centres, region, is_fixed } = grid_cells;
     let grid = placed.grid;
     let regions = &surface.regions.regions;
     // NaN, which bounds nothing, where there is no ground.
@@ -108,8 +109,8 @@ fn settle(surface: &Surface, streams: &[Stream], cells: &Cells<'_>, values: &mut
         let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
         fill_hollows(&ways, values, stays, allowed);
     }
-    let cells_of = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
-    let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells_of).collect();
+    let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
+    let areas: Vec<Vec<usize>> = surface.river_areas.iter().map(cells).collect();
     let levels = AreaLevels::new(&areas, streams, &ways, values);
     let wide: HashSet<usize> = areas.iter().flatten().copied().collect();
     // Water as wide as the map shows it has no bed.

@@ -1,5 +1,6 @@
 //! Finds the triangle at a position by walking from triangle to triangle.
 
+use foldhash::HashSet;
 use glam::DVec2;
 use robust::orient2d;
 
@@ -49,19 +50,15 @@ impl Tin {
         some.fold(t, |nearest, t| if distance(t) < distance(nearest) { t } else { nearest })
     }
 
-    /// The first of the triangles that meet at a position on the border of triangle `t`.
+    /// The first of the triangles that meet at a position on the border of triangle `t`. There may be thousands.
     fn first_at(&self, t: u32, place: DVec2) -> u32 {
-        let mut found = vec![t];
-        let mut next = 0;
-        while let Some(&t) = found.get(next) {
-            next += 1;
-            for n in self.neighbours[t as usize] {
-                if n != NONE && !found.contains(&n) && self.holds(n, place) {
-                    found.push(n);
-                }
-            }
+        let mut found = HashSet::from_iter([t]);
+        let mut next = vec![t];
+        while let Some(t) = next.pop() {
+            let near = self.neighbours[t as usize].into_iter().filter(|&n| n != NONE && self.holds(n, place));
+            next.extend(near.filter(|&n| found.insert(n)));
         }
-        found.into_iter().min().unwrap_or(t)
+        found.into_iter().fold(t, u32::min)
     }
 
     /// Whether a position (relative to the origin) lies in or on triangle `t`.
