@@ -1,6 +1,7 @@
 //! What is known about the ground at the cells of a grid, and the depressions in it.
 
-use super::flood::{Flood, neighbours, sortable};
+use super::flood::neighbours;
+use super::levels::levels;
 
 /// Limits of heights at the cells of a grid, row by row.
 pub(crate) struct Ground<'a> {
@@ -40,32 +41,8 @@ fn lower(limit: f32, height: f32) -> f32 {
 
 /// The height to which each cell is flooded when water rises until it runs off. `is_outlet` says where it leaves. NaN
 /// without height.
-pub(crate) fn flooded(heights: &[f32], ground: &Ground<'_>, is_outlet: impl Fn(usize) -> bool) -> Vec<f32> {
+pub(crate) fn flooded(heights: &[f32], ground: &Ground<'_>, is_outlet: impl Fn(usize) -> bool + Sync) -> Vec<f32> {
     levels(heights, ground, |cell| heights[cell], is_outlet)
-}
-
-/// The least height, over all ways to an outlet, of the highest place on the way.
-fn levels(
-    heights: &[f32],
-    ground: &Ground<'_>,
-    height: impl Fn(usize) -> f32,
-    is_outlet: impl Fn(usize) -> bool,
-) -> Vec<f32> {
-    let mut levels = vec![f32::NAN; heights.len()];
-    let mut flood = Flood::new();
-    for cell in (0..heights.len()).filter(|&cell| heights[cell].is_finite() && is_outlet(cell)) {
-        levels[cell] = height(cell);
-        flood.push(cell, sortable(levels[cell]));
-    }
-    while let Some((cell, _)) = flood.pop() {
-        for near in ground.around(cell) {
-            if heights[near].is_finite() && levels[near].is_nan() {
-                levels[near] = height(near).max(levels[cell]);
-                flood.push(near, sortable(levels[near]));
-            }
-        }
-    }
-    levels
 }
 
 /// A connected part of the grid under water of one level.

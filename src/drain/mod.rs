@@ -7,6 +7,7 @@ mod drained;
 mod flood;
 mod ground;
 mod left;
+mod levels;
 mod params;
 mod sink_cells;
 #[cfg(test)]
