@@ -2,15 +2,16 @@
 //!
 //! A drawn stream may cross one contour three times or more, because the two lines were drawn apart from each other. The
 //! detour is replaced by the piece of contour beside it, if that moves the stream by no more than the tolerance.
-//! Otherwise the contours win: the detour is cut out.
+//! Otherwise the contours win: the detour is cut out, so that as little as possible of the reach is lost (`longest`).
 
 use glam::DVec2;
 
 use super::along::Along;
+use super::longest::longest_descent;
 use crate::contour::ContourMap;
 use crate::geometry::{Segment, point_distance};
 use crate::subdomains::{Band, Regions, line_at};
-use crate::subdomains::{Course, Crossing, Stretch, band_of, is_above};
+use crate::subdomains::{Course, Crossing, band_of};
 use crate::tin::{NONE, Tin};
 
 /// A way along a contour that replaces a detour is at most this many times as long as the detour and the tolerance.
@@ -84,7 +85,9 @@ pub(super) fn descending(
     // it.
     let start = |k: usize| vertex(k, k + 1, |level, _, after| level >= after.hi);
     let end = |k: usize| vertex(k, k, |level, before, _| level <= before.lo);
-    for k in kept(&course.stretches, ground.regions) {
+    let bands =
+        course.stretches.iter().map(|s| (ground.regions.regions.get(s.region as usize).map(|r| r.band), s.to - s.from));
+    for k in longest_descent(&bands.collect::<Vec<_>>()) {
         let stretch = course.stretches[k];
         let arc = last.filter(|last| last + 1 < k).map(|last| detour(ground, course, &along, (last, k), tolerance));
         detours.extend(arc.iter().filter_map(|found| found.1));
@@ -159,43 +162,6 @@ fn left_out(course: &Course, stretches: std::ops::Range<usize>, crossing: usize)
     let length = inside.map(|s| s.to - s.from).reduce(|a, b| a + b)?;
     let Crossing { place, level, .. } = course.crossings[crossing];
     Some(Detour::Cut { place, level, length })
-}
-
-/// The stretches that are kept, ascending: bands never rise from one to the next, and as little length as possible is
-/// left out at each contradiction.
-fn kept(stretches: &[Stretch], regions: &Regions) -> Vec<usize> {
-    let band = |k: usize| -> Option<Band> { regions.regions.get(stretches[k].region as usize).map(|r| r.band) };
-    let length = |k: usize| stretches[k].to - stretches[k].from;
-    let mut kept: Vec<usize> = Vec::new();
-    let mut k = 0;
-    while k < stretches.len() {
-        let Some(here) = band(k) else {
-            k += 1;
-            continue;
-        };
-        let rises = |j: &usize| band(*j).is_some_and(|b| is_above(here, b));
-        let first_lower = kept.iter().rposition(|j| !rises(j)).map_or(0, |p| p + 1);
-        if first_lower == kept.len() {
-            kept.push(k);
-            k += 1;
-            continue;
-        }
-        // Either what lies below is left out, or all from here to where the line is down again.
-        let below = kept.last().and_then(|&j| band(j));
-        let returns = (k..stretches.len()).find(|&m| match (band(m), below) {
-            (Some(b), Some(below)) => !is_above(b, below),
-            _ => false,
-        });
-        let returns = returns.unwrap_or(stretches.len());
-        let bump: f64 = (k..returns).map(length).sum();
-        let dip: f64 = kept[first_lower..].iter().map(|&j| length(j)).sum();
-        if bump <= dip {
-            k = returns;
-        } else {
-            kept.truncate(first_lower);
-        }
-    }
-    kept
 }
 
 /// The vertices of a contour between two of its edges; `None` if the edges lie on different lines, or if the piece is

@@ -27,6 +27,7 @@ mod descend;
 mod direction;
 mod follow;
 mod line;
+mod longest;
 mod middle;
 mod network;
 mod on_grid;
