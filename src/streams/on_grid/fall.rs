@@ -6,10 +6,13 @@
 
 use std::collections::HashMap;
 
-use super::ways::{Ways, move_to, reading};
+use super::ways::{Sample, Way, Ways, move_to, reading};
+use crate::base::{Grid, parallel};
 
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
+/// Columns and rows of a block of cells.
+const BLOCK: usize = 16;
 
 /// Lowers heights along streams until they never rise downstream, as far as this is `allowed`. Heights that are NaN stay.
 pub(crate) fn fall_along(
@@ -17,34 +20,24 @@ pub(crate) fn fall_along(
     heights: &mut [f32],
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
+    let mut blocks = Blocks::new(grid);
+    let blocks_of = parallel::map_each(of_streams, |way| blocks.of_way(way, grid));
+    let mut visits: Vec<Visit> = vec![Visit::default(); of_streams.len()];
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
         let mut changed = false;
-        for way in of_streams {
+        for ((way, own), visit) in of_streams.iter().zip(&blocks_of).zip(&mut visits) {
             let Some([first, last]) = way.ends else { continue };
-            let mut most = ends.get(&first).copied().unwrap_or([f32::INFINITY; 2]);
-            let mut before = usize::MAX;
-            for sample in &way.samples {
-                if let Some(n) = sample.nearest().filter(|&n| n != before && !heights[n].is_nan()) {
-                    before = n;
-                    let below = if most[0] == f32::INFINITY { most[0] } else { most[0].next_down() };
-                    if heights[n] > below
-                        && let Some(lowered) = allowed(n, below).filter(|lowered| *lowered < heights[n])
-                    {
-                        heights[n] = lowered;
-                        changed = true;
-                    }
-                    most[0] = most[0].min(heights[n]);
-                }
-                if let Some(corners) = sample.corners(grid) {
-                    if reading(heights, &corners) > most[1] {
-                        changed |= move_to(most[1], heights, &corners, &allowed);
-                    }
-                    most[1] = most[1].min(reading(heights, &corners));
-                }
+            let start = ends.get(&first).copied().unwrap_or([f32::INFINITY; 2]);
+            // After the first rounds few heights change. Where none did, the last visit left nothing to do.
+            if visit.turn == 0 || visit.start != start || blocks.changed_after(visit.turn, own) {
+                let turn = blocks.next_turn();
+                let end = fall(way, grid, start, heights, &allowed, &mut |cell| blocks.change(cell));
+                changed |= blocks.changed_after(turn, own);
+                *visit = Visit { turn, start, end };
             }
             let end = ends.entry(last).or_insert([f32::INFINITY; 2]);
-            *end = [end[0].min(most[0]), end[1].min(most[1])];
+            *end = [end[0].min(visit.end[0]), end[1].min(visit.end[1])];
         }
         if !changed {
             break;
@@ -52,9 +45,106 @@ pub(crate) fn fall_along(
     }
 }
 
+/// Lowers heights along one stream. `most` and the result are the highest readings that its start and its end may have.
+/// `changed` is told each cell that changes.
+fn fall(
+    way: &Way,
+    grid: &Grid,
+    mut most: [f32; 2],
+    heights: &mut [f32],
+    allowed: &impl Fn(usize, f32) -> Option<f32>,
+    changed: &mut impl FnMut(usize),
+) -> [f32; 2] {
+    // The first cell is the last one of the streams that flow into this one.
+    let mut below = most[0];
+    for sample in &way.samples {
+        // A cell that the stream comes back to cannot be lower than itself.
+        if let Some(n) = sample.new_cell().filter(|&n| !heights[n].is_nan()) {
+            if heights[n] > below
+                && let Some(lowered) = allowed(n, below).filter(|lowered| *lowered < heights[n])
+            {
+                heights[n] = lowered;
+                changed(n);
+            }
+            most[0] = most[0].min(heights[n]);
+            below = most[0].next_down();
+        }
+        if let Some(corners) = sample.corners(grid) {
+            if reading(heights, &corners) > most[1] && move_to(most[1], heights, &corners, allowed) {
+                corners.iter().for_each(|&(n, _)| changed(n));
+            }
+            most[1] = most[1].min(reading(heights, &corners));
+        }
+    }
+    most
+}
+
+/// The last visit to a stream.
+#[derive(Debug, Clone, Copy, Default)]
+struct Visit {
+    /// 0 before the first one.
+    turn: u32,
+    /// The highest readings that were allowed at the start and at the end.
+    start: [f32; 2],
+    end: [f32; 2],
+}
+
+/// The cells of a grid in blocks. It is known when a height of a block changed last.
+struct Blocks {
+    /// Columns of the grid and of the blocks.
+    cols: [usize; 2],
+    changed: Vec<u32>,
+    turn: u32,
+}
+
+impl Blocks {
+    fn new(grid: &Grid) -> Self {
+        let [cols, rows] = [grid.cols, grid.rows].map(|n| n.div_ceil(BLOCK));
+        Self { cols: [grid.cols, cols], changed: vec![0; cols * rows], turn: 0 }
+    }
+
+    fn of(&self, cell: usize) -> usize {
+        let [of_grid, of_blocks] = self.cols;
+        cell / of_grid / BLOCK * of_blocks + cell % of_grid / BLOCK
+    }
+
+    /// The blocks whose cells count along a stream.
+    fn of_way(&self, way: &Way, grid: &Grid) -> Vec<usize> {
+        let cells = |sample: &Sample| {
+            let corners = sample.corners(grid).into_iter().flatten().map(|(n, _)| n);
+            corners.chain(sample.nearest()).map(|n| self.of(n))
+        };
+        let mut blocks: Vec<usize> = Vec::new();
+        for block in way.samples.iter().flat_map(cells) {
+            if blocks.last() != Some(&block) {
+                blocks.push(block);
+            }
+        }
+        blocks.sort_unstable();
+        blocks.dedup();
+        blocks
+    }
+
+    /// Begins a turn. What changes from now on changes after it.
+    fn next_turn(&mut self) -> u32 {
+        self.turn += 1;
+        self.turn
+    }
+
+    fn change(&mut self, cell: usize) {
+        let block = self.of(cell);
+        self.changed[block] = self.turn + 1;
+    }
+
+    fn changed_after(&self, turn: u32, blocks: &[usize]) -> bool {
+        blocks.iter().any(|&block| self.changed[block] > turn)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use glam::{DVec2, DVec3};
+    use proptest::prelude::*;
 
     use super::super::raise_to;
     use super::*;
@@ -91,5 +181,52 @@ mod tests {
         let cells = |n: usize, wanted: f32| Some(wanted.max(if n.is_multiple_of(2) { 0.0 } else { 100.0 }));
         fall_along(&ways, &mut heights, cells);
         assert!(east(&heights).iter().all(|z| *z >= 100.0));
+    }
+
+    #[test]
+    fn streams_that_fall_already_stay_as_they_are_where_they_meet() {
+        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::splat(9.0), 1.0);
+        let line = |places: [(f64, f64); 2]| {
+            Stream::between(places.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(), Band { lo: 0.0, hi: 100.0 })
+        };
+        let streams = [[(0.5, 8.5), (4.5, 4.5)], [(8.5, 8.5), (4.5, 4.5)], [(4.5, 4.5), (4.5, 0.5)]].map(line);
+        let before: Vec<f32> = (0..81).map(|n| 50.0 - (n / 9) as f32).collect();
+        let mut heights = before.clone();
+        fall_along(&Ways::new(&streams, &grid), &mut heights, |_, wanted| Some(wanted));
+        assert_eq!(heights, before);
+    }
+
+    proptest! {
+        #[test]
+        fn streams_without_changes_need_no_visit(
+            turns in proptest::collection::vec(proptest::collection::vec((0.0..40.0_f64, 0.0..40.0_f64), 2..5), 1..8),
+            ground in proptest::collection::vec(0.0..9.0_f32, 1600),
+        ) {
+            let grid = Grid::on_multiples(DVec2::ZERO, DVec2::splat(40.0), 1.0);
+            let band = Band { lo: 0.0, hi: 9.0 };
+            // Each stream ends where the next one begins.
+            let mut mouth = DVec3::ZERO;
+            let streams: Vec<Stream> = turns
+                .iter()
+                .map(|turns| {
+                    let points = turns.iter().map(|&(x, y)| DVec3::new(x, y, 0.0));
+                    let points: Vec<DVec3> = std::iter::once(mouth).chain(points).collect();
+                    mouth = points[points.len() - 1];
+                    Stream::between(points, band)
+                })
+                .collect();
+            let ways = Ways::new(&streams, &grid);
+            let allowed = |n: usize, wanted: f32| (n % 7 > 0).then(|| wanted.max(ground[n] - 3.0));
+            let mut heights = ground.clone();
+            fall_along(&ways, &mut heights, allowed);
+            let mut all = ground.clone();
+            for _ in 0..ROUNDS {
+                let mut most = [f32::INFINITY; 2];
+                for way in &ways.of_streams {
+                    most = super::fall(way, &grid, most, &mut all, &allowed, &mut |_| ());
+                }
+            }
+            prop_assert_eq!(heights, all);
+        }
     }
 }

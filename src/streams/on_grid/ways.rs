@@ -1,5 +1,6 @@
 //! The ways of streams over a grid, and heights read along them.
 
+use foldhash::HashSet;
 use glam::{DVec2, DVec3};
 
 use crate::base::bits::bits;
@@ -33,7 +34,12 @@ impl<'a> Ways<'a> {
         let way = |stream: &Stream| {
             let ends = stream.points.first().zip(stream.points.last());
             let mut samples = Vec::new();
-            for_each_place(stream, grid, |place, _| samples.push(Sample::new(grid, place)));
+            let mut seen = HashSet::default();
+            for_each_place(stream, grid, |place, _| {
+                let sample = Sample::new(grid, place);
+                let is_first = seen.insert(sample.nearest);
+                samples.push(Sample { is_first, ..sample });
+            });
             let mut cells: Vec<usize> = samples.iter().filter_map(Sample::nearest).collect();
             cells.dedup();
             Way { ends: ends.map(|(a, b)| [a, b].map(|p| bits(p.truncate()))), cells, samples }
@@ -65,6 +71,8 @@ pub(super) fn for_each_place(stream: &Stream, grid: &Grid, mut visit: impl FnMut
 pub(super) struct Sample {
     /// The nearest cell.
     nearest: u32,
+    /// Whether it is the nearest cell for the first time along the stream.
+    is_first: bool,
     /// The north-western one of the four cells around.
     first: u32,
     /// The shares of the eastern and of the southern ones in the bilinear reading.
@@ -81,12 +89,17 @@ impl Sample {
         };
         let first = place.floor();
         let shares = [place.x - first.x, place.y - first.y].map(|share| share as f32);
-        Self { nearest: cell(place.round(), 0.0), first: cell(first, 1.0), shares }
+        Self { nearest: cell(place.round(), 0.0), is_first: true, first: cell(first, 1.0), shares }
     }
 
     /// The nearest cell, if it is on the grid.
     pub fn nearest(&self) -> Option<usize> {
         (self.nearest != NO_CELL).then_some(self.nearest as usize)
+    }
+
+    /// The nearest cell, if the stream comes to it for the first time.
+    pub fn new_cell(&self) -> Option<usize> {
+        self.nearest().filter(|_| self.is_first)
     }
 
     /// The four cells around, with their shares of the bilinear reading, if all are on the grid.
