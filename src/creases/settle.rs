@@ -27,6 +27,7 @@ pub(crate) struct Settled {
 pub(crate) fn settle(
     (lines, sure): (&[CreaseLine], Sure),
     (tin, regions): (&Tin, &Regions),
+    by_distance: &Heights<'_>,
     interval: f64,
     spacing: f64,
     tuning: &CreaseTuning,
@@ -42,7 +43,7 @@ pub(crate) fn settle(
         .flat_map(|cut| cut.pieces.iter().flatten())
         .map(|v| v.height().is_none().then_some((v.place, v.region)))
         .collect();
-    let mut guesses = Heights::new(tin, regions).at(&places).into_iter();
+    let mut guesses = by_distance.at(&places).into_iter();
     let name = if sure == Sure::Surveyed { "the break line" } else { "the banks of the river area" };
     let mut settled = Settled::default();
     for (line, cut) in lines.iter().zip(cut) {

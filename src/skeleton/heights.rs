@@ -16,6 +16,9 @@ use crate::subdomains::{Region, Regions, Side, band_of};
 use crate::tin::{Tin, VertexKind};
 use crate::tuning::SkeletonTuning;
 
+/// Places per parallel task. The search for the first triangle starts anew with each task.
+const CHUNK: usize = 1024;
+
 /// Heights of points inside sub-domains.
 ///
 /// Between two levels the height is equation (1), `h = (h_l d_u + d_l h_u) / (d_u + d_l)`. The distances are the
@@ -36,8 +39,8 @@ pub fn axis_heights(tin: &Tin, regions: &Regions, points: &[AxisPoint], tuning: 
 /// Gives heights at places in sub-domains. The border of a sub-domain is indexed once, when a place in it is first asked
 /// for.
 pub(crate) struct Heights<'a> {
-    tin: &'a Tin,
-    regions: &'a Regions,
+    pub(super) tin: &'a Tin,
+    pub(super) regions: &'a Regions,
     contents: Contents,
     levels: Vec<OnceLock<BorderLevels>>,
 }
@@ -52,28 +55,34 @@ impl<'a> Heights<'a> {
     /// Heights by equation (1) at places in sub-domains, as [`axis_heights`]; NaN without a place. Where no contour gives
     /// a height, it is the middle of the band.
     pub fn at(&self, places: &[Option<(DVec2, u32)>]) -> Vec<f64> {
-        let mut near = 0;
-        let mut points = Vec::new();
-        let mut number = Vec::new();
-        for (k, (position, region)) in places.iter().enumerate().filter_map(|(k, place)| place.map(|p| (k, p))) {
-            if let Ok(triangle) = self.tin.walk(near, position) {
-                near = triangle;
-                points.push(AxisPoint { position, level: None, triangle, region });
-                number.push(k);
-            }
-        }
-        let levels = |region: usize| {
-            let index = || BorderLevels::new(self.tin, self.contents.borders.of(region));
-            self.levels[region].get_or_init(index)
-        };
-        let of_all = (self.tin, self.regions, &self.contents);
-        let found = heights_in(of_all, levels, &points, &SkeletonTuning::default());
+        let given: Vec<(usize, (DVec2, u32))> =
+            places.iter().enumerate().filter_map(|(k, place)| Some((k, (*place)?))).collect();
+        let chunks: Vec<&[(usize, (DVec2, u32))]> = given.chunks(CHUNK).collect();
+        let found: Vec<(usize, AxisPoint)> = parallel::flat_map_each(&chunks, |chunk| {
+            let mut near = 0;
+            let point = |&(k, (position, region)): &(usize, (DVec2, u32))| {
+                near = self.tin.walk(near, position).ok()?;
+                Some((k, AxisPoint { position, level: None, triangle: near, region }))
+            };
+            chunk.iter().filter_map(point).collect::<Vec<_>>()
+        });
+        let (number, points): (Vec<usize>, Vec<AxisPoint>) = found.into_iter().unzip();
+        let found = self.of_points(&points, &SkeletonTuning::default());
         let mut heights = vec![f64::NAN; places.len()];
         for ((k, z), point) in number.into_iter().zip(found).zip(&points) {
             let band = band_of(self.regions, point.region);
             heights[k] = if z.is_finite() { z } else { band.lo.midpoint(band.hi) };
         }
         heights
+    }
+
+    /// Heights of points inside sub-domains, as [`axis_heights`].
+    pub fn of_points(&self, points: &[AxisPoint], tuning: &SkeletonTuning) -> Vec<f64> {
+        let levels = |region: usize| {
+            let index = || BorderLevels::new(self.tin, self.contents.borders.of(region));
+            self.levels[region].get_or_init(index)
+        };
+        heights_in((self.tin, self.regions, &self.contents), levels, points, tuning)
     }
 }
 

@@ -25,6 +25,7 @@ mod sight;
 pub use axis::axis;
 pub(crate) use axis::narrow;
 pub use break_line::{BreakKind, BreakLine, LineEnd};
+pub(crate) use build::skeleton_with;
 pub use build::{Skeleton, skeleton};
 pub use caps::Cap;
 pub use edges::{JunctionEdge, junction_edges};

@@ -36,10 +36,11 @@ pub(crate) struct Settled {
 }
 
 /// Brings streams into agreement with a map and its triangulation. The middle lines of river areas that no stream runs
-/// through are streams too. `spacing` is the mean spacing of the contours.
+/// through are streams too. `by_distance` gives heights by equation (1). `spacing` is the mean spacing of the contours.
 pub(crate) fn settle(
     streams: &Streams,
     (map, tin, regions): (&ContourMap, &Tin, &Regions),
+    by_distance: &Heights<'_>,
     spacing: f64,
     tuning: &StreamTuning,
 ) -> Settled {
@@ -56,8 +57,7 @@ pub(crate) fn settle(
     let Network { nodes, reaches, left_out } = Network::new(&lines, snap);
 
     let courses = courses(&ground, &reaches, |_| None);
-    let by_distance = Heights::new(tin, regions);
-    let heights = node_heights(&by_distance, &reaches, &courses, nodes);
+    let heights = node_heights(by_distance, &reaches, &courses, nodes);
     let back = flows_back(&reaches, &courses, regions, &heights);
     let turned: Vec<Reach> =
         reaches.into_iter().zip(&back).map(|(r, &back)| if back { r.reversed() } else { r }).collect();
@@ -94,7 +94,7 @@ pub(crate) fn settle(
             reach_of.push(r);
         }
     }
-    guess_ends(&by_distance, &mut edges);
+    guess_ends(by_distance, &mut edges);
     let Profiles { mut heights, mut sure, orders, downstream } = profiles(&edges, nodes, tuning.sure_reach * spacing);
     let used = UsedLines {
         lines: &lines,
@@ -119,7 +119,7 @@ pub(crate) fn settle(
         }
     };
     let mut used: Vec<Stream> = downstream.iter().map(|&e| stream(e)).collect();
-    guess_between(&by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
+    guess_between(by_distance, &downstream.iter().map(|&e| &edges[e]).collect::<Vec<_>>(), &mut used);
     Settled { streams: used, findings }
 }
 

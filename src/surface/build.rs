@@ -19,7 +19,7 @@ use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
 use crate::creases::{Bend, Crease};
 use crate::dem::locate;
-use crate::skeleton::{Axis, skeleton};
+use crate::skeleton::{Axis, skeleton, skeleton_with};
 use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
@@ -168,11 +168,15 @@ fn triangulated(
     // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
-    let GivenLines { streams, creases, findings: of_lines } = settle_lines(&subdivision, params, progress);
+    let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
     findings.extend(of_lines);
     let skeleton = (params.kind != SurfaceKind::Linear).then(|| {
         progress.start("ridge and canyon lines", 0);
-        skeleton(&subdivision.tin, &subdivision.regions, params.resolution, &params.tuning.skeleton)
+        let (resolution, tuning) = (params.resolution, &params.tuning.skeleton);
+        match heights {
+            Some(heights) => skeleton_with(&heights, resolution, tuning),
+            None => skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning),
+        }
     });
     let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
     let finer = || {

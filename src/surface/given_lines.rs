@@ -5,20 +5,27 @@ use crate::base::error::Finding;
 use crate::base::progress::Progress;
 use crate::base::{KnownLine, Sure};
 use crate::creases::{self, Crease};
+use crate::skeleton::Heights;
 use crate::streams::{self, Stream};
 use crate::subdivision::Subdivision;
 
 /// Streams and break lines that agree with the contours.
-#[derive(Debug, Default)]
-pub(crate) struct GivenLines {
+#[derive(Default)]
+pub(crate) struct GivenLines<'a> {
     pub streams: Vec<Stream>,
     pub creases: Vec<Crease>,
     /// What was turned, moved, cut, left out, or contradicts the contours.
     pub findings: Vec<Finding>,
+    /// Heights by the distance from contours, if any line needed them.
+    pub heights: Option<Heights<'a>>,
 }
 
 /// Brings the streams and break lines of the parameters into agreement with the contours. The linear surface has none.
-pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, progress: &dyn Progress) -> GivenLines {
+pub(crate) fn settle_lines<'a>(
+    subdivision: &'a Subdivision,
+    params: &SurfaceParams,
+    progress: &dyn Progress,
+) -> GivenLines<'a> {
     let mut given = GivenLines::default();
     if params.kind == SurfaceKind::Linear {
         return given;
@@ -27,7 +34,8 @@ pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, pr
     let Subdivision { map, tin, regions, .. } = subdivision;
     if !params.streams.lines.is_empty() || !params.streams.areas.is_empty() {
         progress.start("streams", 0);
-        let settled = streams::settle(&params.streams, (map, tin, regions), spacing, &params.tuning.streams);
+        let heights = given.heights.get_or_insert_with(|| Heights::new(tin, regions));
+        let settled = streams::settle(&params.streams, (map, tin, regions), heights, spacing, &params.tuning.streams);
         given.streams = settled.streams;
         given.findings.extend(settled.findings);
         progress.finish();
@@ -37,11 +45,12 @@ pub(crate) fn settle_lines(subdivision: &Subdivision, params: &SurfaceParams, pr
     given.findings.extend(about_areas);
     if !banks.is_empty() || !params.creases.is_empty() {
         progress.start("break lines", 0);
+        let heights = given.heights.get_or_insert_with(|| Heights::new(tin, regions));
         // The heights of banks are those of the streams beside them.
         let both = [(banks.as_slice(), Sure::Between), (params.creases.as_slice(), Sure::Surveyed)];
         for lines in both.into_iter().filter(|(lines, _)| !lines.is_empty()) {
             let interval = subdivision.interval.step;
-            let settled = creases::settle(lines, (tin, regions), interval, spacing, &params.tuning.creases);
+            let settled = creases::settle(lines, (tin, regions), heights, interval, spacing, &params.tuning.creases);
             given.creases.extend(settled.creases);
             given.findings.extend(settled.findings);
         }

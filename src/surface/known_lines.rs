@@ -1,15 +1,16 @@
 //! Streams and break lines in the triangulation: their vertices and the edges between them.
 
-use std::collections::HashMap;
-
-use glam::DVec2;
+use foldhash::{HashMap, HashMapExt};
+use glam::{DVec2, DVec3};
 
 use crate::base::bits::bits;
-use crate::base::{KnownLine, Sure};
+use crate::base::{KnownLine, Sure, parallel};
 use crate::tin::{NONE, Tin, TinInput, VertexKind};
 
 /// A point nearer to the edge of a sub-domain than this share of the edge's length is no vertex of a line.
 const CLEARANCE: f64 = 1e-6;
+/// Lines per parallel task. The search for the first triangle starts anew with each task.
+const CHUNK: usize = 64;
 
 /// Adds the vertices of lines with heights, and the edges between them. A vertex on a contour is added only if the
 /// contour has a vertex there, because no point may lie on the edge of a contour.
@@ -25,19 +26,22 @@ pub(super) fn push_lines(input: &mut TinInput, tin: &Tin, lines: &[KnownLine<'_>
             *vertex = tin.source[v];
         }
     }
-    let mut near = 0;
-    for line in lines {
-        let mut before: Option<u32> = None;
-        for (p, sure) in line.vertices() {
+    let on_contour = |position: DVec2| known.get(&bits(position)).copied().filter(|&v| v != NONE);
+    let chunks: Vec<&[KnownLine<'_>]> = lines.chunks(CHUNK).collect();
+    let may_be_new: Vec<Vec<bool>> = parallel::flat_map_each(&chunks, |lines| {
+        let mut near = 0;
+        let mut may_be_new = |(p, sure): (DVec3, Sure)| {
             let position = p.truncate() - tin.origin;
-            let on_contour = known.get(&bits(position)).copied().filter(|&v| v != NONE);
-            let vertex = match on_contour {
-                Some(vertex) => Some(vertex),
-                None if sure == Sure::Exact => None,
-                None => {
-                    clear_triangle(tin, &mut near, position).map(|_| input.push_local(position, p.z, VertexKind::Axis))
-                }
-            };
+            sure < Sure::Exact && on_contour(position).is_none() && is_clear(tin, &mut near, position)
+        };
+        lines.iter().map(|line| line.vertices().map(&mut may_be_new).collect()).collect::<Vec<_>>()
+    });
+    for (line, may_be_new) in lines.iter().zip(may_be_new) {
+        let mut before: Option<u32> = None;
+        for ((p, _), may_be_new) in line.vertices().zip(may_be_new) {
+            let position = p.truncate() - tin.origin;
+            let new = || may_be_new.then(|| input.push_local(position, p.z, VertexKind::Axis));
+            let vertex = on_contour(position).or_else(new);
             if let (Some(a), Some(b)) = (before, vertex) {
                 input.push_loose_edge(a, b);
             }
@@ -68,13 +72,13 @@ pub(super) fn heights_by_place<'a>(
     wanted.map(|(p, sure)| (bits(p.truncate() - origin), (p.z, sure))).collect()
 }
 
-/// The triangle inside the frame that a position lies in, if it is clear of edges that borders run along.
-fn clear_triangle(tin: &Tin, near: &mut u32, position: DVec2) -> Option<u32> {
+/// Whether a position lies in a triangle inside the frame, and clear of edges that borders run along.
+fn is_clear(tin: &Tin, near: &mut u32, position: DVec2) -> bool {
     let t = match tin.walk(*near, position) {
         Ok(t) => t,
         Err(left) => {
             *near = left;
-            return None;
+            return false;
         }
     };
     *near = t;
@@ -83,5 +87,5 @@ fn clear_triangle(tin: &Tin, near: &mut u32, position: DVec2) -> Option<u32> {
         let (a, b) = (corners[i], corners[(i + 1) % 3]);
         tin.across(t, i).is_some() || (b - a).perp_dot(position - a) > CLEARANCE * (b - a).length_squared()
     };
-    (tin.is_inside(t) && (0..3).all(is_clear)).then_some(t)
+    tin.is_inside(t) && (0..3).all(is_clear)
 }
