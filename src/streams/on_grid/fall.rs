@@ -216,7 +216,7 @@ mod tests {
                 })
                 .collect();
             let ways = Ways::new(&streams, &grid);
-            let allowed = |n: usize, wanted: f32| (n % 7 > 0).then(|| wanted.max(ground[n] - 3.0));
+            let allowed = |n: usize, wanted: f32| (!n.is_multiple_of(7)).then(|| wanted.max(ground[n] - 3.0));
             let mut heights = ground.clone();
             fall_along(&ways, &mut heights, allowed);
             let mut all = ground.clone();
