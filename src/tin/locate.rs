@@ -23,18 +23,25 @@ impl Tin {
     /// A long walk goes on from the nearest of some triangles all over the triangulation (jump and walk: Mücke, Saias and
     /// Zhu 1996, Proc. 12th Symp. Comput. Geom.).
     pub fn walk(&self, from: u32, place: DVec2) -> Result<u32, u32> {
-        let mut t = from;
+        let (mut t, mut before) = (from, NONE);
         for step in 0..=self.len() {
             if step == FAR {
-                t = self.nearest_of_some(t, place);
+                (t, before) = (self.nearest_of_some(t, place), NONE);
             }
-            let sides = self.sides(t, place);
+            let near = self.neighbours[t as usize];
+            let mut on_edge = false;
+            let is_beyond = |&i: &usize| {
+                // Of the edge that the walk came across, the position lies on this side.
+                let side = if near[i] == before && before != NONE { 1.0 } else { self.side(t, i, place) };
+                on_edge |= side == 0.0;
+                side < 0.0
+            };
             // Each step starts at another edge, which keeps the walk from going in circles.
-            match (0..3).map(|k| (step + k) % 3).find(|&i| sides[i] < 0.0) {
-                None if sides.contains(&0.0) => return Ok(self.first_at(t, place)),
+            match (0..3).map(|k| (step + k) % 3).find(is_beyond) {
+                None if on_edge => return Ok(self.first_at(t, place)),
                 None => return Ok(t),
-                Some(i) if self.neighbours[t as usize][i] == NONE => return Err(t),
-                Some(i) => t = self.neighbours[t as usize][i],
+                Some(i) if near[i] == NONE => return Err(t),
+                Some(i) => (t, before) = (near[i], t),
             }
         }
         // So long a walk goes round in a circle.
@@ -63,16 +70,14 @@ impl Tin {
 
     /// Whether a position (relative to the origin) lies in or on triangle `t`.
     pub fn holds(&self, t: u32, place: DVec2) -> bool {
-        self.sides(t, place).iter().all(|side| *side >= 0.0)
+        (0..3).all(|i| self.side(t, i, place) >= 0.0)
     }
 
-    /// On which side of each edge of triangle `t` a position lies: positive inside, zero on the edge.
-    fn sides(&self, t: u32, place: DVec2) -> [f64; 3] {
+    /// On which side of edge `i` of triangle `t` a position lies: positive inside, zero on the edge.
+    fn side(&self, t: u32, i: usize, place: DVec2) -> f64 {
         let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
-        [0, 1, 2].map(|i| {
-            let [a, b] = self.edge(t, i).map(|v| self.positions[v as usize]);
-            orient2d(coord(a), coord(b), coord(place))
-        })
+        let [a, b] = self.edge(t, i).map(|v| self.positions[v as usize]);
+        orient2d(coord(a), coord(b), coord(place))
     }
 }
 
