@@ -1,4 +1,5 @@
-//! The edge of a flood that rises over a grid (priority-flood: Barnes, Lehman and Mulla 2014, Computers & Geosciences 62).
+//! Water on a grid: the edge of a flood that rises (priority-flood: Barnes, Lehman and Mulla 2014, Computers & Geosciences 62),
+//! and where the ways of running water end.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,6 +15,24 @@ pub(crate) fn neighbours(cell: usize, cols: usize, rows: usize) -> impl Iterator
         let row = row.checked_add_signed(step.1).filter(|row| *row < rows)?;
         Some((k, row * cols + col))
     })
+}
+
+/// Where the ways from each cell to its next one end: at a cell that is its own next one, or at a number that is no cell.
+pub(crate) fn ways_end(mut next: Vec<u32>) -> Vec<u32> {
+    for first in 0..next.len() {
+        let mut end = first as u32;
+        while let Some(&after) = next.get(end as usize)
+            && after != end
+        {
+            end = after;
+        }
+        // Later ways that come to these cells are short.
+        let mut cell = first as u32;
+        while cell != end {
+            cell = std::mem::replace(&mut next[cell as usize], end);
+        }
+    }
+    next
 }
 
 /// The cells at the flood's edge. The one with the lowest key is next. Of cells with one key, the first is next, so that

@@ -3,14 +3,14 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::flood::{sortable, unsorted};
+use super::flood::{sortable, unsorted, ways_end};
 use super::ground::Ground;
 use crate::base::parallel;
 
-/// The catchment of a cell without height.
-const NONE: u32 = u32::MAX;
-/// The catchment of all cells from which water runs off. There are fewer cells than that.
-const OUTSIDE: u32 = u32::MAX - 1;
+/// Stands for the catchment of a cell without height. There are fewer cells than that.
+const NO_HEIGHT: u32 = u32::MAX;
+/// Stands for the catchment of all cells from which water runs off.
+const RUNS_OFF: u32 = u32::MAX - 1;
 
 /// The least height, over all ways from each cell to an outlet, of the highest place on the way. NaN without height.
 ///
@@ -26,24 +26,24 @@ pub(super) fn levels(
 ) -> Vec<f32> {
     let next = parallel::values(heights.len(), |cell| {
         if !heights[cell].is_finite() {
-            return NONE;
+            return NO_HEIGHT;
         }
         if is_outlet(cell) {
-            return OUTSIDE;
+            return RUNS_OFF;
         }
         let near = ground.around(cell).filter(|&near| heights[near].is_finite());
         let lowest = near.min_by(|&a, &b| height(a).total_cmp(&height(b)));
         lowest.filter(|&lowest| height(lowest) < height(cell)).unwrap_or(cell) as u32
     });
-    let catchments = ends(next);
+    let catchments = ways_end(next);
     let mut levels =
-        parallel::values(heights.len(), |cell| if catchments[cell] == OUTSIDE { height(cell) } else { f32::NAN });
+        parallel::values(heights.len(), |cell| if catchments[cell] == RUNS_OFF { height(cell) } else { f32::NAN });
 
-    let is_dry = |levels: &[f32], cell: usize| catchments[cell] != NONE && levels[cell].is_nan();
+    let is_dry = |levels: &[f32], cell: usize| catchments[cell] != NO_HEIGHT && levels[cell].is_nan();
     // A way into a dry catchment: its number, the level, the first cell.
     let way_in = |level: f32, to: usize| (catchments[to], sortable(level.max(height(to))), to as u32);
     let mut ways_in = parallel::flat_map(ground.rows, |row| {
-        let cells = (row * ground.cols..(row + 1) * ground.cols).filter(|&cell| catchments[cell] == OUTSIDE);
+        let cells = (row * ground.cols..(row + 1) * ground.cols).filter(|&cell| catchments[cell] == RUNS_OFF);
         let from = |cell: usize| {
             let dry = ground.around(cell).filter(|&near| is_dry(&levels, near));
             dry.map(|near| way_in(levels[cell], near)).collect::<Vec<_>>()
@@ -80,22 +80,6 @@ pub(super) fn levels(
         }
     }
     levels
-}
-
-/// Where the ways end whose next cells are given. A way ends at a cell whose next one is itself, or at a next one that is no
-/// cell.
-fn ends(mut next: Vec<u32>) -> Vec<u32> {
-    for first in 0..next.len() {
-        let mut end = first as u32;
-        while end < OUTSIDE && next[end as usize] != end {
-            end = next[end as usize];
-        }
-        let mut cell = first as u32;
-        while cell != end {
-            cell = std::mem::replace(&mut next[cell as usize], end);
-        }
-    }
-    next
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod sink_cells;
 mod tests;
 
 pub(crate) use drained::{Bands, drain};
-pub(crate) use flood::{Flood, STEPS, neighbours, sortable, unsorted};
+pub(crate) use flood::{Flood, STEPS, neighbours, sortable, unsorted, ways_end};
 pub(crate) use ground::{Ground, ponds};
 pub(crate) use left::{CellPit, Kinds, cell_pits};
 pub use left::{Pit, Reason};

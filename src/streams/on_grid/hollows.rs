@@ -5,7 +5,7 @@
 //! its bottom instead would lower all of the stream below.
 //!
 //! Measured on all of Norway, contours every 200 m, cells of 200 m: water stays within a cell of 95.5 instead of 94.7 % of
-//! the stream cells, heights rise 0.52 instead of 0.56 m per kilometre of stream, and there are 34,824 pits instead of
+//! the stream cells, heights rise 0.53 instead of 0.56 m per kilometre of stream, and there are 34,823 pits instead of
 //! 40,305. On five maps with true ground, the RMSE near streams changes by less than 0.1 %.
 
 use foldhash::HashSet;

@@ -8,6 +8,7 @@ use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::dem::derive::outline::{OUTSIDE, Part, area, on_map, outlines};
 use crate::dem::{Dem, GroundScale};
+use crate::drain::ways_end;
 
 /// Up to this number, an `f32` represents all whole numbers.
 const GREATEST_NUMBER: usize = 1 << 24;
@@ -43,24 +44,15 @@ pub struct CatchmentPart {
 /// The time is in proportion to the number of cells.
 pub fn catchments(directions: &FlowDirections) -> Catchments {
     let grid = *directions.grid();
-    let mut labels = vec![OUTSIDE; grid.len()];
     let is_outlet = |cell: &usize| directions.has_data(*cell) && directions.downstream(*cell).is_none();
     let outlets: Vec<usize> = (0..grid.len()).filter(is_outlet).collect();
+    let mut numbers = vec![OUTSIDE; grid.len()];
     for (number, &outlet) in (0..).zip(&outlets) {
-        labels[outlet] = number;
+        numbers[outlet] = number;
     }
-    let mut path = Vec::new();
-    for start in 0..grid.len() {
-        let mut cell = start;
-        while labels[cell] == OUTSIDE
-            && let Some(down) = directions.downstream(cell)
-        {
-            path.push(cell);
-            cell = down;
-        }
-        let label = labels[cell];
-        path.drain(..).for_each(|passed| labels[passed] = label);
-    }
+    let next = |cell: usize| directions.downstream(cell).unwrap_or(cell) as u32;
+    let ends = ways_end((0..grid.len()).map(next).collect());
+    let labels = ends.into_iter().map(|end| numbers[end as usize]).collect();
     Catchments { grid, crs: directions.crs().cloned(), labels, outlets }
 }
 
