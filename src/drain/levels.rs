@@ -40,7 +40,7 @@ pub(super) fn levels(
         parallel::values(heights.len(), |cell| if catchments[cell] == RUNS_OFF { height(cell) } else { f32::NAN });
 
     let is_dry = |levels: &[f32], cell: usize| catchments[cell] != NO_HEIGHT && levels[cell].is_nan();
-    // A way into a dry catchment: its number, the level, the first cell.
+    // A way into a dry catchment: the catchment, the level, and the first cell.
     let way_in = |level: f32, to: usize| (catchments[to], sortable(level.max(height(to))), to as u32);
     let mut ways_in = parallel::flat_map(ground.rows, |row| {
         let cells = (row * ground.cols..(row + 1) * ground.cols).filter(|&cell| catchments[cell] == RUNS_OFF);

@@ -6,8 +6,8 @@ use crate::subdomains::Band;
 /// greatest possible. Each stretch has its length, and the band of its sub-domain; none outside the frame, where nothing is
 /// kept.
 ///
-/// Dynamic programming: of all ways to choose from the stretches so far, those remain for which no other is at least as long
-/// and leaves the water at least as high. `n` stretches across `m` levels take at most `n` times `m` steps.
+/// Dynamic programming from stretch to stretch. A choice is dropped if another one is at least as long and leaves the water
+/// at least as high. `n` stretches across `m` levels take at most `n` times `m` steps.
 pub(super) fn longest_descent(stretches: &[(Option<Band>, f64)]) -> Vec<usize> {
     let mut ways = Ways { ways: vec![Way { height: f64::INFINITY, length: 0.0, last: None }], links: Vec::new() };
     for (stretch, &(band, length)) in stretches.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Ways {
         let mut lower = self.ways.split_off(reaching);
         lower.retain(|way| way.length > longest);
         self.ways.truncate(above);
-        // Only a way that ends exactly as high as the first of these is worse than it.
+        // A way that ends exactly as high as the first of these is shorter.
         self.ways.pop_if(|way| longer.first().is_some_and(|first| way.height == first.height));
         self.ways.extend(longer);
         self.ways.extend(lower);

@@ -31,7 +31,7 @@ impl Tin {
             let near = self.neighbours[t as usize];
             let mut on_edge = false;
             let is_beyond = |&i: &usize| {
-                // Of the edge that the walk came across, the position lies on this side.
+                // The walk came across this edge. So the position lies on this side of it.
                 let side = if near[i] == before && before != NONE { 1.0 } else { self.side(t, i, place) };
                 on_edge |= side == 0.0;
                 side < 0.0
