@@ -1,9 +1,9 @@
 //! The smooth surface along streams: streams get its heights and fall, pits are breached, and nodes beside streams get their
 //! heights.
 //!
-//! Between contours, streams follow the surface and not the curves from crossing to crossing with which they were drawn into
-//! it. The surface knows the ground beside the stream. On seven maps, the errors of its heights on streams are 10 to 21 %
-//! smaller, and the more so the further the two are apart.
+//! Between contours that are near, a stream gets the mean of the surface and of the curve from crossing to crossing with which
+//! it was drawn into the surface. On seven maps, the errors of the surface on streams are 10 to 21 % smaller than those of the
+//! curves, because the surface knows the ground beside the stream. But beyond the last contour, it carries slopes on.
 
 use super::working_grid::WorkingGrid;
 use crate::streams::{Stream, Ways, fall_along, follow, raise_to};

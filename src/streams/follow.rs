@@ -10,16 +10,17 @@ use crate::base::Sure;
 use crate::base::bits::bits;
 use crate::tin::NONE;
 
-/// Gives vertices whose height is not exact the height that `guess` has there. Then heights fall along the network again, with
-/// as little change as possible (`pool`). Where streams part, some may still rise; there, the new height is the mean of the
+/// Gives vertices whose height is a guess the height that `guess` has there, and those between contours the mean of it and of
+/// their own. Then heights fall along the network again, with as little change as possible (`pool`). Where streams part, some may still rise; there, the new height is the mean of the
 /// lowest one upstream and the highest one downstream, neither of which ever rises. `streams` come in an order in which each
 /// one follows those that flow into it.
 pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     for stream in streams.iter_mut() {
         let Stream { points, sure, bands, .. } = stream;
         let guessed = points.iter_mut().zip(sure).zip(bands).filter(|((_, sure), _)| **sure < Sure::Exact);
-        for ((p, _), band) in guessed {
-            let height = guess(*p);
+        for ((p, sure), band) in guessed {
+            // Between contours that are near, the curve knows the slope along the stream, and the surface the ground beside it.
+            let height = if *sure == Sure::Between { guess(*p).midpoint(p.z) } else { guess(*p) };
             p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
     }
@@ -144,7 +145,7 @@ mod tests {
     fn streams(lines: &[&[(f64, f64, Option<f64>)]]) -> Vec<Stream> {
         let stream = |line: &&[(f64, f64, Option<f64>)]| {
             let points = line.iter().map(|&(x, y, z)| DVec3::new(x, y, z.unwrap_or(50.0))).collect();
-            let sure = line.iter().map(|(.., z)| if z.is_some() { Sure::Exact } else { Sure::Between }).collect();
+            let sure = line.iter().map(|(.., z)| if z.is_some() { Sure::Exact } else { Sure::Guessed }).collect();
             Stream { sure, ..Stream::between(points, Band { lo: 0.0, hi: 100.0 }) }
         };
         lines.iter().map(stream).collect()
@@ -175,5 +176,10 @@ mod tests {
         // At the confluence and at the dam, water stands at their mean height. The source is strictly inside its band.
         assert_eq!(heights(&found[1]), [99.9, 70.0, 55.0]);
         assert_eq!(heights(&found[2]), [55.0, 55.0, 20.0]);
+        // Between contours that are near, its own height counts as much as the surface.
+        let mut found = streams(&[&[(0.0, 0.0, Some(90.0)), (1.0, 0.0, None), (4.0, 0.0, Some(20.0))]]);
+        found[0].sure[1] = Sure::Between;
+        follow(&mut found, |_| 40.0);
+        assert_eq!(heights(&found[0]), [90.0, 45.0, 20.0]);
     }
 }

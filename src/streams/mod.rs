@@ -13,7 +13,7 @@
 //! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
-//! 7. Between contours, heights follow a surface and are made to fall (`follow`), by isotonic regression on the network
+//! 7. Between contours, heights follow a surface, or come half-way to it, and are made to fall (`follow`), by isotonic regression on the network
 //!    (`pool`).
 //! 8. The banks of river areas get the heights of the streams between them (`areas`).
 //! 9. On a grid, the cells along streams hold their water (`on_grid`).
