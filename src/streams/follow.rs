@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::line::Stream;
 use super::pool::pool;
@@ -25,7 +25,7 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
         }
     }
     // What is known limits what is guessed: first from below, then from above.
-    let mut below: HashMap<[u64; 2], f64> = HashMap::new();
+    let mut below: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
     for stream in streams.iter_mut().rev() {
         let mut least = below.get(&last(stream)).copied().unwrap_or(f64::NEG_INFINITY);
         for (p, sure) in stream.points.iter_mut().zip(&stream.sure).rev() {
@@ -34,7 +34,7 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
         let at = below.entry(first(stream)).or_insert(f64::NEG_INFINITY);
         *at = at.max(least);
     }
-    let mut above: HashMap<[u64; 2], f64> = HashMap::new();
+    let mut above: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
     for stream in streams.iter_mut() {
         let mut most = above.get(&first(stream)).copied().unwrap_or(f64::INFINITY);
         for (p, sure) in stream.points.iter_mut().zip(&stream.sure) {
@@ -46,7 +46,7 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     pool_guesses(streams);
     // The lowest height upstream, and the highest one downstream, of each vertex.
     let mut lowest: Vec<Vec<f64>> = Vec::with_capacity(streams.len());
-    let mut ends: HashMap<[u64; 2], f64> = HashMap::new();
+    let mut ends: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
     for stream in streams.iter() {
         let mut least = ends.get(&first(stream)).copied().unwrap_or(f64::INFINITY);
         let of_stream = stream.points.iter().map(|p| {
@@ -57,7 +57,7 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
         let at = ends.entry(last(stream)).or_insert(f64::INFINITY);
         *at = at.min(least);
     }
-    let mut starts: HashMap<[u64; 2], f64> = HashMap::new();
+    let mut starts: HashMap<Option<[u64; 2]>, f64> = HashMap::new();
     for (stream, lowest) in streams.iter_mut().zip(&lowest).rev() {
         let mut most = starts.get(&last(stream)).copied().unwrap_or(f64::NEG_INFINITY);
         for (p, least) in stream.points.iter_mut().zip(lowest).rev() {
@@ -70,13 +70,13 @@ pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     }
 }
 
-/// The start and the end of a stream. Where streams meet, they are equal.
-fn first(stream: &Stream) -> [u64; 2] {
-    bits(stream.points.first().map_or(DVec2::NAN, |p| p.truncate()))
+/// The start of a stream, and its end.
+fn first(stream: &Stream) -> Option<[u64; 2]> {
+    stream.ends().map(|[first, _]| first)
 }
 
-fn last(stream: &Stream) -> [u64; 2] {
-    bits(stream.points.last().map_or(DVec2::NAN, |p| p.truncate()))
+fn last(stream: &Stream) -> Option<[u64; 2]> {
+    stream.ends().map(|[_, last]| last)
 }
 
 /// Makes guesses fall along the network as a tree: where streams part, along the first of them.

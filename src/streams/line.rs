@@ -3,6 +3,7 @@
 use geo::Polygon;
 use glam::{DVec2, DVec3};
 
+use crate::base::bits::bits;
 use crate::base::{FeatureId, KnownLine, Sure};
 use crate::subdomains::Band;
 
@@ -56,6 +57,12 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// Where it begins and ends; `None` without points. Where streams meet, their ends are equal.
+    pub(super) fn ends(&self) -> Option<[[u64; 2]; 2]> {
+        let ends = self.points.first().zip(self.points.last());
+        ends.map(|(first, last)| [first, last].map(|p| bits(p.truncate())))
+    }
+
     /// Its course with heights.
     pub(crate) fn known(&self) -> KnownLine<'_> {
         KnownLine { points: &self.points, is_stream: true, sure: &self.sure }

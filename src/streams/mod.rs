@@ -13,8 +13,8 @@
 //! 5. A reach that crosses a contour more than once is moved along this contour, or cut (`descend`).
 //! 6. Heights fall along each reach from crossing to crossing (`profile`), by monotone cubic interpolation (Fritsch and
 //!    Carlson 1980, SIAM J. Numer. Anal. 17).
-//! 7. Between contours, heights follow a surface, or come half-way to it, and are made to fall (`follow`), by isotonic regression on the network
-//!    (`pool`).
+//! 7. Where contours are far, heights follow a surface; elsewhere between contours, they come half-way to it (`follow`). They
+//!    are made to fall by isotonic regression on the network (`pool`).
 //! 8. The banks of river areas get the heights of the streams between them (`areas`).
 //! 9. On a grid, the cells along streams hold their water (`on_grid`).
 //!

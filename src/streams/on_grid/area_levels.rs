@@ -1,12 +1,10 @@
 //! River areas on a grid: their cells are level across.
 
 use foldhash::{HashMap, HashSet};
-use glam::DVec3;
 use rstar::primitives::GeomWithData;
 use rstar::{PointDistance, RTree};
 
 use super::ways::Ways;
-use crate::base::bits::bits;
 use crate::base::{Grid, parallel};
 use crate::drain::neighbours;
 use crate::streams::Stream;
@@ -97,11 +95,10 @@ fn entering(areas: &[Vec<usize>], streams: &[Stream], ways: &Ways<'_>) -> HashSe
 /// The streams that end in a river, each with the pieces of this river above and below. Where streams meet, the river is the
 /// one of the highest order; of these, the one whose water comes the longest way.
 fn side_streams(streams: &[Stream]) -> Vec<(usize, Vec<usize>)> {
-    let end = |point: Option<&DVec3>| point.map(|p| bits(p.truncate()));
     let mut below: HashMap<[u64; 2], usize> = HashMap::default();
     let mut above: HashMap<[u64; 2], (u32, f64, usize)> = HashMap::default();
     for (k, stream) in streams.iter().enumerate() {
-        let (Some(first), Some(last)) = (end(stream.points.first()), end(stream.points.last())) else { continue };
+        let Some([first, last]) = stream.ends() else { continue };
         below.insert(first, k);
         let way = stream.length() + above.get(&first).map_or(0.0, |river| river.1);
         let river = above.entry(last).or_insert((stream.order, way, k));
@@ -110,7 +107,7 @@ fn side_streams(streams: &[Stream]) -> Vec<(usize, Vec<usize>)> {
         }
     }
     let of_stream = |(k, stream): (usize, &Stream)| {
-        let end = end(stream.points.last())?;
+        let [_, end] = stream.ends()?;
         let river = above.get(&end)?.2;
         (river != k).then(|| (k, std::iter::once(river).chain(below.get(&end).copied()).collect()))
     };

@@ -3,7 +3,6 @@
 use foldhash::HashSet;
 use glam::{DVec2, DVec3};
 
-use crate::base::bits::bits;
 use crate::base::{Grid, parallel};
 use crate::streams::Stream;
 
@@ -32,7 +31,6 @@ impl<'a> Ways<'a> {
     /// Finds the cells along streams.
     pub fn new(streams: &[Stream], grid: &'a Grid) -> Self {
         let way = |stream: &Stream| {
-            let ends = stream.points.first().zip(stream.points.last());
             let mut samples = Vec::new();
             let mut seen = HashSet::default();
             for_each_place(stream, grid, |place, _| {
@@ -42,7 +40,7 @@ impl<'a> Ways<'a> {
             });
             let mut cells: Vec<usize> = samples.iter().filter_map(Sample::nearest).collect();
             cells.dedup();
-            Way { ends: ends.map(|(a, b)| [a, b].map(|p| bits(p.truncate()))), cells, samples }
+            Way { ends: stream.ends(), cells, samples }
         };
         Self { grid, of_streams: parallel::map_each(streams, way) }
     }
