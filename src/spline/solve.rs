@@ -97,7 +97,7 @@ pub fn spline(
             curvature_gain::add_gain(&mut heights, [lo, hi], &unit_gain, hyper_parameters.curvature_gain);
         }
     }
-    let breach = |heights: &mut [f32], depth: f64| problem.breach(heights, &Limits { lo, depth: depth as f32 });
+    let breach = |heights: &mut [f32], limits: &Limits<'_>| problem.breach(heights, limits);
     let mut working = WorkingGrid { grid: *grid, heights };
     let mut streams = conditions.streams.to_vec();
     stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);

@@ -116,7 +116,7 @@ fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, val
     // Water as wide as the map shows it has no bed.
     let outside_areas = |cell: usize, wanted: f32| if wide.contains(&cell) { None } else { allowed(cell, wanted) };
     lower_beds(&ways, values, (BED * surface.interval.step) as f32, outside_areas);
-    fall_along(&ways, values, allowed);
+    fall_along(&ways, values, surface.interval.step, allowed);
     levels.level(values, allowed);
     let floor = floor(surface, values, band);
     let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };

@@ -6,22 +6,32 @@
 
 use std::collections::HashMap;
 
-use super::ways::{Sample, Way, Ways, move_to, reading};
+use super::ways::{Way, Ways, move_to, reading};
 use crate::base::{Grid, parallel};
 
 /// Lowering one reading changes its neighbours. After so many rounds, what is left is below what floors allow.
 const ROUNDS: usize = 12;
+/// Heights are lowered by at most this share of the contour interval below a stream. Beside a contour, a reading has a share
+/// of ground that may not move. The other cells, which are lowered instead, have a share in the readings upstream too. Without
+/// a limit, these draw each other down to the floor of the band, and with them all of the stream below.
+///
+/// Tried 0.02 and 0.1. With 0.02, heights rise more downstream, by 0.34 instead of 0.31 m per kilometre on one of seven maps.
+/// With 0.1, twice as many places on the streams of Norway lie 60 m or more below the stream.
+const DEEPEST: f64 = 0.05;
 /// Columns and rows of a block of cells.
 const BLOCK: usize = 16;
 
-/// Lowers heights along streams until they never rise downstream, as far as this is `allowed`. Heights that are NaN stay.
+/// Lowers heights along streams until they never rise downstream, as far as this is `allowed` and not far below the stream
+/// ([`DEEPEST`]). Heights that are NaN stay. `interval` is the contour interval.
 pub(crate) fn fall_along(
     Ways { grid, of_streams }: &Ways<'_>,
     heights: &mut [f32],
+    interval: f64,
     allowed: impl Fn(usize, f32) -> Option<f32>,
 ) {
     let mut blocks = Blocks::new(grid);
     let blocks_of = parallel::map_each(of_streams, |way| blocks.of_way(way, grid));
+    let depth = (DEEPEST * interval) as f32;
     let mut visits: Vec<Visit> = vec![Visit::default(); of_streams.len()];
     for _ in 0..ROUNDS {
         let mut ends: HashMap<[u64; 2], [f32; 2]> = HashMap::new();
@@ -32,7 +42,7 @@ pub(crate) fn fall_along(
             // After the first rounds few heights change. Where none did, the last visit left nothing to do.
             if visit.turn == 0 || visit.start != start || blocks.changed_after(visit.turn, own) {
                 let turn = blocks.next_turn();
-                let end = fall(way, grid, start, heights, &allowed, &mut |cell| blocks.change(cell));
+                let end = fall(way, grid, start, depth, heights, &allowed, &mut |cell| blocks.change(cell));
                 changed |= blocks.changed_after(turn, own);
                 *visit = Visit { turn, start, end };
             }
@@ -46,11 +56,12 @@ pub(crate) fn fall_along(
 }
 
 /// Lowers heights along one stream. `most` and the result are the highest readings that its start and its end may have.
-/// `changed` is told each cell that changes.
+/// No height is lowered by more than `depth` below the stream. `changed` is told each cell that changes.
 fn fall(
     way: &Way,
     grid: &Grid,
     mut most: [f32; 2],
+    depth: f32,
     heights: &mut [f32],
     allowed: &impl Fn(usize, f32) -> Option<f32>,
     changed: &mut impl FnMut(usize),
@@ -58,10 +69,11 @@ fn fall(
     // The first cell is the last one of the streams that flow into this one.
     let mut below = most[0];
     for sample in &way.samples {
+        let floor = sample.height - depth;
         // A cell that the stream comes back to cannot be lower than itself.
         if let Some(n) = sample.new_cell().filter(|&n| !heights[n].is_nan()) {
             if heights[n] > below
-                && let Some(lowered) = allowed(n, below).filter(|lowered| *lowered < heights[n])
+                && let Some(lowered) = allowed(n, below.max(floor)).filter(|lowered| *lowered < heights[n])
             {
                 heights[n] = lowered;
                 changed(n);
@@ -70,7 +82,8 @@ fn fall(
             below = most[0].next_down();
         }
         if let Some(corners) = sample.corners(grid) {
-            if reading(heights, &corners) > most[1] && move_to(most[1], heights, &corners, allowed) {
+            let wanted = most[1].max(floor);
+            if reading(heights, &corners) > wanted && move_to(wanted, heights, &corners, allowed) {
                 corners.iter().for_each(|&(n, _)| changed(n));
             }
             most[1] = most[1].min(reading(heights, &corners));
@@ -110,12 +123,8 @@ impl Blocks {
 
     /// The blocks whose cells count along a stream.
     fn of_way(&self, way: &Way, grid: &Grid) -> Vec<usize> {
-        let cells = |sample: &Sample| {
-            let corners = sample.corners(grid).into_iter().flatten().map(|(n, _)| n);
-            corners.chain(sample.nearest()).map(|n| self.of(n))
-        };
         let mut blocks: Vec<usize> = Vec::new();
-        for block in way.samples.iter().flat_map(cells) {
+        for block in way.samples.iter().flat_map(|sample| sample.cells(grid)).map(|n| self.of(n)) {
             if blocks.last() != Some(&block) {
                 blocks.push(block);
             }
@@ -168,7 +177,7 @@ mod tests {
         let streams = [stream];
         let ways = Ways::new(&streams, &grid);
         raise_to(&streams, &grid, &mut heights, nodes);
-        fall_along(&ways, &mut heights, nodes);
+        fall_along(&ways, &mut heights, 100.0, nodes);
         let east = |heights: &[f32]| heights.iter().skip(1).step_by(2).copied().collect::<Vec<f32>>();
         assert_eq!(east(&heights), east(&before));
         let readings = |heights: &[f32]| {
@@ -179,8 +188,22 @@ mod tests {
         assert!(rise(&before) > 0.5 && rise(&heights) < 1e-4, "{} {}", rise(&before), rise(&heights));
         // Cells of a height map move as far as their bands allow.
         let cells = |n: usize, wanted: f32| Some(wanted.max(if n.is_multiple_of(2) { 0.0 } else { 100.0 }));
-        fall_along(&ways, &mut heights, cells);
+        fall_along(&ways, &mut heights, 100.0, cells);
         assert!(east(&heights).iter().all(|z| *z >= 100.0));
+    }
+
+    #[test]
+    fn ground_beyond_a_contour_does_not_draw_a_stream_down() {
+        // A level stream beside a contour of 100 m, at the edge of much lower ground that may not be raised.
+        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(40.0, 4.0), 1.0);
+        let at = |k: usize| DVec3::new(1.0 + 0.5 * k as f64, 2.05 + 0.4 * (k as f64 / 6.0).sin(), 110.0);
+        let streams = [Stream::between((0..76).map(at).collect(), Band { lo: 100.0, hi: 120.0 })];
+        let mut heights: Vec<f32> = (0..160).map(|n| if n / 40 < 2 { 112.0 } else { 80.0 }).collect();
+        let allowed = |n: usize, wanted: f32| (n / 40 < 2).then(|| wanted.clamp(100.0, 120.0));
+        fall_along(&Ways::new(&streams, &grid), &mut heights, 20.0, allowed);
+        let (upper, lower) = heights.split_at(80);
+        assert!(upper.iter().all(|z| *z >= 109.0) && lower.iter().all(|z| *z == 80.0), "{heights:?}");
+        assert!(upper.iter().any(|z| *z < 112.0));
     }
 
     #[test]
@@ -192,7 +215,7 @@ mod tests {
         let streams = [[(0.5, 8.5), (4.5, 4.5)], [(8.5, 8.5), (4.5, 4.5)], [(4.5, 4.5), (4.5, 0.5)]].map(line);
         let before: Vec<f32> = (0..81).map(|n| 50.0 - (n / 9) as f32).collect();
         let mut heights = before.clone();
-        fall_along(&Ways::new(&streams, &grid), &mut heights, |_, wanted| Some(wanted));
+        fall_along(&Ways::new(&streams, &grid), &mut heights, 100.0, |_, wanted| Some(wanted));
         assert_eq!(heights, before);
     }
 
@@ -218,12 +241,12 @@ mod tests {
             let ways = Ways::new(&streams, &grid);
             let allowed = |n: usize, wanted: f32| (!n.is_multiple_of(7)).then(|| wanted.max(ground[n] - 3.0));
             let mut heights = ground.clone();
-            fall_along(&ways, &mut heights, allowed);
+            fall_along(&ways, &mut heights, 9.0, allowed);
             let mut all = ground.clone();
             for _ in 0..ROUNDS {
                 let mut most = [f32::INFINITY; 2];
                 for way in &ways.of_streams {
-                    most = super::fall(way, &grid, most, &mut all, &allowed, &mut |_| ());
+                    most = super::fall(way, &grid, most, 0.45, &mut all, &allowed, &mut |_| ());
                 }
             }
             prop_assert_eq!(heights, all);

@@ -115,9 +115,12 @@ impl<'a> Held<'a> {
                 let banks = self.around(from).filter(|(n, _)| self.places[*n] < Place::Stream);
                 steepest = banks.map(|(n, distance)| (heights[from] - heights[n]) / distance).fold(0.0, f32::max);
             }
-            let most = (heights[from] - steepest * length).next_down();
+            let lowest = floor(to);
+            let [holds, falls] = [heights[from] - steepest * length, heights[from]].map(f32::next_down);
+            // A cut that is not deep enough for the water to stay is only a trench.
+            let most = if lowest <= holds { holds } else { falls };
             if heights[to] > most {
-                let lowered = most.max(floor(to)).min(heights[to]);
+                let lowered = most.max(lowest).min(heights[to]);
                 changed |= lowered < heights[to];
                 heights[to] = lowered;
             }
@@ -140,5 +143,31 @@ impl<'a> Held<'a> {
             }
         }
         changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::base::Grid;
+    use crate::streams::Stream;
+    use crate::subdomains::Band;
+
+    /// Heights along a level stream of 20 cells that may be lowered to `floor`, beside ground that is 40 m lower.
+    fn held(floor: f32) -> Vec<f32> {
+        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(20.0, 5.0), 1.0);
+        let at = |k: usize| DVec3::new(0.5 + k as f64, 2.5, 100.0);
+        let streams = [Stream::between((0..20).map(at).collect(), Band { lo: 0.0, hi: 200.0 })];
+        let mut heights: Vec<f32> = [110.0, 105.0, 100.0, 60.0, 50.0].into_iter().flat_map(|z| [z; 20]).collect();
+        hold_along(&Ways::new(&streams, &grid), &HashSet::default(), DVec2::ONE, &mut heights, |_| floor);
+        heights[40..60].to_vec()
+    }
+
+    #[test]
+    fn a_stream_is_not_lowered_where_that_does_not_hold_its_water() {
+        assert!(held(90.0).iter().all(|z| *z > 99.9), "{:?}", held(90.0));
+        assert!(held(0.0)[19] < 61.0, "{:?}", held(0.0));
     }
 }

@@ -45,7 +45,7 @@ fn raise_along(stream: &Stream, grid: &Grid, heights: &mut [f32], allowed: &impl
         }
         let z = readings[ahead].1;
         let distance = place.distance_squared(place.round());
-        let sample = Sample::new(grid, place);
+        let sample = Sample::new(grid, place, z);
         match (sample.nearest(), &mut through) {
             (Some(n), Some((cell, least, height))) if *cell == n => {
                 if distance < *least {

@@ -33,8 +33,8 @@ impl<'a> Ways<'a> {
         let way = |stream: &Stream| {
             let mut samples = Vec::new();
             let mut seen = HashSet::default();
-            for_each_place(stream, grid, |place, _| {
-                let sample = Sample::new(grid, place);
+            for_each_place(stream, grid, |place, z| {
+                let sample = Sample::new(grid, place, z);
                 let is_first = seen.insert(sample.nearest);
                 samples.push(Sample { is_first, ..sample });
             });
@@ -75,11 +75,13 @@ pub(super) struct Sample {
     first: u32,
     /// The shares of the eastern and of the southern ones in the bilinear reading.
     shares: [f32; 2],
+    /// The height of the stream there.
+    pub height: f32,
 }
 
 impl Sample {
-    /// A place at a column and a row with fractions.
-    pub fn new(grid: &Grid, place: DVec2) -> Self {
+    /// A place at a column and a row with fractions, where a stream has a height.
+    pub fn new(grid: &Grid, place: DVec2, height: f32) -> Self {
         let cell = |at: DVec2, least_beyond: f64| {
             let end = DVec2::new(grid.cols as f64, grid.rows as f64) - least_beyond;
             let is_on = at.cmpge(DVec2::ZERO).all() && at.cmplt(end).all();
@@ -87,7 +89,7 @@ impl Sample {
         };
         let first = place.floor();
         let shares = [place.x - first.x, place.y - first.y].map(|share| share as f32);
-        Self { nearest: cell(place.round(), 0.0), is_first: true, first: cell(first, 1.0), shares }
+        Self { nearest: cell(place.round(), 0.0), is_first: true, first: cell(first, 1.0), shares, height }
     }
 
     /// The nearest cell, if it is on the grid.
@@ -108,6 +110,12 @@ impl Sample {
         let (n, [u, v]) = (self.first as usize, self.shares);
         let below = n + grid.cols;
         Some([(n, (1.0 - u) * (1.0 - v)), (n + 1, u * (1.0 - v)), (below, (1.0 - u) * v), (below + 1, u * v)])
+    }
+
+    /// The cells that count in a reading. Some come twice.
+    pub fn cells(&self, grid: &Grid) -> impl Iterator<Item = usize> + use<> {
+        let corners = self.corners(grid).into_iter().flatten().filter(|(_, share)| *share > 0.0);
+        corners.map(|(n, _)| n).chain(self.nearest())
     }
 }
 
