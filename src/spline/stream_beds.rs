@@ -89,4 +89,24 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn ground_that_was_raised_to_a_stream_is_not_cut_again() {
+        let (cols, rows) = (40, 9);
+        let grid = Grid { corner: DVec2::new(0.0, rows as f64), cell: DVec2::ONE, cols, rows };
+        let row = 4;
+        // A valley that falls to the east. A stream begins in it, 15 to 20 m above the ground. Behind it is a pit.
+        let ground = |n: usize| if n / cols == row { 180.0 - 0.5 * (n % cols) as f32 } else { 350.0 };
+        let points: Vec<DVec3> =
+            [(10, 191.0), (30, 189.0), (36, 162.0)].map(|(c, z)| grid.center(c, row).extend(z)).to_vec();
+        let stream = Stream::between(points, Band { lo: 0.0, hi: 400.0 });
+        let mut streams = [Stream { sure: vec![Sure::Exact; 3], ..stream }];
+        let mut working = WorkingGrid { grid, heights: (0..grid.len()).map(ground).collect() };
+        let [lo, hi] = [0.0, 400.0].map(|bound| vec![bound; grid.len()]);
+        settle(&mut streams, &mut working, [&lo, &hi], 200.0, |heights, limits| {
+            pits::breach(heights, &Lattice::of_grid(&grid), limits, |_| false);
+        });
+        let in_valley = &working.heights[row * cols..][..cols];
+        assert!(in_valley[12..29].iter().all(|z| *z > 188.0), "{in_valley:?}");
+    }
 }
