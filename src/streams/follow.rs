@@ -10,16 +10,17 @@ use crate::base::Sure;
 use crate::base::bits::bits;
 use crate::tin::NONE;
 
-/// Gives vertices whose height is a guess the height that `guess` has there, and those between contours the mean of it and of
-/// their own. Then heights fall along the network again, with as little change as possible (`pool`). Where streams part, some may still rise; there, the new height is the mean of the
-/// lowest one upstream and the highest one downstream, neither of which ever rises. `streams` come in an order in which each
-/// one follows those that flow into it.
+/// Gives vertices whose height is a guess the height that `guess` has there, and those between contours the mean of it and
+/// of their own. Then heights fall along the network again, with as little change as possible (`pool`). Where streams part,
+/// some may still rise. There, the new height is the mean of the lowest one upstream and the highest one downstream, neither
+/// of which ever rises. `streams` come in an order in which each one follows those that flow into it.
 pub(crate) fn follow(streams: &mut [Stream], guess: impl Fn(DVec3) -> f64) {
     for stream in streams.iter_mut() {
         let Stream { points, sure, bands, .. } = stream;
         let guessed = points.iter_mut().zip(sure).zip(bands).filter(|((_, sure), _)| **sure < Sure::Exact);
         for ((p, sure), band) in guessed {
-            // Between contours that are near, the curve knows the slope along the stream, and the surface the ground beside it.
+            // Between contours that are near, the curve knows the slope along the stream, and the surface the ground beside
+            // it.
             let height = if *sure == Sure::Between { guess(*p).midpoint(p.z) } else { guess(*p) };
             p.z = if height.is_nan() { p.z } else { band.strictly_inside(height) };
         }
