@@ -16,10 +16,17 @@ use crate::drain::{Drain, Placed, cells_in, mark_sinks};
 use crate::streams::{AreaLevels, RiverArea, Stream, Ways, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
 use crate::tin::NONE;
 
-/// Cells are lowered by at most this share of the contour interval to hold water.
+/// Cells are lowered by at most this share of the contour interval to hold water, where raising banks does not hold it.
 ///
-/// Tried 0.125 on five maps: water stays in 0.2 to 1.7 % fewer of the stream cells. The number of trenches is the same.
-const DEEPEST: f64 = 0.25;
+/// Tried 0.25. On seven maps, water stays in as many of the stream cells, and heights rise as much along them, except on one map
+/// (0.31 instead of 0.35 m per kilometre). On all of Norway, contours
+/// every 200 m, the height map is 30 m or more below a stream at 5,146 instead of 1,438 of 263,260 places.
+const DEEPEST: f64 = 0.1;
+/// Banks are raised by at most this share of the contour interval.
+///
+/// Tried 0.1 on seven maps: water stays in 0.1 to 0.9 % fewer of the stream cells. Tried 0.5 on Norway: hardly anything
+/// changes.
+const HIGHEST: f64 = 0.25;
 /// Depth of the bed of a stream below its banks, as a share of the contour interval ([`lower_beds`]).
 ///
 /// Tried 0 and 0.03 on five maps: water leaves 0.8 % more and 0.3 % fewer of the stream cells. With 0.03, there are 4
@@ -118,9 +125,12 @@ fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, val
     lower_beds(&ways, values, (BED * surface.interval.step) as f32, outside_areas);
     fall_along(&ways, values, surface.interval.step, allowed);
     levels.level(values, allowed);
-    let floor = floor(surface, values, band);
-    let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { floor(cell) };
-    hold_along(&ways, &wide, size, values, floor);
+    let limits = limits(surface, values, band);
+    let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { limits(cell)[0] };
+    // Water as wide as the map shows it is no bank.
+    let stays = |cell: usize| is_fixed(cell) || wide.contains(&cell);
+    let ceiling = |cell: usize| if stays(cell) { f32::NEG_INFINITY } else { limits(cell)[1] };
+    hold_along(&ways, &wide, size, values, floor, ceiling);
     levels.level(values, allowed);
 }
 
@@ -129,15 +139,18 @@ fn within([lo, hi]: [f32; 2], wanted: f32) -> f32 {
     wanted.min(hi).max(lo)
 }
 
-/// How far cells may be lowered to hold water: to the floor of their band, but by no more than [`DEEPEST`]. Without this
-/// limit, one cell beside much lower ground would lower all cells downstream of it.
-fn floor<B>(surface: &Surface, values: &[f32], band: B) -> impl Fn(usize) -> f32 + use<B>
+/// How far cells may be lowered and raised to hold water: within their band, but by no more than [`DEEPEST`] and [`HIGHEST`].
+/// Without these limits, one cell beside much lower ground would lower all cells downstream of it, or become a tower.
+fn limits<B>(surface: &Surface, values: &[f32], band: B) -> impl Fn(usize) -> [f32; 2] + use<B>
 where
     B: Fn(usize) -> [f32; 2],
 {
     let before = values.to_vec();
-    let most = (DEEPEST * surface.interval.step) as f32;
-    move |cell| band(cell)[0].max(before[cell] - most)
+    let [down, up] = [DEEPEST, HIGHEST].map(|share| (share * surface.interval.step) as f32);
+    move |cell| {
+        let [lo, hi] = band(cell);
+        [lo.max(before[cell] - down), hi.min(before[cell] + up)]
+    }
 }
 
 /// Width and height of a cell in the middle of a grid in other coordinates, in the units of the surface.

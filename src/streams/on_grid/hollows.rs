@@ -16,6 +16,8 @@ use crate::drain::{Flood, neighbours, sortable};
 
 /// Largest number of cells of a hollow. It limits time.
 const LARGEST: usize = 20_000;
+/// The same for hollows behind raised banks. They are small.
+const LARGEST_NEW: usize = 200;
 
 /// Fills the hollows whose rim is lowest where a stream runs through it, as far as this is `allowed`. Hollows with
 /// a cell that `stays` are left. Heights that are NaN stay.
@@ -32,7 +34,7 @@ pub(crate) fn fill_hollows(
     let found = parallel::flat_map_each(&rows, |row| {
         let cells = row * grid.cols..(row + 1) * grid.cols;
         let bottoms = cells.filter(|&cell| is_bottom(cell, grid, before) && !in_streams.contains(&cell));
-        bottoms.filter_map(|bottom| Hollow::around(bottom, &in_streams, grid, before)).collect::<Vec<_>>()
+        bottoms.filter_map(|bottom| Hollow::beside_stream(bottom, &in_streams, grid, before)).collect::<Vec<_>>()
     });
     for Hollow { cells, level } in found {
         if cells.iter().any(|&cell| stays(cell)) {
@@ -42,6 +44,27 @@ pub(crate) fn fill_hollows(
             if let Some(filled) = allowed(cell, level).filter(|filled| *filled > heights[cell]) {
                 heights[cell] = filled;
             }
+        }
+    }
+}
+
+/// Fills the hollows that are new since heights were raised from `before`, until water runs off. A hollow of which a cell
+/// would rise above its `ceiling` is left.
+pub(super) fn fill_new_hollows(ways: &Ways<'_>, before: &[f32], heights: &mut [f32], ceiling: impl Fn(usize) -> f32) {
+    let grid = ways.grid;
+    let in_streams: HashSet<usize> = ways.cells().collect();
+    let around = |cell: usize| neighbours(cell, grid.cols, grid.rows).flatten().map(|(_, near)| near).chain([cell]);
+    let raised = (0..heights.len()).filter(|&cell| heights[cell] > before[cell]);
+    let mut near_raised: Vec<usize> = raised.flat_map(around).filter(|cell| !in_streams.contains(cell)).collect();
+    near_raised.sort_unstable();
+    near_raised.dedup();
+    for bottom in near_raised {
+        if !is_bottom(bottom, grid, heights) || is_bottom(bottom, grid, before) {
+            continue;
+        }
+        let Some(Hollow { cells, level }) = Hollow::anywhere(bottom, &in_streams, grid, heights) else { continue };
+        if cells.iter().all(|&cell| level <= ceiling(cell)) {
+            cells.into_iter().for_each(|cell| heights[cell] = level);
         }
     }
 }
@@ -57,17 +80,51 @@ fn is_lower(cell: usize, other: usize, heights: &[f32]) -> bool {
     heights[cell] < heights[other] || heights[cell] == heights[other] && cell < other
 }
 
-/// Ground from which water runs off into a stream, and over no higher place.
+/// Ground that water fills before it runs off.
 struct Hollow {
-    /// Its cells.
+    /// Its cells below the level.
     cells: Vec<usize>,
-    /// The height of the stream, metres.
+    /// Height of the water, metres.
     level: f32,
 }
 
 impl Hollow {
-    /// The hollow with a lowest cell. Water rises from there until it reaches a stream. `None` if it runs off elsewhere.
-    fn around(bottom: usize, in_streams: &HashSet<usize>, grid: &Grid, heights: &[f32]) -> Option<Self> {
+    /// The hollow with a lowest cell, if water runs off from it into a stream, and over no higher place.
+    fn beside_stream(bottom: usize, in_streams: &HashSet<usize>, grid: &Grid, heights: &[f32]) -> Option<Self> {
+        let is_out = |cell, _| is_lower(cell, bottom, heights);
+        let runoff = Runoff::from(bottom, in_streams, (grid, heights), LARGEST, is_out)?;
+        (runoff.is_in_stream && runoff.height >= runoff.rim).then(|| runoff.fills_to(runoff.height, heights))
+    }
+
+    /// The hollow with a lowest cell, from which water runs off to lower ground or into a stream.
+    fn anywhere(bottom: usize, in_streams: &HashSet<usize>, grid: &Grid, heights: &[f32]) -> Option<Self> {
+        let is_out = |cell: usize, rim| heights[cell] < rim;
+        let runoff = Runoff::from(bottom, in_streams, (grid, heights), LARGEST_NEW, is_out)?;
+        Some(runoff.fills_to(runoff.rim.max(runoff.height), heights))
+    }
+}
+
+/// Where water that rises in a hollow runs off.
+struct Runoff {
+    /// The cells that it has reached before.
+    cells: Vec<usize>,
+    /// The highest of these cells.
+    rim: f32,
+    /// The height where it runs off.
+    height: f32,
+    is_in_stream: bool,
+}
+
+impl Runoff {
+    /// Water rises from a lowest cell until it reaches a stream, or ground that `is_out`, from the cell and the highest cell
+    /// before it. `None` if it reaches the border of the grid or a cell without height, or after `largest` cells.
+    fn from(
+        bottom: usize,
+        in_streams: &HashSet<usize>,
+        (grid, heights): (&Grid, &[f32]),
+        largest: usize,
+        is_out: impl Fn(usize, f32) -> bool,
+    ) -> Option<Self> {
         // Of places as high, water reaches the stream first. Banks are often as high as it, and between two cells of a
         // stream that meet at a corner, water would run across it.
         let key = |cell: usize| (sortable(heights[cell]), !in_streams.contains(&cell));
@@ -78,11 +135,10 @@ impl Hollow {
         let mut cells = Vec::new();
         while let Some((cell, (_, is_land))) = flood.pop() {
             let height = heights[cell];
-            if !is_land {
-                cells.retain(|&cell| heights[cell] < height);
-                return (height >= rim).then_some(Self { cells, level: height });
+            if !is_land || is_out(cell, rim) {
+                return Some(Self { cells, rim, height, is_in_stream: !is_land });
             }
-            if is_lower(cell, bottom, heights) || cells.len() == LARGEST {
+            if cells.len() == largest {
                 return None;
             }
             rim = rim.max(height);
@@ -95,6 +151,11 @@ impl Hollow {
             }
         }
         None
+    }
+
+    /// The hollow that is full at a level.
+    fn fills_to(&self, level: f32, heights: &[f32]) -> Hollow {
+        Hollow { cells: self.cells.iter().copied().filter(|&cell| heights[cell] < level).collect(), level }
     }
 }
 
