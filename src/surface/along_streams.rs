@@ -108,12 +108,12 @@ fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, val
         raise_to(streams, grid, values, allowed);
     }
     let ways = Ways::new(streams, grid);
+    let is_hollow = is_hollow(&surface.regions);
+    let mut given = vec![false; values.len()];
+    mark_sinks(values, placed, &surface.sinks, &mut given);
+    let holds_water = |r: usize| is_hollow[r] || regions[r].water.is_some();
+    let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
     if surface.drain != Drain::None {
-        let is_hollow = is_hollow(&surface.regions);
-        let mut given = vec![false; values.len()];
-        mark_sinks(values, placed, &surface.sinks, &mut given);
-        let holds_water = |r: usize| is_hollow[r] || regions[r].water.is_some();
-        let stays = |cell: usize| given[cell] || region(cell).is_some_and(holds_water);
         fill_hollows(&ways, values, stays, allowed);
     }
     let cells = |area: &RiverArea| cells_in(placed, &MultiPolygon::from(area.polygon.clone()));
@@ -127,9 +127,9 @@ fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, val
     levels.level(values, allowed);
     let limits = limits(surface, values, band);
     let floor = |cell: usize| if is_fixed(cell) { f32::INFINITY } else { limits(cell)[0] };
-    // Water as wide as the map shows it is no bank.
-    let stays = |cell: usize| is_fixed(cell) || wide.contains(&cell);
-    let ceiling = |cell: usize| if stays(cell) { f32::NEG_INFINITY } else { limits(cell)[1] };
+    // Water as wide as the map shows it is no bank, nor are places where water may stay.
+    let is_no_bank = |cell: usize| is_fixed(cell) || wide.contains(&cell) || stays(cell);
+    let ceiling = |cell: usize| if is_no_bank(cell) { f32::NEG_INFINITY } else { limits(cell)[1] };
     hold_along(&ways, &wide, size, values, floor, ceiling);
     levels.level(values, allowed);
 }

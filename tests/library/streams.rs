@@ -4,14 +4,14 @@ use std::cell::Cell;
 
 use crate::common;
 use crate::guarantees::{Refusal, Tally, check, check_dem, clean_map, map_of};
-use geo::{Distance, Euclidean, LineString, MultiLineString, Point};
+use geo::{Distance, Euclidean, LineString, MultiLineString, Point, Rect};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use tokosen::base::Grid;
 use tokosen::base::error::{Finding, FindingKind};
 use tokosen::contour::{Contour, ContourMap, SoftSpot};
 use tokosen::creases::{Bend, CreaseLine};
-use tokosen::drain::Drain;
+use tokosen::drain::{Drain, Sink, SinkShape};
 use tokosen::slice::{LayerParams, Target, contour_layers};
 use tokosen::streams::{RiverArea, Stream, StreamLine, Streams};
 use tokosen::surface::{Surface, SurfaceKind, SurfaceParams, build, heights};
@@ -330,6 +330,36 @@ fn water_stays_in_a_stream_on_a_slope() {
     });
     let deepest = beside.map(|i| without[i] - with[i]).fold(0.0, f32::max);
     assert!(deepest < 0.6, "{deepest}");
+}
+
+#[test]
+fn no_bank_is_raised_where_water_may_stay() {
+    // A slope that falls to the south and three times as steeply to the west, away from the stream. So its bank there is
+    // raised.
+    let mut slope = valley();
+    for c in &mut slope.contours {
+        c.points.iter_mut().for_each(|p| p.y = 10.0 * c.elevation - 3.0 * p.x);
+    }
+    let points = (0..=50).map(|k| DVec2::new(0.0, 560.0 - 10.0 * f64::from(k))).collect();
+    let down = StreamLine { points, feature: 0.into() };
+    let grid = Grid::on_multiples(DVec2::new(-200.0, -150.0), DVec2::new(200.0, 600.0), 4.0);
+    let area = Rect::new((-40.0, 200.0), (40.0, 400.0)).to_polygon();
+    let values = |lines: Vec<StreamLine>, sinks: Vec<Sink>| {
+        let streams = Streams { lines, tolerance: Some(0.1), ..Streams::default() };
+        let params = SurfaceParams { streams, sinks, ..SurfaceParams::default() };
+        heights(&build(slope.clone(), &params, &()).unwrap().value, &grid, &()).values
+    };
+    let plain = values(Vec::new(), Vec::new());
+    let raised = |with: &[f32]| {
+        let inside = |&i: &usize| {
+            let p = grid.center(i % grid.cols, i / grid.cols);
+            p.x.abs() < 30.0 && (210.0..390.0).contains(&p.y)
+        };
+        (0..grid.len()).filter(inside).filter(|&i| with[i] > plain[i] + 0.3).count()
+    };
+    let sink = Sink { shape: SinkShape::Area(area.into()), feature: 0.into() };
+    let [free, given] = [Vec::new(), vec![sink]].map(|sinks| raised(&values(vec![down.clone()], sinks)));
+    assert!(free > 20 && given == 0, "{free} {given}");
 }
 
 #[test]

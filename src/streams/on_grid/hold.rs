@@ -42,9 +42,9 @@ enum Place {
     Leak,
 }
 
-/// Raises banks and lowers streams until water stays within a cell of the streams. Then banks are lowered where they rise
+/// Raises banks, then lowers streams, until water stays within a cell of the streams. Then banks are lowered where they rise
 /// between two cells of a stream. No height falls below its `floor` or rises above its `ceiling`, and none that is beyond
-/// them changes. Heights that are NaN stay. Water in the cells of river areas (`wide`) has not left its stream. `size` is
+/// them changes. Hollows that raised banks make are filled. Heights that are NaN stay. Water in the cells of river areas (`wide`) has not left its stream. `size` is
 /// that of a cell on the ground.
 pub(crate) fn hold_along(
     ways: &Ways<'_>,
