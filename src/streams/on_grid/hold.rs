@@ -9,9 +9,9 @@
 //!
 //! Banks come first because they concern one place. A stream that is lowered at one place is as low from there on.
 //! Measured on all of Norway, contours every 200 m, cells of 200 m, against lowering alone: the height map is 10 m or more
-//! below a stream at 7.4 instead of 14.5 % of the places on streams, and heights rise 0.47 instead of 0.53 m per kilometre. On
-//! seven maps with true ground, water stays in up to 0.5 % more of the stream cells; the RMSE near streams changes by 0.2 % at
-//! most.
+//! below a stream at 7.7 instead of 14.5 % of the places on streams, and heights rise 0.47 instead of 0.53 m per kilometre. On
+//! seven maps with true ground, water stays in 0.1 % fewer to 0.4 % more of the stream cells. The RMSE near streams changes by
+//! 0.2 % at most.
 
 use foldhash::HashSet;
 use glam::DVec2;
