@@ -54,10 +54,10 @@ struct GridCells<'a> {
 }
 
 /// Brings a height map into agreement with the streams and river areas. Cells on vertices of contours keep their heights.
-/// `triangles` are those that the cells lie in.
+/// `triangles` are those that the cells lie in. Without them, cells are looked up as they are needed.
 pub(super) fn flow_along(
     surface: &Surface,
-    (grid, triangles): (&Grid, impl FnOnce() -> Vec<u32>),
+    (grid, triangles): (&Grid, Option<&[u32]>),
     values: &mut [f32],
     centres: Centres,
 ) {
@@ -67,8 +67,8 @@ pub(super) fn flow_along(
     let mut fixed: Vec<usize> = on_contours(&surface.map, grid).map(|(cell, _)| cell).collect();
     fixed.sort_unstable();
     let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
-    let triangles = triangles();
-    let region = |cell: usize| region_of(surface, triangles[cell]);
+    let look_up = regions_at(surface, grid, &Some);
+    let region = |cell: usize| triangles.map_or_else(|| look_up(cell), |known| region_of(surface, known[cell]));
     let placed = Placed { grid, to_map: &Some, from_map: &Some };
     let grid_cells = GridCells { placed: &placed, size: grid.cell, centres, region: &region, is_fixed: &is_fixed };
     settle(surface, &surface.streams, &grid_cells, values);
@@ -161,7 +161,7 @@ fn size_on_surface(grid: &Grid, to_surface: &dyn Fn(DVec2) -> Option<DVec2>) -> 
     if let [Some(x), Some(y)] = size { DVec2::new(x, y) } else { grid.cell }
 }
 
-/// The sub-domain at each cell of a grid in other coordinates, if there is ground.
+/// The sub-domain at each cell of a grid, if there is ground. `to_surface` converts positions on the grid.
 fn regions_at<'a>(
     surface: &'a Surface,
     grid: &'a Grid,

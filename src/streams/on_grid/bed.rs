@@ -4,7 +4,7 @@
 //! interval lower than a surface that only falls along them. Also, water leaves a stream on level ground less easily if it
 //! has a bed. Where the ground falls to the stream from both sides, the valley is deep enough.
 
-use std::collections::HashMap;
+use foldhash::HashMap;
 
 use super::ways::Ways;
 use crate::drain::neighbours;
@@ -32,7 +32,7 @@ pub(crate) fn lower_beds(
     let found: Vec<(usize, f32)> = beds.keys().map(|&cell| (cell, bed(cell))).collect();
     beds.extend(found);
     // The greatest height downstream of each confluence.
-    let mut downstream: HashMap<[u64; 2], f32> = HashMap::new();
+    let mut downstream: HashMap<[u64; 2], f32> = HashMap::default();
     for way in ways.of_streams.iter().rev() {
         let Some([first, last]) = way.ends else { continue };
         let mut highest = downstream.get(&last).copied().unwrap_or(f32::NEG_INFINITY);

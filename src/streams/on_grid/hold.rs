@@ -44,8 +44,8 @@ enum Place {
 
 /// Raises banks, then lowers streams, until water stays within a cell of the streams. Then banks are lowered where they rise
 /// between two cells of a stream. No height falls below its `floor` or rises above its `ceiling`, and none that is beyond
-/// them changes. Hollows that raised banks make are filled. Heights that are NaN stay. Water in the cells of river areas (`wide`) has not left its stream. `size` is
-/// that of a cell on the ground.
+/// them changes. Hollows that raised banks make are filled. Heights that are NaN stay. Water in the cells of river areas
+/// (`wide`) has not left its stream. `size` is that of a cell on the ground.
 pub(crate) fn hold_along(
     ways: &Ways<'_>,
     wide: &HashSet<usize>,
@@ -113,15 +113,28 @@ impl<'a> Held<'a> {
 
     /// Marks the cells from which water leaves the streams. Whether there are new ones.
     fn find_leaks(&mut self, heights: &[f32]) -> bool {
-        let leaks = |&cell: &usize| {
-            let mut way = std::iter::successors(Some(cell), |&at| self.downstream(heights, at)).take(HELD_STEPS + 1);
-            self.places[cell] != Place::Leak && way.any(|at| self.places[at] == Place::Away)
-        };
-        let leaking = parallel::flat_map_each(&self.ways.of_streams, |way| {
-            way.cells.iter().copied().filter(leaks).collect::<Vec<_>>()
-        });
+        let leaking = parallel::flat_map_each(&self.ways.of_streams, |way| self.new_leaks(&way.cells, heights));
         leaking.iter().for_each(|&cell| self.places[cell] = Place::Leak);
         !leaking.is_empty()
+    }
+
+    /// The cells of a stream from which water leaves the streams and that are not marked.
+    fn new_leaks(&self, cells: &[usize], heights: &[f32]) -> Vec<usize> {
+        let mut leaks = Vec::new();
+        // The cell further downstream that was looked at last, if its water stays. Water that runs there stays too.
+        let mut holds = None;
+        for &cell in cells.iter().rev().filter(|&&cell| self.places[cell] != Place::Leak) {
+            let next = self.downstream(heights, cell);
+            let stays = next.is_none() || next == holds || {
+                let mut way = std::iter::successors(next, |&at| self.downstream(heights, at)).take(HELD_STEPS);
+                way.all(|at| self.places[at] != Place::Away)
+            };
+            holds = stays.then_some(cell);
+            if !stays {
+                leaks.push(cell);
+            }
+        }
+        leaks
     }
 
     /// Takes the marks of leaks away.
@@ -164,8 +177,11 @@ impl<'a> Held<'a> {
                 let banks = self.around(from).filter(|(n, _)| self.places[*n] < Place::Stream);
                 steepest = banks.map(|(n, distance)| (heights[from] - heights[n]) / distance).fold(0.0, f32::max);
             }
-            let lowest = floor(to);
             let [holds, falls] = [heights[from] - steepest * length, heights[from]].map(f32::next_down);
+            if heights[to] <= holds {
+                continue;
+            }
+            let lowest = floor(to);
             // A cut that is not deep enough for the water to stay is only a trench.
             let most = if lowest <= holds { holds } else { falls };
             if heights[to] > most {
