@@ -237,6 +237,46 @@ mod tests {
     }
 
     #[test]
+    fn leaks_are_where_water_comes_away_from_the_streams() {
+        let grid = Grid::on_multiples(DVec2::ZERO, DVec2::new(40.0, 15.0), 1.0);
+        // Two streams that meet: along row 7, and from the north into its middle.
+        let line = |places: [(f64, f64); 2]| {
+            let points = places.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+            Stream::between(points, Band { lo: 0.0, hi: 200.0 })
+        };
+        let streams = [[(12.5, 14.5), (19.5, 7.5)], [(0.5, 7.5), (39.5, 7.5)]].map(line);
+        let ways = Ways::new(&streams, &grid);
+        let (mut leaking, mut holding) = (0, 0);
+        for trial in 1..=100 {
+            // A valley along row 7 that falls to the east, with more and more rough ground.
+            let ground: Vec<f32> = (0..600)
+                .map(|n| {
+                    let rough = (f64::from(n * trial) * 0.618_034).fract() * 0.1 * f64::from(trial);
+                    (0.5 * f64::from(n / 40 - 7).abs() - 0.2 * f64::from(n % 40) + rough) as f32
+                })
+                .collect();
+            let mut held = Held::new(&ways, &HashSet::default(), DVec2::ONE, 600);
+            for search in 0..2 {
+                // Marked leaks are not told again.
+                for way in &ways.of_streams {
+                    let comes_away = |&&cell: &&usize| {
+                        let way = std::iter::successors(Some(cell), |&at| held.downstream(&ground, at));
+                        way.take(HELD_STEPS + 1).any(|at| held.places[at] == Place::Away)
+                    };
+                    let expected: Vec<usize> = way.cells.iter().filter(comes_away).copied().collect();
+                    let mut found = held.new_leaks(&way.cells, &ground);
+                    found.reverse();
+                    assert_eq!(found, if search == 0 { expected } else { Vec::new() }, "trial {trial}");
+                    leaking += found.len();
+                    holding += way.cells.len() - found.len();
+                }
+                assert_eq!(held.find_leaks(&ground), held.places.contains(&Place::Leak) && search == 0);
+            }
+        }
+        assert!(leaking > 300 && holding > 300, "{leaking} {holding}");
+    }
+
+    #[test]
     fn a_stream_is_not_lowered_where_that_does_not_hold_its_water() {
         assert!(held(90.0).iter().all(|z| *z > 99.9), "{:?}", held(90.0));
         assert!(held(0.0)[19] < 61.0, "{:?}", held(0.0));
