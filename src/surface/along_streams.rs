@@ -34,11 +34,12 @@ const HIGHEST: f64 = 0.25;
 const BED: f64 = 0.02;
 
 /// Where the cells of a height map have their centres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Centres {
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Centres<'a> {
     /// On nodes of the working grid. These were raised to the streams already.
     OnNodes,
-    BetweenNodes,
+    /// Between nodes, each one in its triangle.
+    BetweenNodes(&'a [u32]),
 }
 
 /// The grid of a height map, and what is known of its cells.
@@ -46,7 +47,8 @@ struct GridCells<'a> {
     placed: &'a Placed<'a>,
     /// Size of a cell on the ground.
     size: DVec2,
-    centres: Centres,
+    /// Whether their heights were raised to the streams already.
+    are_raised: bool,
     /// The sub-domain at a cell, if there is ground.
     region: &'a dyn Fn(usize) -> Option<usize>,
     /// Whether a cell keeps its height.
@@ -54,13 +56,7 @@ struct GridCells<'a> {
 }
 
 /// Brings a height map into agreement with the streams and river areas. Cells on vertices of contours keep their heights.
-/// `triangles` are those that the cells lie in. Without them, cells are looked up as they are needed.
-pub(super) fn flow_along(
-    surface: &Surface,
-    (grid, triangles): (&Grid, Option<&[u32]>),
-    values: &mut [f32],
-    centres: Centres,
-) {
+pub(super) fn flow_along(surface: &Surface, grid: &Grid, values: &mut [f32], centres: Centres<'_>) {
     if surface.streams.is_empty() {
         return;
     }
@@ -68,9 +64,13 @@ pub(super) fn flow_along(
     fixed.sort_unstable();
     let is_fixed = |cell: usize| fixed.binary_search(&cell).is_ok();
     let look_up = regions_at(surface, grid, &Some);
-    let region = |cell: usize| triangles.map_or_else(|| look_up(cell), |known| region_of(surface, known[cell]));
+    let region = |cell: usize| match centres {
+        Centres::OnNodes => look_up(cell),
+        Centres::BetweenNodes(triangles) => region_of(surface, triangles[cell]),
+    };
     let placed = Placed { grid, to_map: &Some, from_map: &Some };
-    let grid_cells = GridCells { placed: &placed, size: grid.cell, centres, region: &region, is_fixed: &is_fixed };
+    let are_raised = matches!(centres, Centres::OnNodes);
+    let grid_cells = GridCells { placed: &placed, size: grid.cell, are_raised, region: &region, is_fixed: &is_fixed };
     settle(surface, &surface.streams, &grid_cells, values);
 }
 
@@ -88,8 +88,7 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
     let placed = Placed { grid, to_map: other.to_surface, from_map: other.from_surface };
     let size = size_on_surface(grid, other.to_surface);
     let region = regions_at(surface, grid, other.to_surface);
-    let grid_cells =
-        GridCells { placed: &placed, size, centres: Centres::BetweenNodes, region: &region, is_fixed: &|_| false };
+    let grid_cells = GridCells { placed: &placed, size, are_raised: false, region: &region, is_fixed: &|_| false };
     settle(surface, &streams, &grid_cells, values);
 }
 
@@ -97,14 +96,14 @@ pub(crate) fn follow_streams(surface: &Surface, dem: &mut Dem, other: InOther<'_
 /// streams hold their water ([`hold_along`]). All this depends on the size of the cells. So the surface itself stays as it
 /// is.
 fn settle(surface: &Surface, streams: &[Stream], grid_cells: &GridCells<'_>, values: &mut [f32]) {
-    let &GridCells { placed, size, centres, region, is_fixed } = grid_cells;
+    let &GridCells { placed, size, are_raised, region, is_fixed } = grid_cells;
     let grid = placed.grid;
     let regions = &surface.regions.regions;
     // NaN, which bounds nothing, where there is no ground.
     let band =
         |cell: usize| region(cell).map_or([f32::NAN; 2], |r| [regions[r].band.lo as f32, regions[r].band.hi as f32]);
     let allowed = |cell: usize, wanted: f32| (!is_fixed(cell)).then(|| within(band(cell), wanted));
-    if centres == Centres::BetweenNodes {
+    if !are_raised {
         raise_to(streams, grid, values, allowed);
     }
     let ways = Ways::new(streams, grid);

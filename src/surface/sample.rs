@@ -23,7 +23,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
     };
     if let Some(mut values) = working.on_nodes(grid) {
-        flow_along(surface, (grid, None), &mut values, Centres::OnNodes);
+        flow_along(surface, grid, &mut values, Centres::OnNodes);
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
@@ -38,7 +38,7 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
             values[cell] = level.clamp(region.band.lo, region.band.hi) as f32;
         }
     }
-    flow_along(surface, (grid, Some(&triangles)), &mut values, Centres::BetweenNodes);
+    flow_along(surface, grid, &mut values, Centres::BetweenNodes(&triangles));
     Dem { grid: *grid, values, crs: surface.map.crs.clone() }
 }
 
