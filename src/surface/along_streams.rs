@@ -38,7 +38,7 @@ const BED: f64 = 0.02;
 pub(super) enum Centres<'a> {
     /// On nodes of the working grid. These were raised to the streams already.
     OnNodes,
-    /// Between nodes, each one in its triangle.
+    /// Between nodes. For each cell, the triangle that its centre lies in.
     BetweenNodes(&'a [u32]),
 }
 
