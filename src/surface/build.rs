@@ -1,6 +1,7 @@
 //! From a clean map to a surface: subdivision, ridge and canyon lines, smooth surface, and triangles.
 
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec2;
 
@@ -18,7 +19,6 @@ use crate::base::progress::Progress;
 use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
 use crate::creases::{Bend, Crease};
-use crate::dem::locate;
 use crate::skeleton::{Axis, skeleton, skeleton_with};
 use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
 use crate::streams::Stream;
@@ -37,16 +37,21 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let tuning = &params.tuning;
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
-    let trials = TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning };
-    let choose = |extent: &MapExtent<'_>| choose(extent, &params.spline, &trials);
+    let trials =
+        TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning, needless: None };
+    let needless = AtomicBool::new(false);
+    let first_trials = TrialParams { needless: Some(&needless), ..trials };
     let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps only one thread busy. The choice of hyper-parameters needs only the contours, so it runs
-    // beside it.
+    // beside it. It is needless if elevations turn out to be wrong, or if triangulating fails.
     let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
     let interval = prepared.interval;
     let (chosen, found) = rayon::join(
-        || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval))),
-        || triangulated(prepared, params, &choose, progress),
+        || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval), &params.spline, &first_trials)),
+        || {
+            let found = triangulated(prepared, params, &trials, &needless, progress);
+            found.inspect_err(|_| needless.store(true, Ordering::Relaxed))
+        },
     );
     let Triangulated { mut subdivision, trusted, mended, closures, mut streams, mut creases, finer, mut findings } =
         found?;
@@ -66,10 +71,9 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
-        let triangles = locate(&subdivision.tin, &grid, &());
         let cliff_reach = tuning.cliffs.free * subdivision.extent().spacing;
         let lines: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-        let of_map = conditions(&subdivision, &break_lines, &lines, (&grid, &triangles), (&params.cliffs, cliff_reach));
+        let (of_map, triangles) = conditions(&subdivision, &break_lines, &lines, &grid, (&params.cliffs, cliff_reach));
         let mut conditions = Conditions {
             soft_spots: &soft_spots,
             drainage: Drainage { drain: params.drain, sinks: &params.sinks },
@@ -149,15 +153,19 @@ struct Triangulated {
     findings: Vec<Finding>,
 }
 
-/// Triangulates a map, and finds its ridge and canyon lines where they are needed. If elevations are wrong, `choose` gives
-/// the hyper-parameters without them.
+/// Triangulates a map, and finds its ridge and canyon lines where they are needed. If elevations are wrong, `trials`
+/// give the hyper-parameters without them, and those with them are `needless`.
 fn triangulated(
     prepared: Prepared,
     params: &SurfaceParams,
-    choose: &(impl Fn(&MapExtent<'_>) -> Chosen + Sync),
+    trials: &TrialParams<'_>,
+    needless: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Triangulated> {
     let Report { value: mut subdivision, mut findings } = prepared.subdivide(&params.water, progress)?;
+    // The choice that runs beside this takes all elevations as correct. Only the triangulation shows which are wrong.
+    let trusted = subdivision.trusted();
+    needless.store(trusted.is_some(), Ordering::Relaxed);
     if params.kind == SurfaceKind::Spline {
         let grid = working_grid(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid);
         let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
@@ -170,25 +178,22 @@ fn triangulated(
     let closures = closures(&subdivision.tin, &subdivision.regions, &subdivision.gaps);
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
     findings.extend(of_lines);
-    let skeleton = (params.kind != SurfaceKind::Linear).then(|| {
+    let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
+    let lines = || {
         progress.start("ridge and canyon lines", 0);
         let (resolution, tuning) = (params.resolution, &params.tuning.skeleton);
-        match heights {
+        let skeleton = match heights {
             Some(heights) => skeleton_with(&heights, resolution, tuning),
             None => skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning),
-        }
-    });
-    let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-    let finer = || {
-        let finer = |skeleton| finer(&subdivision, triangulation, skeleton, &known, &params.tuning.skeleton);
-        skeleton.map(finer).transpose()
+        };
+        finer(&subdivision, triangulation, skeleton, &known, tuning)
     };
-    // The choice that runs beside the triangulation takes all elevations as correct. Only the triangulation shows which
-    // are wrong. Triangulating with the ridge and canyon lines keeps one thread busy too.
-    let trusted = subdivision.trusted();
-    let of_map = |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map)) };
+    let lines = (params.kind != SurfaceKind::Linear).then_some(lines);
+    let of_map =
+        |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map), &params.spline, trials) };
     let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
-    let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
+    // Parts of this keep only one thread busy too.
+    let (mended, finer) = rayon::join(|| to_mend.map(of_map), || lines.map(|lines| lines()).transpose());
     let finer = finer?;
     drop(known);
     Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })

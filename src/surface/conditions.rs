@@ -6,7 +6,7 @@ use super::known_lines::heights_by_place;
 use crate::base::bits::bits;
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
-use crate::dem::heights_at;
+use crate::dem::{heights_at, locate};
 use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
@@ -14,15 +14,15 @@ use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
 use crate::tin::{NONE, VertexKind};
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
-/// canyon lines, and `known` are the streams and break lines in it. The nodes lie in `triangles`. Of the cliffs, the reach
-/// (map units) says how far they act.
+/// canyon lines, and `known` are the streams and break lines in it. Of the cliffs, the reach (map units) says how far they
+/// act. Also gives the triangle that each node lies in, as [`locate`] does.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
     break_lines: &[BreakLine],
     known: &[KnownLine<'_>],
-    (grid, triangles): (&Grid, &[u32]),
+    grid: &Grid,
     (cliffs, cliff_reach): (&'a [Vec<DVec2>], f64),
-) -> Conditions<'a> {
+) -> (Conditions<'a>, Vec<u32>) {
     let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
     let is_wrong = |v: u32| {
         !wrong.is_empty()
@@ -35,7 +35,15 @@ pub(crate) fn conditions<'a>(
         VertexKind::Axis => on_lines.get(&bits(tin.positions[v as usize])).copied(),
         _ => None,
     };
-    let local = local_bands(tin, &subdivision.regions, is_wrong, given);
+    // The search for local bands keeps one thread busy. Meanwhile another one rasterises.
+    let (local, (triangles, reference)) = rayon::join(
+        || local_bands(tin, &subdivision.regions, is_wrong, given),
+        || {
+            let triangles = locate(tin, grid, &());
+            let reference = heights_at(tin, grid, &triangles);
+            (triangles, reference)
+        },
+    );
     let of_region = |t: u32| subdivision.regions.region(t).map(|r| r.band);
     let beside = beside(cliffs, grid, cliff_reach);
     // Beside a cliff, the corners of a triangle may lie on both sides of it and tell nothing.
@@ -52,12 +60,11 @@ pub(crate) fn conditions<'a>(
         }
     }
     let is_hollow = is_hollow(&subdivision.regions);
-    let hollows: Vec<bool> = parallel::values_each(triangles, |&t| {
+    let hollows: Vec<bool> = parallel::values_each(&triangles, |&t| {
         t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
     });
-    let reference = heights_at(tin, grid, triangles);
     let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
-    Conditions {
+    let conditions = Conditions {
         grid: *grid,
         contours: subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect(),
         spots: subdivision.used_spots().collect(),
@@ -73,7 +80,8 @@ pub(crate) fn conditions<'a>(
         known: Vec::new(),
         streams: &[],
         drainage: Drainage::default(),
-    }
+    };
+    (conditions, triangles)
 }
 
 /// The nodes of a grid at vertices of contours, with the level of the contour. The band on either side of the contour

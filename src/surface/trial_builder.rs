@@ -32,8 +32,7 @@ impl SurfaceBuilder for TrialBuilder<'_> {
         subdivision: &'a Subdivision,
         break_lines: &[BreakLine],
         grid: &Grid,
-        triangles: &[u32],
-    ) -> Conditions<'a> {
-        conditions(subdivision, break_lines, &[], (grid, triangles), (&[], 0.0))
+    ) -> (Conditions<'a>, Vec<u32>) {
+        conditions(subdivision, break_lines, &[], grid, (&[], 0.0))
     }
 }

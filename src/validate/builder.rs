@@ -1,5 +1,7 @@
 //! The builder that trials get their surfaces from. The caller of a trial hands it down.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::base::Grid;
 use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Wanted};
@@ -12,14 +14,14 @@ pub trait SurfaceBuilder: Sync {
     /// Adds ridge and canyon lines, if the surface has any. `None` if they cannot be triangulated.
     fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)>;
 
-    /// The conditions of the smooth surface at the nodes of `grid`, which lie in `triangles`.
+    /// The conditions of the smooth surface at the nodes of `grid`, and the triangle that each node lies in
+    /// ([`NONE`](crate::tin::NONE) outside the frame).
     fn conditions<'a>(
         &self,
         subdivision: &'a Subdivision,
         break_lines: &[BreakLine],
         grid: &Grid,
-        triangles: &[u32],
-    ) -> Conditions<'a>;
+    ) -> (Conditions<'a>, Vec<u32>);
 }
 
 /// Parameters of trials that are the same for all of them.
@@ -33,4 +35,13 @@ pub struct TrialParams<'a> {
     pub builder: &'a dyn SurfaceBuilder,
     /// The tuned numbers, which are those of the surface of the whole map.
     pub tuning: &'a Tuning,
+    /// Set by another thread as soon as nobody needs the trials any more. The others are then left out.
+    pub needless: Option<&'a AtomicBool>,
+}
+
+impl TrialParams<'_> {
+    /// Whether nobody needs the trials any more.
+    pub fn are_needless(&self) -> bool {
+        self.needless.is_some_and(|needless| needless.load(Ordering::Relaxed))
+    }
 }

@@ -8,7 +8,6 @@ use rstar::RTree;
 use super::builder::TrialParams;
 use crate::base::{Grid, parallel};
 use crate::contour::{Contour, ContourMap, Interval, clip};
-use crate::dem::locate;
 use crate::skeleton::BreakLine;
 use crate::spline::{HyperParameters, Wanted, WorkingGrid, slopes, spline, working_grid};
 use crate::subdivision::{Subdivision, subdivide};
@@ -153,6 +152,9 @@ pub fn trial(
     cell: f64,
     params: &TrialParams<'_>,
 ) -> Option<Trial> {
+    if params.are_needless() {
+        return None;
+    }
     let is_kept = |c: &&Contour| interval.index_of(c.elevation).rem_euclid(kept.every) == kept.phase;
     // Auxiliary contours are left out of the map and of the places. They lie where they help most.
     let (known, hidden): (Vec<&Contour>, Vec<&Contour>) =
@@ -228,8 +230,7 @@ impl Trial {
         let tuning = &params.tuning.spline;
         let [nearest, furthest] = params.tuning.trials.spacing_limits;
         let grid = &self.grid;
-        let triangles = locate(&self.subdivision.tin, grid, &());
-        let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid, &triangles);
+        let (conditions, triangles) = params.builder.conditions(&self.subdivision, &self.break_lines, grid);
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
         let asked = |place: &HiddenPlace| {
@@ -247,6 +248,9 @@ impl Trial {
         };
         let weights: Vec<Option<f64>> = self.places.iter().map(asked).collect();
         hyper_parameters.map(|hyper_parameters| {
+            if params.are_needless() {
+                return Vec::new();
+            }
             let (surface, _) = spline(&conditions, &hyper_parameters, tuning, &());
             let unit_gain = conditions.unit_curvature_gain(&surface.heights, tuning);
             let all = self.places.iter().zip(&weights);
@@ -279,6 +283,8 @@ pub fn between(grid: &Grid, values: &[f32], p: DVec2) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
     use crate::spline::Conditions;
     use crate::tuning::Tuning;
@@ -291,7 +297,7 @@ mod tests {
             Some((subdivision, Vec::new()))
         }
 
-        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid, _: &[u32]) -> Conditions<'a> {
+        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid) -> (Conditions<'a>, Vec<u32>) {
             unimplemented!("no smooth surface is drawn here")
         }
     }
@@ -339,9 +345,13 @@ mod tests {
         let interval = Interval { step: 10.0, base: 0.0 };
         let kept = LevelSubset { every: 2, phase: 0 };
         let tuning = Tuning::default();
-        let params = TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning };
+        let params =
+            TrialParams { frame: &Frame::Hull, wanted: None, builder: &ContoursAlone, tuning: &tuning, needless: None };
         let trial = trial((&map, &Frame::Hull), kept, interval, cell, &params).expect("all vertices are kept then");
         assert!(trial.subdivision.map.contours.iter().any(|c| c.points.len() > 400));
         assert!(trial.places.iter().all(|p| p.level == 10.0));
+        let needless = AtomicBool::new(true);
+        let params = TrialParams { needless: Some(&needless), ..params };
+        assert!(self::trial((&map, &Frame::Hull), kept, interval, cell, &params).is_none(), "nobody needs it");
     }
 }

@@ -4,7 +4,6 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::sides::sides;
-use crate::dem::locate;
 use crate::spline::{HyperParameters, spline};
 use crate::subdomains::MapExtent;
 use crate::tin::NONE;
@@ -51,9 +50,8 @@ pub fn hidden_residuals(
 
 fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &TrialParams<'_>) -> Vec<Residual> {
     let Trial { subdivision, break_lines, places, grid } = trial;
-    let triangles = locate(&subdivision.tin, grid, &());
+    let (conditions, triangles) = params.builder.conditions(subdivision, break_lines, grid);
     let sides = sides(subdivision, grid, &triangles);
-    let conditions = params.builder.conditions(subdivision, break_lines, grid, &triangles);
     // No shrinkage: all hidden contours lie half-way, which is where heights shrink to.
     let tuning = &params.tuning.spline;
     let smooth = hyper_parameters.map(|hyper_parameters| {
