@@ -50,6 +50,22 @@ pub(crate) fn values_each<T: Sync, R: Copy + Default + Send>(items: &[T], f: imp
     values(items.len(), |i| f(&items[i]))
 }
 
+/// The results of `f` for the column and the row of each cell of a grid, row by row. Divisions of an index by the number of
+/// columns would take as long as a short `f`.
+pub(crate) fn cells<R: Copy + Default + Send>(
+    cols: usize,
+    rows: usize,
+    f: impl Fn(usize, usize) -> R + Sync,
+) -> Vec<R> {
+    let mut values = vec![R::default(); cols * rows];
+    chunks(&mut values, cols, |row, cells| {
+        for (col, value) in cells.iter_mut().enumerate() {
+            *value = f(col, row);
+        }
+    });
+    values
+}
+
 /// Calls `f` with the index of each item and the item.
 pub(crate) fn update<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
     let length = block_length(items.len());
@@ -117,6 +133,10 @@ mod tests {
                 pool.install(|| {
                     assert_eq!(map(n, |i| i), numbers);
                     assert_eq!(values(n, |i| i), numbers);
+                    assert_eq!(
+                        cells(3, n, |col, row| [col, row]),
+                        (0..3 * n).map(|i| [i % 3, i / 3]).collect::<Vec<_>>()
+                    );
                     assert_eq!(map_each(&numbers, |i| i + 1), (1..=n).collect::<Vec<_>>());
                     assert_eq!(values_each(&numbers, |i| i + 1), (1..=n).collect::<Vec<_>>());
                     let odd: Vec<usize> = numbers.iter().copied().filter(|i| i % 2 == 1).collect();

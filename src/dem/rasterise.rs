@@ -23,9 +23,9 @@ pub fn rasterise(tin: &Tin, grid: &Grid, crs: Option<Crs>, progress: &dyn Progre
 
 /// Heights of the triangles at the cell centres of `grid`. [`locate`] gives `triangles`.
 pub(crate) fn heights_at(tin: &Tin, grid: &Grid, triangles: &[u32]) -> Vec<f32> {
-    parallel::values(triangles.len(), |i| match triangles[i] {
+    parallel::cells(grid.cols, grid.rows, |col, row| match triangles[row * grid.cols + col] {
         NONE => f32::NAN,
-        t => height(tin, t, grid.center(i % grid.cols, i / grid.cols) - tin.origin) as f32,
+        t => height(tin, t, grid.center(col, row) - tin.origin) as f32,
     })
 }
 

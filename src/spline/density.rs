@@ -51,10 +51,10 @@ pub fn tension(
 
 /// Computes a new value for every node that has all four neighbours. Other nodes keep theirs.
 fn map_inner(old: &[f32], grid: &Grid, value: impl Fn(&[f32], usize) -> f32 + Sync) -> Vec<f32> {
-    let at = |n: usize| {
-        let (i, j) = (n % grid.cols, n / grid.cols);
+    let at = |i: usize, j: usize| {
+        let n = j * grid.cols + i;
         let inner = i > 0 && i + 1 < grid.cols && j > 0 && j + 1 < grid.rows;
         if inner { value(old, n) } else { old[n] }
     };
-    parallel::values(old.len(), at)
+    parallel::cells(grid.cols, grid.rows, at)
 }

@@ -132,7 +132,7 @@ pub struct Energy<'a> {
     /// Columns and rows of the lattice.
     pub size: [usize; 2],
     /// Weights of the second differences: eastwards and southwards at their middle node, mixed at the north-western
-    /// one.
+    /// one. All three are empty for a membrane, which bends without energy.
     pub bending: [Vec<f32>; 3],
     /// Weights of the first differences to the eastern and to the southern neighbour.
     pub tension: [Vec<f32>; 2],
@@ -149,6 +149,11 @@ pub struct Energy<'a> {
 }
 
 impl Energy<'_> {
+    /// Whether this is the energy of a membrane: without weights of second differences.
+    pub fn is_membrane(&self) -> bool {
+        self.bending.iter().all(Vec::is_empty)
+    }
+
     /// Half of the negative gradient of the energy at `z`.
     ///
     /// Differences are taken first. This keeps precision where large heights nearly cancel.
@@ -166,7 +171,7 @@ impl Energy<'_> {
     #[inline(always)]
     fn downhill_block(&self, z: &[f64], first: usize, block: &mut [f64]) {
         let [cols, rows] = self.size;
-        let row_of = |j: usize| j * cols..(j + 1) * cols;
+        let (bends, row_of) = (!self.is_membrane(), |j: usize| j * cols..(j + 1) * cols);
         let blank = || vec![0.0; cols + 2];
         let (mut xx, mut east, mut out) = (blank(), blank(), vec![0.0; cols]);
         let mut yy = [blank(), blank(), blank()];
@@ -174,7 +179,7 @@ impl Energy<'_> {
         let mut south = [blank(), blank()];
         // These closures count rows from one, so that the row above the first one can be asked for.
         let fill_yy = |j: usize, out: &mut [f64]| {
-            if j < 2 || j > rows - 1 {
+            if !bends || j < 2 || j > rows - 1 {
                 return out.fill(0.0);
             }
             let rows = z[row_of(j - 2)].iter().zip(&z[row_of(j - 1)]).zip(&z[row_of(j)]);
@@ -188,9 +193,11 @@ impl Energy<'_> {
                 return south.fill(0.0);
             }
             let (n, s) = (&z[row_of(j - 1)], &z[row_of(j)]);
-            let pairs = n.windows(2).zip(s.windows(2)).zip(&self.bending[2][row_of(j - 1)]);
-            for (out, ((n, s), &w)) in mixed[1..].iter_mut().zip(pairs) {
-                *out = f64::from(w) * (n[0] - n[1] - s[0] + s[1]);
+            if bends {
+                let pairs = n.windows(2).zip(s.windows(2)).zip(&self.bending[2][row_of(j - 1)]);
+                for (out, ((n, s), &w)) in mixed[1..].iter_mut().zip(pairs) {
+                    *out = f64::from(w) * (n[0] - n[1] - s[0] + s[1]);
+                }
             }
             let pairs = n.iter().zip(s).zip(&self.tension[1][row_of(j - 1)]);
             for (out, ((&n, &s), &t)) in south[1..].iter_mut().zip(pairs) {
@@ -206,11 +213,12 @@ impl Energy<'_> {
             fill_yy(j + 2, &mut yy[2]);
             fill_pairs(j + 1, &mut mixed[1], &mut south[1]);
             let m = &z[row_of(j)];
-            let (w, t) = (&self.bending[0][row_of(j)], &self.tension[0][row_of(j)]);
-            for (out, (m, &w)) in xx[2..].iter_mut().zip(m.windows(3).zip(&w[1..])) {
-                *out = f64::from(w) * (m[0] - m[1] - m[1] + m[2]);
+            if bends {
+                for (out, (m, &w)) in xx[2..].iter_mut().zip(m.windows(3).zip(&self.bending[0][row_of(j)][1..])) {
+                    *out = f64::from(w) * (m[0] - m[1] - m[1] + m[2]);
+                }
             }
-            for (out, (m, &t)) in east[1..].iter_mut().zip(m.windows(2).zip(t)) {
+            for (out, (m, &t)) in east[1..].iter_mut().zip(m.windows(2).zip(&self.tension[0][row_of(j)])) {
                 *out = f64::from(t) * (m[0] - m[1]);
             }
             let rows = (&yy[0][1..], &yy[1][1..], &yy[2][1..], &south[0][1..], &south[1][1..]);
@@ -415,6 +423,35 @@ pub(super) mod tests {
             }
         }
         sum
+    }
+
+    #[test]
+    fn a_membrane_is_a_surface_whose_second_differences_weigh_nothing() {
+        let (cols, rows) = (37, BLOCK + 3);
+        let membrane = Energy { bending: Default::default(), ..energy(cols, rows) };
+        let nothing = || vec![0.0; cols * rows];
+        let plate = Energy { bending: [nothing(), nothing(), nothing()], ..membrane.clone() };
+        assert!(membrane.is_membrane() && !plate.is_membrane());
+        let z: Vec<f64> = (0..cols * rows).map(|n| ((n * 37) % 23) as f64).collect();
+        let downhill = |energy: &Energy<'_>| {
+            let mut downhill = vec![0.0; z.len()];
+            energy.downhill(&z, &mut downhill);
+            downhill
+        };
+        assert_eq!(downhill(&membrane), downhill(&plate));
+        let image = |energy: &Energy<'_>| {
+            let mut stencil = Stencil::default();
+            let size = [cols + 2 * REACH, rows + 2 * REACH];
+            stencil.take(energy, [0, 0], size);
+            let count = (size[0] * size[1]).next_multiple_of(LANES);
+            stencil.scale(&vec![0.5; count]);
+            let direction: Vec<f32> = (0..count + 2 * stencil.pad()).map(|n| ((n * 29) % 31) as f32).collect();
+            let mut image = vec![0.0; count];
+            stencil.apply(&direction, &mut image);
+            (image, stencil.diagonal().to_vec())
+        };
+        assert_eq!(image(&membrane), image(&plate));
+        assert!(image(&membrane).0.iter().any(|v| *v != 0.0));
     }
 
     #[test]

@@ -28,6 +28,7 @@ mod density;
 mod energy;
 mod fold;
 mod grid;
+mod inside;
 mod lattice;
 mod minimise;
 mod params;

@@ -8,9 +8,10 @@
 //! up to 3 % larger (tried on five maps).
 
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
+use super::inside::Inside;
 use super::lattice::Crossing;
 use super::minimise::{Effort, Minimiser};
-use super::stages::{Problem, with_margin};
+use super::stages::Problem;
 use crate::base::{Sure, parallel};
 use crate::tuning::SplineTuning;
 
@@ -31,15 +32,15 @@ pub fn add_residuals(problem: &Problem<'_>, heights: &mut [f32]) {
     };
     let [east, south] = problem.crossings(lattice, Sure::Surveyed);
     let (east, south) = rayon::join(|| terms(1, east, &problem.spots), || terms(cols, south, &[]));
-    let inside = with_margin(&problem.bounds[0], cols, rows);
+    let inside = Inside::new(&problem.bounds[0], cols);
     let ratio = (lattice.step.y / lattice.step.x) as f32;
-    let eastwards = |n: usize| if n % cols + 1 < cols && inside[n] && inside[n + 1] { ratio } else { 0.0 };
-    let southwards = |n: usize| if n + cols < count && inside[n] && inside[n + cols] { 1.0 / ratio } else { 0.0 };
-    let nothing = || vec![0.0; count];
+    let node = |i: usize, j: usize| j * cols + i;
+    let eastwards = |i, j| if i + 1 < cols && inside.all(&[node(i, j), node(i + 1, j)]) { ratio } else { 0.0 };
+    let southwards = |i, j| if j + 1 < rows && inside.all(&[node(i, j), node(i, j + 1)]) { 1.0 / ratio } else { 0.0 };
     let energy = Energy {
         size: [cols, rows],
-        bending: [nothing(), nothing(), nothing()],
-        tension: [parallel::values(count, eastwards), parallel::values(count, southwards)],
+        bending: Default::default(),
+        tension: [inside.values(eastwards), inside.values(southwards)],
         reference: Vec::new().into(),
         follows: Vec::new(),
         contours: [east, south],

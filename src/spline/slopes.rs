@@ -4,8 +4,7 @@ use crate::base::{Grid, parallel};
 
 /// Slope at every node, rise over run; NaN beside nodes outside the frame.
 pub(crate) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
-    let at = |n: usize| {
-        let (i, j) = (n % grid.cols, n / grid.cols);
+    let at = |i: usize, j: usize| {
         let (w, e) = (i.saturating_sub(1), (i + 1).min(grid.cols - 1));
         let (s, t) = (j.saturating_sub(1), (j + 1).min(grid.rows - 1));
         let east =
@@ -14,5 +13,5 @@ pub(crate) fn slopes(heights: &[f32], grid: &Grid) -> Vec<f32> {
             (heights[t * grid.cols + i] - heights[s * grid.cols + i]) / ((t - s).max(1) as f64 * grid.cell.y) as f32;
         (east * east + south * south).sqrt()
     };
-    parallel::values(heights.len(), at)
+    parallel::cells(grid.cols, grid.rows, at)
 }

@@ -8,6 +8,7 @@ use super::cliffs::Walls;
 use super::conditions::{Drainage, contour_crossings, line_crossings};
 use super::energy::{CrossingWeight, EdgeTerms, Energy};
 use super::fold::{Fold, Folds};
+use super::inside::Inside;
 use super::lattice::{Crossing, Lattice};
 use super::minimise::{Effort, Minimiser};
 use super::pits::{Limits, breach};
@@ -23,8 +24,6 @@ pub const STEP: &str = "smooth surface";
 
 /// The coarsest lattice has at most this many rows and columns. It is one tile, and its steps solve it completely.
 const COARSEST: usize = 12;
-/// Number of nodes beyond the frame that belong to the surface. So every place inside the frame lies between nodes.
-const MARGIN: usize = 2;
 
 /// What the surface has to meet, on the finest lattice. NaN marks nodes outside the frame.
 pub struct Problem<'a> {
@@ -157,12 +156,12 @@ impl Stage<'_> {
         }
         let lattice = self.lattice.coarser();
         let take = |values: &[f32]| {
-            let at = |i: usize| {
-                let (col, row) = (2 * (i % lattice.cols), 2 * (i / lattice.cols));
+            let at = |i: usize, j: usize| {
+                let (col, row) = (2 * i, 2 * j);
                 let inside = col < self.lattice.cols && row < self.lattice.rows;
                 if inside { values[row * self.lattice.cols + col] } else { f32::NAN }
             };
-            parallel::values(lattice.len(), at)
+            parallel::cells(lattice.cols, lattice.rows, at)
         };
         // Steps are twice as long. So first differences count four times as much against second ones.
         let tension: Vec<f32> = take(&self.tension).into_iter().map(|t| 4.0 * t).collect();
@@ -254,7 +253,7 @@ impl Stage<'_> {
     /// Long because the weights of bending and tension share what is inside, on a crease, and the step ratio.
     fn energy(&self, problem: &Problem<'_>) -> Weighed<'_> {
         let lattice = &self.lattice;
-        let (cols, rows, count) = (lattice.cols, lattice.rows, lattice.len());
+        let (cols, rows) = (lattice.cols, lattice.rows);
         let walls = Walls::new(problem.cliffs, lattice);
         let [east, south] = problem.crossings(lattice, Sure::Between);
         let SplineTuning { coarse_contour_weight, crease_weight, wide, .. } = *problem.tuning;
@@ -274,7 +273,7 @@ impl Stage<'_> {
         let (east, south) = rayon::join(|| terms(0, east, spots), || terms(1, south, &[]));
         let contours = [east, south];
 
-        let mut cut = [vec![Fold::None; count], vec![Fold::None; count]];
+        let mut cut = [vec![Fold::None; lattice.len()], vec![Fold::None; lattice.len()]];
         for (fold, line) in problem.creases {
             let [east, south] = &mut cut;
             let mark = |edges: &mut [Fold], c: Crossing| {
@@ -283,24 +282,23 @@ impl Stage<'_> {
             };
             lattice.cross(line, |c| mark(east, c), |c| mark(south, c));
         }
-        let inside = with_margin(&self.bounds[0], cols, rows);
-        let all_inside = |nodes: &[usize]| nodes.iter().all(|&n| inside[n]);
+        let inside = Inside::new(&self.bounds[0], cols);
         // For cells that are not square: second differences count per squared step, the mixed one per product of both
         // steps.
         let ratio = (lattice.step.y / lattice.step.x) as f32;
-        let is_bent = |kind: usize, n: usize| {
-            let (i, j) = (n % cols, n / cols);
+        let is_bent = |kind: usize, i: usize, j: usize| {
+            let n = j * cols + i;
             let is_inside = match kind {
-                0 => i > 0 && i + 1 < cols && all_inside(&[n - 1, n, n + 1]),
-                1 => j > 0 && j + 1 < rows && all_inside(&[n - cols, n, n + cols]),
-                _ => i + 1 < cols && j + 1 < rows && all_inside(&[n, n + 1, n + cols, n + cols + 1]),
+                0 => i > 0 && i + 1 < cols && inside.all(&[n - 1, n, n + 1]),
+                1 => j > 0 && j + 1 < rows && inside.all(&[n - cols, n, n + cols]),
+                _ => i + 1 < cols && j + 1 < rows && inside.all(&[n, n + 1, n + cols, n + cols + 1]),
             };
             is_inside && walls.as_ref().is_none_or(|walls| !walls.is_among(kind, n))
         };
-        let fold = |kind: usize, n: usize| {
-            let [east, south] = &cut;
+        let fold = |kind: usize, i: usize, j: usize| {
+            let ([east, south], n) = (&cut, j * cols + i);
             let fold = match kind {
-                _ if !is_bent(kind, n) => Fold::None,
+                _ if !is_bent(kind, i, j) => Fold::None,
                 0 => east[n - 1].max(east[n]),
                 1 => south[n - cols].max(south[n]),
                 // A mixed difference does not tell a ridge from a valley.
@@ -309,18 +307,18 @@ impl Stage<'_> {
             if fold == Fold::Found && self.wide[n] > wide.crease_limit { Fold::None } else { fold }
         };
         let weights = [ratio * ratio, 1.0 / (ratio * ratio), 2.0];
-        let folds: Folds = std::array::from_fn(|kind| parallel::map(count, |n| fold(kind, n)));
-        let bending = |kind: usize, n: usize| match (folds[kind][n], is_bent(kind, n)) {
+        let folds: Folds = std::array::from_fn(|kind| inside.values(|i, j| fold(kind, i, j)));
+        let bending = |kind: usize, i: usize, j: usize| match (folds[kind][j * cols + i], is_bent(kind, i, j)) {
             (_, false) => 0.0,
             (Fold::None, true) => weights[kind],
             (_, true) => crease_weight * weights[kind],
         };
-        let tension = |side: usize, n: usize| {
-            let (i, j) = (n % cols, n / cols);
+        let tension = |side: usize, i: usize, j: usize| {
+            let n = j * cols + i;
             let (has_next, next, per) =
                 if side == 0 { (i + 1 < cols, n + 1, ratio) } else { (j + 1 < rows, n + cols, 1.0 / ratio) };
             let is_cut = || walls.as_ref().is_some_and(|walls| walls.is_between(side, n));
-            if !has_next || !all_inside(&[n, next]) || is_cut() {
+            if !has_next || !inside.all(&[n, next]) || is_cut() {
                 return 0.0;
             }
             let product = self.tension[n] * self.tension[next];
@@ -328,8 +326,8 @@ impl Stage<'_> {
         };
         let energy = Energy {
             size: [cols, rows],
-            bending: std::array::from_fn(|kind| parallel::values(count, |n| bending(kind, n))),
-            tension: std::array::from_fn(|side| parallel::values(count, |n| tension(side, n))),
+            bending: std::array::from_fn(|kind| inside.values(|i, j| bending(kind, i, j))),
+            tension: std::array::from_fn(|side| inside.values(|i, j| tension(side, i, j))),
             reference: Cow::Borrowed(&self.reference),
             follows: parallel::values_each(&self.wide, |share| 1.0 - wide.level_share * share),
             contours,
@@ -349,24 +347,6 @@ fn scale(energy: &mut Energy<'_>, factors: &[f32]) {
             }
         });
     }
-}
-
-/// The nodes inside the frame and a margin of [`MARGIN`] nodes around them.
-pub fn with_margin(bound: &[f32], cols: usize, rows: usize) -> Vec<bool> {
-    let mut inside: Vec<bool> = parallel::values_each(bound, |v| !v.is_nan());
-    for _ in 0..MARGIN {
-        let before = inside.clone();
-        parallel::chunks(&mut inside, cols, |j, row| {
-            for (i, inside) in row.iter_mut().enumerate() {
-                let n = j * cols + i;
-                *inside |= (i > 0 && before[n - 1])
-                    || (i + 1 < cols && before[n + 1])
-                    || (j > 0 && before[n - cols])
-                    || (j + 1 < rows && before[n + cols]);
-            }
-        });
-    }
-    inside
 }
 
 /// Cubic interpolation in the middle between nodes `k` and `k + 1`. Values beyond the ends follow a straight line.
@@ -406,12 +386,11 @@ fn refined(z: &[f64], coarse: &Lattice, fine: &Lattice) -> Vec<f64> {
 
 /// Factors on a finer lattice, linear between nodes.
 fn spread(factors: &[f32], coarse: &Lattice, fine: &Lattice) -> Vec<f32> {
-    let at = |n: usize| {
-        let (i, j) = (n % fine.cols, n / fine.cols);
+    let at = |i: usize, j: usize| {
         let row = |j: usize| factors[j * coarse.cols + i / 2] + factors[j * coarse.cols + i.div_ceil(2)];
         (row(j / 2) + row(j.div_ceil(2))) / 4.0
     };
-    parallel::values(fine.len(), at)
+    parallel::cells(fine.cols, fine.rows, at)
 }
 
 #[cfg(test)]

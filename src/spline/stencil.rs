@@ -12,6 +12,9 @@ pub const REACH: usize = 2;
 /// Numbers that the processor computes side by side. Vectors are filled up with zeros to a multiple of it.
 pub const LANES: usize = 32;
 
+/// The kinds of coefficients, in the order of [`Stencil::of`], that a membrane does not have.
+const OF_BENDING: [usize; 4] = [2, 4, 5, 6];
+
 /// The coefficients of a symmetric matrix in a window of a lattice. Those that would cross the border of the lattice
 /// are 0.
 ///
@@ -21,7 +24,7 @@ pub const LANES: usize = 32;
 pub struct Stencil {
     cols: usize,
     /// Coefficients of the node itself and of its neighbours to the E, EE, S, SS, SE and SW. Each array begins with
-    /// [`Stencil::pad`] zeros.
+    /// [`Stencil::pad`] zeros. Those that a membrane does not have are empty.
     of: [Vec<f32>; 7],
     /// Buffer for the coefficients of nodes that follow one another on the lattice.
     taken: Vec<f32>,
@@ -44,6 +47,9 @@ impl Stencil {
         self.taken.resize(together * width, 0.0);
         for (k, of) in self.of.iter_mut().enumerate() {
             of.clear();
+            if energy.is_membrane() && OF_BENDING.contains(&k) {
+                continue;
+            }
             of.resize(first + (cols * rows).next_multiple_of(LANES), 0.0);
             for j in (0..height).step_by(together) {
                 coefficients(energy, k, (north + j) * energy.size[0] + west, &mut self.taken);
@@ -69,7 +75,8 @@ impl Stencil {
     #[inline(always)]
     pub fn scale(&mut self, unit: &[f32]) {
         let (first, cols) = (self.pad(), self.cols);
-        for (of, after) in self.of.iter_mut().zip([0, 1, 2, cols, 2 * cols, cols + 1, cols - 1]) {
+        let after = [0, 1, 2, cols, 2 * cols, cols + 1, cols - 1];
+        for (of, after) in self.of.iter_mut().zip(after).filter(|(of, _)| !of.is_empty()) {
             let (inside, beyond) = of[first..].split_at_mut(unit.len() - after);
             for (of, (u, v)) in inside.iter_mut().zip(unit.iter().zip(&unit[after..])) {
                 *of *= u * v;
@@ -84,6 +91,9 @@ impl Stencil {
     pub fn apply(&self, direction: &[f32], out: &mut [f32]) {
         let (z, n, cols, len) = (direction, self.pad(), self.cols, out.len());
         let [own, e, ee, s, ss, se, sw] = &self.of;
+        if ee.is_empty() {
+            return self.apply_membrane(direction, out);
+        }
         let row = &z[n - 2..n + len + 2];
         let (north, south) = (&z[n - cols - 1..n - cols + len + 1], &z[n + cols - 1..n + cols + len + 1]);
         let (north2, south2) = (&z[n - 2 * cols..][..len], &z[n + 2 * cols..][..len]);
@@ -97,6 +107,21 @@ impl Stencil {
             let above = s[i] * north[i + 1] + se[i] * north[i] + sw[i] * north[i + 2] + ss[i] * north2[i];
             let below = to_s[i] * south[i + 1] + to_se[i] * south[i + 2] + to_sw[i] * south[i] + to_ss[i] * south2[i];
             out[i] = own[i] * row[i + 2] + beside + (above + below);
+        }
+    }
+
+    /// [`Stencil::apply`] for a membrane, whose matrix reaches one node far.
+    #[inline(always)]
+    fn apply_membrane(&self, direction: &[f32], out: &mut [f32]) {
+        let (z, n, cols, len) = (direction, self.pad(), self.cols, out.len());
+        let [own, e, _, s, ..] = &self.of;
+        let row = &z[n - 1..n + len + 1];
+        let (north, south) = (&z[n - cols..][..len], &z[n + cols..][..len]);
+        let (own, e) = (&own[n..][..len], &e[n - 1..][..len + 1]);
+        let (s, to_s) = (&s[n - cols..][..len], &s[n..][..len]);
+        for i in 0..len {
+            let beside = e[i] * row[i] + e[i + 1] * row[i + 2];
+            out[i] = own[i] * row[i + 1] + beside + (s[i] * north[i] + to_s[i] * south[i]);
         }
     }
 }
@@ -113,6 +138,11 @@ fn coefficients(energy: &Energy<'_>, k: usize, first: usize, out: &mut [f32]) {
     out.fill(if k == 0 { energy.pull } else { 0.0 });
     // Each second difference counts once for every pair of its nodes, and so does each first difference.
     match k {
+        0 if energy.is_membrane() => {
+            add([here(east), back(east, 1), here(south), back(south, cols)].map(|weights| (1.0, weights)), out)
+        }
+        1 if energy.is_membrane() => add([(-1.0, here(east))], out),
+        3 if energy.is_membrane() => add([(-1.0, here(south))], out),
         0 => {
             let along = [(1.0, back(xx, 1)), (4.0, here(xx)), (1.0, next(xx, 1))];
             let across = [(1.0, back(yy, cols)), (4.0, here(yy)), (1.0, next(yy, cols))];

@@ -10,15 +10,16 @@ use crate::base::parallel;
 pub fn unevenness(heights: &[f32], lattice: &Lattice, reach: usize) -> Vec<f32> {
     let cols = lattice.cols;
     let [east, south] = lattice.step.as_vec2().to_array();
-    let slope = |n: usize| {
-        if (n + 1).is_multiple_of(cols) || n + cols >= heights.len() {
+    let slope = |i: usize, j: usize| {
+        if i + 1 >= cols || j + 1 >= lattice.rows {
             return None;
         }
+        let n = j * cols + i;
         let slope = [(heights[n + 1] - heights[n]) / east, (heights[n + cols] - heights[n]) / south];
         slope.iter().all(|s| s.is_finite()).then_some(slope)
     };
     let local_mean = |of: fn([f32; 2]) -> f32| {
-        let mut mean: Vec<f32> = parallel::values(heights.len(), |n| slope(n).map_or(0.0, of));
+        let mut mean: Vec<f32> = parallel::cells(cols, lattice.rows, |i, j| slope(i, j).map_or(0.0, of));
         for _ in 0..PASSES {
             mean = blurred(&mean, cols, reach);
         }

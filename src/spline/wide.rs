@@ -74,31 +74,31 @@ fn spread(known: Vec<Mean>, cols: usize) -> Vec<f32> {
     }
     let coarse_cols = cols.div_ceil(2);
     let coarse_rows = rows.div_ceil(2);
-    let of_square = |k: usize| {
-        let (col, row) = (2 * (k % coarse_cols), 2 * (k / coarse_cols));
+    let of_square = |i: usize, j: usize| {
+        let (col, row) = (2 * i, 2 * j);
         let nodes = [(col, row), (col + 1, row), (col, row + 1), (col + 1, row + 1)];
         let inside = nodes.into_iter().filter(|&(i, j)| i < cols && j < rows).map(|(i, j)| known[j * cols + i]);
         inside.fold(Mean::default(), |a, b| Mean { sum: a.sum + b.sum, count: a.count + b.count })
     };
-    let squares = parallel::values(coarse_cols * coarse_rows, of_square);
+    let squares = parallel::cells(coarse_cols, coarse_rows, of_square);
     let coarse = spread(squares, coarse_cols);
-    let further = |n: usize| {
+    let further = |i: usize, j: usize| {
         // Centres of squares lie half a node beside the nodes.
         let place = |i: usize, count: usize| {
             let at = (i as f32 - 0.5) / 2.0;
             let next = (at.floor() + 1.0) as usize;
             (next.saturating_sub(1), next.min(count - 1), at - at.floor())
         };
-        let ((west, east, u), (north, south, v)) = (place(n % cols, coarse_cols), place(n / cols, coarse_rows));
+        let ((west, east, u), (north, south, v)) = (place(i, coarse_cols), place(j, coarse_rows));
         let along = |row: usize| coarse[row * coarse_cols + west] * (1.0 - u) + coarse[row * coarse_cols + east] * u;
         along(north) * (1.0 - v) + along(south) * v
     };
-    let at = |n: usize| {
-        let mean = known[n];
+    let at = |i: usize, j: usize| {
+        let mean = known[j * cols + i];
         let missing = ENOUGH - mean.count;
-        if missing > 0.0 { (mean.sum + missing * further(n)) / ENOUGH } else { mean.sum / mean.count }
+        if missing > 0.0 { (mean.sum + missing * further(i, j)) / ENOUGH } else { mean.sum / mean.count }
     };
-    parallel::values(known.len(), at)
+    parallel::cells(cols, rows, at)
 }
 
 #[cfg(test)]
