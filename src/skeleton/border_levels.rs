@@ -135,6 +135,25 @@ impl BorderLevels {
         self.of(level).map(|tree| NearLevel::new(tree, at))
     }
 
+    /// The level of a point and its nearest segment.
+    pub fn of_point(&self, tin: &Tin, point: &AxisPoint, level: f64) -> Option<NearLevel<'_>> {
+        let tree = self.of(level)?;
+        // The search is short where it need not go further than to a corner of the point's triangle.
+        let corners = tin.triangles[point.triangle as usize].into_iter().map(|v| v as usize);
+        let on_level = corners.filter(|&v| tin.heights[v] == level).map(|v| tin.positions[v]);
+        let d2 = on_level.map(|corner| corner.distance_squared(point.position)).fold(f64::INFINITY, f64::min);
+        let p = point.position.to_array();
+        let close = d2.is_finite().then(|| tree.tree.locate_within_distance(p, d2 * (1.0 + ROUNDING)));
+        let nearest = close.and_then(|close| {
+            let each = close.map(|segment| (segment.distance_2(&p), segment));
+            each.min_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        Some(match nearest {
+            Some((d2, segment)) => NearLevel { distance: d2.sqrt(), tree, segment: Some(segment) },
+            None => NearLevel::new(tree, point.position),
+        })
+    }
+
     /// Whether a segment of another level is nearer than `near`, a level and its distance from `at`.
     pub fn has_nearer_other(&self, near: &NearLevel, at: DVec2) -> bool {
         let (p, d2) = (at.to_array(), near.distance * near.distance * (1.0 + ROUNDING));

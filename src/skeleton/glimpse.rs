@@ -21,10 +21,11 @@ pub(super) struct Glimpse<'a> {
     slack: f64,
 }
 
-/// A view into a triangle, from the triangle before it.
+/// A view into a triangle.
 struct View {
-    from: u32,
     triangle: u32,
+    /// The edge of the triangle that the view enters through.
+    entry: usize,
     /// The directions of the right and left limit; none for a view through the edge on which the point lies.
     limits: Option<[DVec2; 2]>,
 }
@@ -66,20 +67,24 @@ impl<'a> Glimpse<'a> {
     /// Adds the views out of a triangle. Returns whether the triangle has a corner on the level.
     fn spread(&self, t: u32, from: DVec2, level: f64, entry: Option<View>, views: &mut Vec<View>) -> bool {
         let tin = self.tin;
-        let on_level = |&v: &u32| tin.heights[v as usize] == level && is_on_border(tin, v);
-        if tin.triangles[t as usize].iter().any(on_level) {
+        // The ends of the edge of entry are corners of the triangle before too.
+        let (edges, new_corners, limits) = match &entry {
+            None => (0..3, 0..3, None),
+            Some(View { entry, limits, .. }) => (entry + 1..entry + 3, entry + 2..entry + 3, *limits),
+        };
+        let corners = tin.triangles[t as usize];
+        let on_level = |v: u32| tin.heights[v as usize] == level && is_on_border(tin, v);
+        if new_corners.into_iter().any(|k| on_level(corners[k % 3])) {
             return true;
         }
-        for i in 0..3 {
-            let Some(n) = tin.across(t, i) else { continue };
-            let came_from = entry.as_ref().is_some_and(|view| view.from == n);
-            if came_from || self.branches.is_without(t, n, level) {
+        for i in edges {
+            let Some(n) = tin.across(t, i % 3) else { continue };
+            if self.branches.is_without(t, n, level) {
                 continue;
             }
-            let [a, b] = tin.edge(t, i).map(|v| tin.positions[v as usize] - from);
-            let limits = entry.as_ref().and_then(|view| view.limits);
-            if let Some(limits) = self.narrowed(limits, a, b) {
-                views.push(View { from: t, triangle: n, limits });
+            let [a, b] = tin.edge(t, i % 3).map(|v| tin.positions[v as usize] - from);
+            if let (Some(limits), Some(entry)) = (self.narrowed(limits, a, b), tin.edge_towards(n, t)) {
+                views.push(View { triangle: n, entry, limits });
             }
         }
         false

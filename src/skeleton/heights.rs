@@ -209,7 +209,7 @@ impl Ground<'_> {
     fn known(&self, point: &AxisPoint) -> Known {
         let at = point.position;
         let own = match point.level {
-            Some(level) => self.levels.near(level, at),
+            Some(level) => self.levels.of_point(self.tin, point, level),
             None => self
                 .levels
                 .nearest(at, |_| true, |near| near.distance)

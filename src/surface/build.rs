@@ -179,21 +179,20 @@ fn triangulated(
     let GivenLines { streams, creases, findings: of_lines, heights } = settle_lines(&subdivision, params, progress);
     findings.extend(of_lines);
     let known: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-    let lines = || {
+    let tuning = &params.tuning.skeleton;
+    let skeleton = (params.kind != SurfaceKind::Linear).then(|| {
         progress.start("ridge and canyon lines", 0);
-        let (resolution, tuning) = (params.resolution, &params.tuning.skeleton);
-        let skeleton = match heights {
-            Some(heights) => skeleton_with(&heights, resolution, tuning),
-            None => skeleton(&subdivision.tin, &subdivision.regions, resolution, tuning),
-        };
-        finer(&subdivision, triangulation, skeleton, &known, tuning)
-    };
-    let lines = (params.kind != SurfaceKind::Linear).then_some(lines);
+        match heights {
+            Some(heights) => skeleton_with(&heights, params.resolution, tuning),
+            None => skeleton(&subdivision.tin, &subdivision.regions, params.resolution, tuning),
+        }
+    });
+    let finer = || skeleton.map(|skeleton| finer(&subdivision, triangulation, skeleton, &known, tuning)).transpose();
     let of_map =
         |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map), &params.spline, trials) };
     let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
-    // Parts of this keep only one thread busy too.
-    let (mended, finer) = rayon::join(|| to_mend.map(of_map), || lines.map(|lines| lines()).transpose());
+    // Triangulating with the ridge and canyon lines keeps one thread busy too.
+    let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
     let finer = finer?;
     drop(known);
     Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })
