@@ -13,6 +13,8 @@
 
 mod line;
 mod settle;
+mod spacing;
 
 pub use line::{Bend, Crease, CreaseLine};
 pub(crate) use settle::settle;
+pub(crate) use spacing::spacing;

@@ -16,6 +16,8 @@ const FREE_NODES: f64 = 2e5;
 /// Further nodes per vertex of the contours. Ten real maps have 1 to 10. Only lines that are straight over many times their
 /// spacing need more, and there more nodes add nothing.
 const NODES_PER_VERTEX: f64 = 16.0;
+/// Largest number of nodes of a grid that is divided for break lines. It limits time.
+const MOST_NODES_FOR_LINES: f64 = 10e6;
 /// A divided grid is cut to the map again if that leaves less than one node in so many.
 const WASTE: usize = 4;
 /// Bytes of memory per node while the surface is found, as measured. They include one crossing of a contour per node.
@@ -70,6 +72,12 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     } else {
         thinned(&cut, (cell / is).ceil() as usize)
     }
+}
+
+/// A grid with so many `times` more rows and columns, rounded up to an odd number, or with fewer if there would be too many
+/// nodes. All nodes of the grid stay.
+pub fn finer_grid(grid: &Grid, times: f64) -> Grid {
+    divided(grid, odd_above(times, MOST_NODES_FOR_LINES / grid.len().max(1) as f64))
 }
 
 /// About how many bytes the smooth surface takes on a grid. `length` is the length of all contours, map units.
@@ -144,6 +152,19 @@ mod tests {
             let margins = [(lo - first) / raster.cell, (last - hi) / raster.cell];
             assert!(margins.iter().all(|m| m.min_element() >= 1.0 && m.max_element() < 3.0), "{margins:?}");
         }
+    }
+
+    #[test]
+    fn a_finer_grid_keeps_the_nodes_and_has_not_too_many() {
+        let grid = Grid { corner: DVec2::new(100.0, 50.0), cell: DVec2::new(2.0, 3.0), cols: 500, rows: 400 };
+        for (times, by) in [(0.3, 1), (1.0, 1), (1.2, 3), (3.0, 3), (3.1, 5), (5.1, 7), (9.0, 7), (1e300, 7)] {
+            let found = finer_grid(&grid, times);
+            assert_eq!([found.cols, found.rows], [500 * by, 400 * by], "{times}");
+            let (col, row) = (7 * by + by / 2, 9 * by + by / 2);
+            assert!(found.center(col, row).distance(grid.center(7, 9)) < 1e-9, "{times}");
+        }
+        let large = Grid { cols: 5_000, rows: 4_000, ..grid };
+        assert_eq!(finer_grid(&large, 9.0), large);
     }
 
     #[test]

@@ -16,11 +16,11 @@ use super::skeleton_lines::{Finer, finer, with_skeleton};
 use super::trial_builder::TrialBuilder;
 use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
-use crate::base::{KnownLine, memory};
+use crate::base::{Grid, KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
-use crate::creases::{Bend, Crease};
+use crate::creases::{self, Bend, Crease};
 use crate::skeleton::{Axis, skeleton, skeleton_with};
-use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, spline, working_grid};
+use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, finer_grid, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
@@ -70,7 +70,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
         progress.start(spline::STEP, 0);
-        let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
+        let grid = grid_of(&subdivision, params);
         let cliff_reach = tuning.cliffs.free * subdivision.extent().spacing;
         let lines: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
         let (of_map, triangles) = conditions(&subdivision, &break_lines, &lines, &grid, (&params.cliffs, cliff_reach));
@@ -167,7 +167,7 @@ fn triangulated(
     let trusted = subdivision.trusted();
     needless.store(trusted.is_some(), Ordering::Relaxed);
     if params.kind == SurfaceKind::Spline {
-        let grid = working_grid(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid);
+        let grid = grid_of(&subdivision, params);
         let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
         let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
         let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
@@ -196,6 +196,14 @@ fn triangulated(
     let finer = finer?;
     drop(known);
     Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })
+}
+
+/// The working grid. Its nodes are close enough for the contours, and for break lines that run beside each other.
+fn grid_of(subdivision: &Subdivision, params: &SurfaceParams) -> Grid {
+    let tuning = &params.tuning;
+    let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
+    let wanted = tuning.creases.nodes_per_line_spacing * (grid.cell.x * grid.cell.y).sqrt();
+    finer_grid(&grid, wanted / creases::spacing(&params.creases, wanted))
 }
 
 /// The spot heights with a standard error that the surface uses.

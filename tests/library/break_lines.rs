@@ -89,6 +89,29 @@ fn the_surface_of_noisy_contours_passes_through_surveyed_heights_too() {
 }
 
 #[test]
+fn the_nodes_are_close_enough_for_lines_beside_each_other() {
+    // A ditch that is narrower than two cells. Its bottom is 3 m below the ground.
+    let x = [-150.0, 150.0];
+    let ditch = || {
+        [(243.5, 24.35), (248.5, 21.85), (253.5, 25.35)].map(|(y, z)| line(&x.map(|x| (x, y)), &[z; 2], Bend::Either))
+    };
+    let errors = |nodes_per_line_spacing: f64| {
+        let spline = SplineParams { wanted: Some(Wanted::Cell(5.0)), ..SplineParams::default() };
+        let mut params = SurfaceParams { creases: ditch().into(), spline, ..SurfaceParams::default() };
+        params.tuning.creases.nodes_per_line_spacing = nodes_per_line_spacing;
+        let surface = build(slope(), &params, &()).expect("a slope has a surface").value;
+        // Both sides of the ditch are planes.
+        let truth = [(247.5, 21.85 + 0.5 * 1.0), (252.5, 21.85 + 0.7 * 4.0)];
+        let places = [-97.5, 2.5, 97.5].into_iter().flat_map(|x| truth.map(|(y, z)| (x, y, z)));
+        let worst = places.map(|(x, y, z)| (at(&surface, x, y) - z).abs()).fold(0.0, f64::max);
+        (surface.working.expect("it is smooth").grid.cell.x, worst)
+    };
+    let ((coarse, before), (fine, after)) = (errors(0.01), errors(2.0));
+    assert_eq!((coarse, fine), (5.0, 5.0 / 3.0));
+    assert!(after < 0.3 && after < 0.5 * before, "{before} m, with more nodes {after} m");
+}
+
+#[test]
 fn contours_win_over_heights_of_break_lines_and_that_is_told() {
     // Across the contours of 20 and 30 m, 4 m too high between them.
     let across = line(&[(0.0, 150.0), (0.0, 250.0), (0.0, 350.0)], &[15.0, 34.0, 35.0], Bend::Ridge);
