@@ -7,8 +7,9 @@ use rstar::{PointDistance, RTree};
 use super::CreaseLine;
 use crate::base::parallel;
 
-/// Lines nearer than this to each other are one line that was drawn twice, as a share of the largest distance asked for.
-const SAME: f64 = 0.01;
+/// Lines nearer than this to each other count as one line that was drawn twice, as a share of the largest distance asked
+/// for. With two nodes per distance, it is a quarter of a cell: cells of this size do not show the ground between.
+const SAME: f64 = 0.125;
 
 /// The median distance from surveyed break lines to the nearest other one beside them, map units, at most `most`. Each
 /// piece of a line counts with its length. Lines that go on where another one ends do not run beside it.
@@ -72,6 +73,7 @@ mod tests {
             (0..50).map(|k| line(&[(f64::from(k), 0.0), (f64::from(k + 1), 0.0)], &[5.0; 2])).collect();
         assert_eq!(spacing(&pieces, 10.0), 10.0);
         assert_eq!(spacing(&[side(0.0), side(0.0)], 10.0), 10.0);
+        assert_eq!(spacing(&[side(0.0), side(0.5), side(6.0)], 10.0), 5.5);
         // What has no heights is not surveyed.
         assert_eq!(spacing(&[side(0.0), line(&[(0.0, 1.0), (100.0, 1.0)], &[])], 10.0), 10.0);
         // Most of the length decides.
