@@ -74,8 +74,8 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     }
 }
 
-/// A grid with so many `times` more rows and columns, rounded up to an odd number, or with fewer if there would be too many
-/// nodes. All nodes of the grid stay.
+/// A grid with `times` as many rows and columns, or with fewer if there would be too many nodes. The factor is rounded up to an
+/// odd number, so that all nodes of the grid stay.
 pub fn finer_grid(grid: &Grid, times: f64) -> Grid {
     divided(grid, odd_above(times, MOST_NODES_FOR_LINES / grid.len().max(1) as f64))
 }

@@ -154,7 +154,7 @@ struct Triangulated {
 }
 
 /// Triangulates a map, and finds its ridge and canyon lines where they are needed. If elevations are wrong, `trials`
-/// give the hyper-parameters without them, and those with them are `needless`.
+/// give the hyper-parameters without them. The first trials, which run beside this, are then `needless`.
 fn triangulated(
     prepared: Prepared,
     params: &SurfaceParams,

@@ -35,7 +35,7 @@ pub struct TrialParams<'a> {
     pub builder: &'a dyn SurfaceBuilder,
     /// The tuned numbers, which are those of the surface of the whole map.
     pub tuning: &'a Tuning,
-    /// Set by another thread as soon as nobody needs the trials any more. The others are then left out.
+    /// Set by another thread as soon as nobody needs the trials any more. Those that have not begun are then left out.
     pub needless: Option<&'a AtomicBool>,
 }
 
