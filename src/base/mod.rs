@@ -5,6 +5,7 @@ pub(crate) mod bits;
 pub mod error;
 mod feature;
 mod grid;
+mod key;
 mod known_line;
 pub(crate) mod memory;
 pub(crate) mod parallel;
@@ -15,5 +16,6 @@ mod unit;
 
 pub use feature::FeatureId;
 pub use grid::Grid;
+pub(crate) use key::Key;
 pub(crate) use known_line::{KnownLine, Sure};
 pub use unit::ElevationUnit;

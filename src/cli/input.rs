@@ -11,6 +11,7 @@ use super::flags::first_given;
 use super::map::MapArgs;
 use super::part::PartArgs;
 use super::summary;
+use super::surface::FrameArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
@@ -34,16 +35,12 @@ impl InputArgs {
         first_given(self.map.flags().chain(own))
     }
 
-    /// Reads and prepares the map.
-    pub fn read(&self, console: &Console) -> Result<Input, Failure> {
-        self.read_part(None, console)
-    }
-
-    /// Reads and prepares a part of the map, if one is given.
-    pub fn read_part(&self, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
+    /// Reads and prepares the map inside its frame, or a part of it, if one is given.
+    pub fn read(&self, frame: &FrameArgs, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
+        frame.add_to(&mut input)?;
         part.map(|part| part.add_to(&mut input)).transpose()?;
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));

@@ -17,7 +17,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::part::PartArgs;
-use super::surface::{SurfaceArgs, WaterArgs};
+use super::surface::{FrameArgs, SurfaceArgs, WaterArgs};
 use super::{output, summary};
 
 /// One run of a verb that reads contours.
@@ -50,14 +50,9 @@ impl<'a> Job<'a> {
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
-    /// Reads and prepares the contours.
-    pub fn read(&self) -> Result<Input, Failure> {
-        self.args.read(self.console)
-    }
-
-    /// Reads and prepares a part of the contours, if one is given.
-    pub fn read_part(&self, part: &PartArgs) -> Result<Input, Failure> {
-        self.args.read_part(Some(part), self.console)
+    /// Reads and prepares the contours inside their frame, or a part of them, if one is given.
+    pub fn read(&self, frame: &FrameArgs, part: &PartArgs) -> Result<Input, Failure> {
+        self.args.read(frame, Some(part), self.console)
     }
 
     /// Builds the surface between them.

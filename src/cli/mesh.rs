@@ -14,6 +14,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
+use super::part::PartArgs;
 use super::surface::SurfaceArgs;
 use super::{output, summary};
 
@@ -37,6 +38,8 @@ pub struct MeshArgs {
     /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -51,10 +54,16 @@ Examples:
 pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     output::check_extension(&args.output, "models", &MESH_EXTENSIONS)?;
     args.surface.check()?;
-    let job = Job::start(&args.input, args.surface.files(), [args.output.as_path()], args.preview.as_deref(), console)?;
+    let job = Job::start(
+        &args.input,
+        args.surface.files().chain(args.part.file()),
+        [args.output.as_path()],
+        args.preview.as_deref(),
+        console,
+    )?;
     let staged = StagedOutput::create(&args.output)?;
 
-    let mut input = job.read()?;
+    let mut input = job.read(&args.surface.frame, &args.part)?;
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;

@@ -13,6 +13,7 @@ use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
 use super::output;
+use super::part::PartArgs;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
 use super::unit::{ToUnitArgs, in_feet};
@@ -39,6 +40,8 @@ pub struct RegionsArgs {
     /// Also draw a picture of the areas and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten, next_help_heading = "Surface")]
     frame: FrameArgs,
     #[command(flatten, next_help_heading = "Surface")]
@@ -54,14 +57,13 @@ Examples:
 /// Runs the verb.
 pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     output::check_vector(&args.output, "areas are written as .geojson, .gpkg, .fgb, .dxf or .shp")?;
-    let inputs = args.frame.file().into_iter().chain(args.water.file());
+    let inputs = args.frame.file().into_iter().chain(args.part.file()).chain(args.water.file());
     let output = PlannedOutput { path: &args.output, layers: &[REGIONS_LAYER] };
     let job = Job::start(&args.input, inputs, [output], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read()?;
-    args.frame.add_to(&mut input)?;
+    let mut input = job.read(&args.frame, &args.part)?;
     args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
     let subdivision = job.subdivide(&mut input, &args.water, unit)?;

@@ -14,6 +14,7 @@ use super::failure::Failure;
 use super::input::InputArgs;
 use super::job::Job;
 use super::output;
+use super::part::PartArgs;
 use super::plane::ToCrsArgs;
 use super::streams::StreamArgs;
 use super::summary;
@@ -50,6 +51,8 @@ pub struct SkeletonArgs {
     /// Also draw a picture of the ground and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten, next_help_heading = "Surface")]
     frame: FrameArgs,
     #[command(flatten, next_help_heading = "Surface")]
@@ -77,15 +80,15 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     names.extend(args.triangles.then_some("triangles"));
     names.extend(args.curve_mesh.then_some("curve_mesh"));
     let files = contour_files(&args.output, &names)?;
-    let inputs = args.frame.file().into_iter().chain(args.water.file()).chain(args.streams.files());
+    let inputs =
+        args.frame.file().into_iter().chain(args.part.file()).chain(args.water.file()).chain(args.streams.files());
     let outputs = files.iter().map(|path| PlannedOutput { path, layers: &names });
     let job = Job::start(&args.input, inputs, outputs, args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read()?;
+    let mut input = job.read(&args.frame, &args.part)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
-    args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;
     let subdivision = job.subdivide(&mut input, &args.water, unit)?;

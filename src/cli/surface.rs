@@ -57,14 +57,16 @@ const RESOLUTION: f64 = 1.0;
 /// Where the ground ends.
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
-    /// Outer border: the convex hull of the contours, their bounding box, or a polygon in a vector file
-    #[arg(long, value_name = "hull|bbox|FILE", default_value = "hull", value_parser = source().map(FrameArg::of))]
+    /// Outer border: the convex hull of the contours, their bounding box, or a polygon in a vector file. The default is the
+    /// hull, or an outline that follows the contours where these fill less than half of the hull
+    #[arg(long, value_name = "auto|hull|bbox|FILE", default_value = "auto", value_parser = source().map(FrameArg::of))]
     pub frame: FrameArg,
 }
 
 /// An outer border.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FrameArg {
+    Auto,
     Hull,
     Box,
     File(VectorSource),
@@ -73,6 +75,7 @@ pub enum FrameArg {
 impl FrameArg {
     fn of(source: VectorSource) -> Self {
         match source.path.to_str() {
+            Some("auto") => Self::Auto,
             Some("hull") => Self::Hull,
             Some("bbox") => Self::Box,
             _ => Self::File(source),
@@ -125,7 +128,7 @@ impl SurfaceArgs {
     pub fn given(&self) -> Option<&'static str> {
         first_given([
             (self.surface != KindArg::Spline, "--surface"),
-            (self.frame.frame != FrameArg::Hull, "--frame"),
+            (self.frame.frame != FrameArg::Auto, "--frame"),
             (self.water.water.is_some(), "--water"),
             (self.water.sea.is_some(), "--sea"),
             (!self.streams.streams.is_empty(), "--streams"),
@@ -162,9 +165,8 @@ impl SurfaceArgs {
         }
     }
 
-    /// Adds the frame, the lakes, the streams, the break lines and the sinks to an input; reads their files if there are any.
+    /// Adds the lakes, the streams, the break lines and the sinks to an input; reads their files if there are any.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
-        self.frame.add_to(input)?;
         self.water.add_to(input)?;
         self.streams.add_to(input)?;
         self.break_lines.add_to(input)?;
@@ -211,7 +213,7 @@ impl FrameArgs {
     pub fn file(&self) -> Option<&Path> {
         match &self.frame {
             FrameArg::File(source) => Some(&source.path),
-            FrameArg::Hull | FrameArg::Box => None,
+            FrameArg::Auto | FrameArg::Hull | FrameArg::Box => None,
         }
     }
 
@@ -219,6 +221,7 @@ impl FrameArgs {
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         match &self.frame {
             FrameArg::File(source) => input.read_boundary(source)?,
+            FrameArg::Auto => input.frame = Frame::Auto,
             FrameArg::Hull => input.frame = Frame::Hull,
             FrameArg::Box => input.frame = Frame::Box,
         }

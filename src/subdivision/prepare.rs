@@ -37,17 +37,19 @@ pub(crate) fn prepare(map: ContourMap, wanted: &Frame, water: &Water) -> Result<
             let Clipped { map, area } = clip(map, &area);
             (map, FrameRing { area })
         }
-        Frame::Hull | Frame::Box => (map, frame),
+        Frame::Auto | Frame::Hull | Frame::Box | Frame::Outline(_) => (map, frame),
     };
     let sea = sea_level(water, &map, &mut findings)?;
     let interval = find_interval(&map.contours).ok_or_else(|| too_few_levels(&map, wanted))?;
     let tolerance = frame.tolerance();
     let (ends, extensions) = extend_open_ends(&map, &frame, tolerance);
     let frame = match wanted {
-        Frame::Hull | Frame::Box => frame,
-        Frame::Polygon(_) => frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>()),
+        Frame::Auto | Frame::Hull | Frame::Box => frame,
+        Frame::Polygon(_) | Frame::Outline(_) => {
+            frame.with_points(&extensions.iter().map(|l| l.frame).collect::<Vec<_>>())
+        }
     };
-    let is_polygon = matches!(wanted, Frame::Polygon(_));
+    let is_polygon = matches!(wanted, Frame::Polygon(_) | Frame::Outline(_));
     let on_extensions = extensions_at(&map.spots, &extensions, tolerance);
     for (spot, extension) in map.spots.iter().zip(&on_extensions) {
         if let Some(extension) = extension.filter(|extension| extension.elevation != spot.z) {

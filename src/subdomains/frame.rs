@@ -23,13 +23,19 @@ const ROUNDING: f64 = 2e-9;
 /// How the frame is chosen.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Frame {
-    /// The convex hull of all contours and spot heights.
+    /// The convex hull of all contours and spot heights. Where these fill less than half of it, an outline that follows them:
+    /// [`Input::clean`](crate::Input::clean) decides. To all steps after it, this is the hull.
     #[default]
+    Auto,
+    /// The convex hull of all contours and spot heights.
     Hull,
     /// The smallest upright rectangle around them.
     Box,
     /// A boundary polygon of the user's. Its polygons do not overlap, and none crosses itself.
     Polygon(MultiPolygon<f64>),
+    /// An outline of the contours: vertices of theirs are its corners, and all of them lie inside. Its polygons may touch at
+    /// corners.
+    Outline(MultiPolygon<f64>),
 }
 
 /// The frame's outline for one map.
@@ -107,7 +113,8 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     };
     let bounds = || points().collect::<MultiPoint<f64>>().bounding_rect();
     let area = match frame {
-        Frame::Hull => hull().into(),
+        Frame::Auto | Frame::Hull => hull().into(),
+        Frame::Outline(area) => area.clone(),
         Frame::Box => match bounds() {
             Some(rect) => with_corners_at(&map.places().collect::<Vec<_>>(), &rect.to_polygon().into()),
             None => MultiPolygon::<f64>::new(Vec::<Polygon<f64>>::new()),

@@ -10,6 +10,7 @@ mod frame;
 mod landforms;
 mod local;
 mod orient;
+mod outline;
 mod regions;
 mod touch;
 mod waters;
@@ -26,6 +27,7 @@ pub use landforms::{Border, BorderKind, Landform, LandformClass, Mixture, Ring, 
 pub(crate) use local::local_bands;
 pub use orient::{ascends_right, signed_area};
 pub(crate) use orient::{line_at, line_starts, piece_of};
+pub(crate) use outline::settled;
 pub use regions::{Band, Region, Regions, Side, regions};
 pub use touch::agreeing_at_corners;
 pub use waters::{contradicted_lakes, with_water};

@@ -98,9 +98,9 @@ impl Part {
     /// The frame of the surface: what lies inside the window.
     pub(super) fn frame(&self, wanted: Frame) -> Frame {
         let whole = match &wanted {
-            Frame::Hull => &self.hull,
+            Frame::Auto | Frame::Hull => &self.hull,
             Frame::Box => &self.boxed,
-            Frame::Polygon(area) => area,
+            Frame::Polygon(area) | Frame::Outline(area) => area,
         };
         let window = MultiPolygon::from(self.window.to_polygon());
         if window.contains(whole) { wanted } else { Frame::Polygon(whole.intersection(&window)) }

@@ -11,7 +11,7 @@ use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
 use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
-use crate::subdomains::Frame;
+use crate::subdomains::settled;
 use crate::surface::{SurfaceParams, settle_lines};
 
 /// How far a map is repaired.
@@ -152,6 +152,7 @@ impl Input {
         let needed = BYTES_PER_VERTEX * vertices as f64;
         memory::check(needed, self.memory, format!("a map of {vertices} vertices"), remedy)?;
         self.clean_lines(params, progress)?;
+        self.frame = settled(std::mem::take(&mut self.frame), &mut self.map, &mut self.findings);
         if params.repair == Repair::All {
             self.correct_ground(params, progress)?;
         }
@@ -189,12 +190,13 @@ impl Input {
     fn correct_ground(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         for _ in 0..ROUNDS {
             // If no surface can be made of the map, the step that makes it reports the error.
-            let Ok(subdivision) = subdivide(self.map.clone(), &Frame::Hull, progress) else { break };
-            let corrections = subdivision.value.corrections;
+            let Ok(subdivision) = subdivide(self.map.clone(), &self.frame, progress) else { break };
+            let Subdivision { map, corrections, .. } = subdivision.value;
             if corrections.is_empty() {
                 break;
             }
-            let map = correct(std::mem::take(&mut self.map), &corrections).collect(&mut self.findings);
+            // The numbers of lines in corrections are those of the map inside the frame.
+            let map = correct(map, &corrections).collect(&mut self.findings);
             let cleaned = step(progress, "cleaning", || clean(map, &params.near()));
             self.map = self.named(cleaned)?.collect(&mut self.findings);
         }
@@ -213,7 +215,7 @@ impl Input {
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
         let params = options.surface(self, None);
         params.check()?;
-        match (subdivide_with_water(map, &Frame::Hull, &params.water, progress), flat) {
+        match (subdivide_with_water(map, &params.frame, &params.water, progress), flat) {
             (Err(error @ (Error::NoContours { .. } | Error::TooFewLevels { .. })), Some(map)) => {
                 self.findings.push(Finding::general(FindingKind::TooFewLevels, error.to_string()));
                 Ok(map)

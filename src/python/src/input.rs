@@ -117,6 +117,7 @@ impl Recipe {
         let frame = match &given.frame {
             GivenFrame::Area(source) => FrameRecipe::Area(vector(source, "frame")?),
             GivenFrame::Named(name) => match name.as_str() {
+                "auto" => FrameRecipe::Named(Frame::Auto),
                 "hull" => FrameRecipe::Named(Frame::Hull),
                 "bbox" => FrameRecipe::Named(Frame::Box),
                 other => return Err(one_of(py, "frame", other, "\"hull\", \"bbox\" or polygons")),
