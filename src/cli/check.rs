@@ -15,10 +15,11 @@ use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::map::{MapArgs, RepairArg};
+use super::part::PartArgs;
 use super::plane::ToCrsArgs;
 use super::streams::StreamArgs;
 use super::summary;
-use super::surface::WaterArgs;
+use super::surface::{FrameArgs, WaterArgs};
 use super::unit::{ToUnitArgs, in_feet};
 
 /// Faults in contour lines, their places and proposed repairs
@@ -37,6 +38,10 @@ use super::unit::{ToUnitArgs, in_feet};
 pub struct CheckArgs {
     #[command(flatten)]
     map: MapArgs,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    frame: FrameArgs,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
     #[command(flatten, next_help_heading = "Lines and water to compare")]
     water: WaterArgs,
     #[command(flatten, next_help_heading = "Lines and water to compare")]
@@ -59,6 +64,7 @@ pub struct CheckArgs {
 const EXAMPLES: &str = "\
 Examples:
   tokosen check contours.gpkg
+  tokosen check district.gpkg --frame district_area.gpkg
   tokosen check contours.gpkg --streams rivers.gpkg --water lakes.gpkg
   tokosen check contours.shp -a ELEV -o findings.gpkg
   tokosen check contours.gpkg --json --strict
@@ -71,6 +77,8 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     preparation.check()?;
     let staged = args.open(console)?;
     let mut input = args.map.read(console)?;
+    args.frame.add_to(&mut input)?;
+    args.part.add_to(&mut input)?;
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
@@ -111,7 +119,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
                 in_feet(args.to_unit.unit())
             ));
         }
-        summary::close_severities(findings, console);
+        summary::close_severities(findings, input.findings_outside, console);
     }
     if args.map.strict { Ok(all_right(&input.name(), findings)?) } else { Ok(()) }
 }
@@ -125,7 +133,8 @@ impl CheckArgs {
     /// Opens the output, if there is one.
     fn open(&self, console: &Console) -> Result<Option<StagedOutput>, Failure> {
         let files = self.map.files()?;
-        let others = self.water.file().into_iter().chain(self.streams.files()).chain(self.break_lines.files());
+        let area = self.frame.file().into_iter().chain(self.part.file());
+        let others = area.chain(self.water.file()).chain(self.streams.files()).chain(self.break_lines.files());
         let inputs: Vec<&Path> = files.iter().map(PathBuf::as_path).chain(others).collect();
         let Some(path) = &self.output else {
             console.check_paths(&inputs, &[])?;

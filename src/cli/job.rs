@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use geo::MultiPolygon;
 use image::RgbImage;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
@@ -71,10 +72,15 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Finds the sub-domains between them.
+    /// Finds the sub-domains between them, and the part of the map that is asked for.
     ///
     /// `unit` is that of heights in the options.
-    pub fn subdivide(&self, input: &mut Input, water: &WaterArgs, unit: ElevationUnit) -> Result<Subdivision, Failure> {
+    pub fn subdivide(
+        &self,
+        input: &mut Input,
+        water: &WaterArgs,
+        unit: ElevationUnit,
+    ) -> Result<(Subdivision, Option<MultiPolygon<f64>>), Failure> {
         let subdivision = input.subdivide(water.sea_in_metres(unit), self.console);
         subdivision.map_err(|error| summary::after_findings(error, &input.findings, self.console).into())
     }
@@ -102,12 +108,8 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Puts the picture in its place, and prints the end of the summary.
-    pub fn close(self, findings: usize) -> Result<(), Failure> {
-        self.close_part(findings, 0)
-    }
-
-    /// The same for a part of the map, with `outside` findings outside of it.
+    /// Puts the picture in its place, and prints the end of the summary. `outside` is the number of findings outside of the
+    /// frame polygon or the part.
     pub fn close_part(self, findings: usize, outside: usize) -> Result<(), Failure> {
         let console = self.console;
         self.commit_picture()?;

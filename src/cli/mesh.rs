@@ -77,7 +77,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
     describe(&staged.commit()?, &model, console);
-    job.close(terrain.findings.len())
+    job.close_part(terrain.findings.len(), terrain.findings_outside)
 }
 
 /// The lines of the summary about a model.

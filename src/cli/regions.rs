@@ -6,6 +6,7 @@ use clap::Args;
 use tokosen::draw::preview::{landform_patches, subdivision_picture};
 use tokosen::io::layer::{REGIONS_LAYER, of_landforms};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
+use tokosen::terrain::clip_areas;
 use tokosen::subdomains::{Landform, LandformClass, landforms};
 
 use super::console::Console;
@@ -66,9 +67,11 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let mut input = job.read(&args.frame, &args.part)?;
     args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
-    let subdivision = job.subdivide(&mut input, &args.water, unit)?;
+    let (subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
     let forms = console.step("landforms", || landforms(&subdivision.tin, &subdivision.regions));
-    let layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
+    let mut layer = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
+    layer = part.iter().fold(layer, clip_areas);
+    let written = layer.rows.len();
     console.step("writing", || write_layers_back(&staged, &[layer], &back))?;
     job.draw(|| {
         let patches = landform_patches(&forms, &subdivision.tin);
@@ -78,8 +81,8 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = staged.commit()?;
-    console.say(&format!("written    {} ({} areas{})", path.display(), forms.len(), in_feet(unit)));
-    job.close(input.findings.len())
+    console.say(&format!("written    {} ({} areas{})", path.display(), written, in_feet(unit)));
+    job.close_part(input.findings.len(), input.findings_outside)
 }
 
 /// The lines of the summary about sub-domains.

@@ -7,6 +7,7 @@ use tokosen::draw::preview::{subdivision_picture, triangle_patches};
 use tokosen::io::layer::{curve_mesh, skeleton_lines, skeleton_triangles};
 use tokosen::io::{PlannedOutput, StagedOutput, contour_files, write_layers_back};
 use tokosen::skeleton::{BreakKind, BreakLine, LineEnd, Skeleton, junction_edges, skeleton};
+use tokosen::terrain::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
 use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
@@ -91,19 +92,28 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let back = args.to_crs.way(&input.reprojection, unit)?;
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;
-    let subdivision = job.subdivide(&mut input, &args.water, unit)?;
-    let streams = input.settle_streams(&subdivision, args.streams.stream_tolerance, console)?;
+    let (mut subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;
+    let mut streams = input.settle_streams(&subdivision, args.streams.stream_tolerance, console)?;
     let tuning = SkeletonTuning::default();
-    let found = console
+    let mut found = console
         .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
+    let mut edges = if args.curve_mesh {
+        junction_edges(&subdivision.tin, &subdivision.regions, &found)
+    } else {
+        Vec::new()
+    };
+    if let Some(area) = &part {
+        clip_skeleton(&mut found, area);
+        clip_streams(&mut streams, area);
+        clip_edges(&mut edges, area);
+        subdivision = clip_subdivision(subdivision, area);
+    }
     let written = console.step("writing", || {
         let mut layers = vec![skeleton_lines(&found, &streams)];
         if args.triangles {
             layers.push(skeleton_triangles(&subdivision, &found));
         }
-        let edges;
         if args.curve_mesh {
-            edges = junction_edges(&subdivision.tin, &subdivision.regions, &found);
             layers.push(curve_mesh(&subdivision, &found, &edges));
         }
         write_layers_back(&staged, &layers, &back)
@@ -121,7 +131,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();
         console.say(&format!("written    {path}, layer {name}{}", in_feet(unit)));
     }
-    job.close(input.findings.len())
+    job.close_part(input.findings.len(), input.findings_outside)
 }
 
 /// The lines of the summary about ridge and canyon lines.

@@ -75,11 +75,13 @@ fn print_kind(title: &str, list: &[&Finding], console: &Console, print: fn(&Cons
     }
 }
 
-/// Prints the number of findings of each severity and the time of each step.
-pub fn close_severities(findings: &[Finding], console: &Console) {
+/// Prints the number of findings of each severity and the time of each step. `outside` is the number of those outside of the
+/// frame polygon or the part.
+pub fn close_severities(findings: &[Finding], outside: usize, console: &Console) {
     let count = |severity: Severity| findings.iter().filter(|f| f.kind.severity() == severity).count();
     let [errors, warnings, notes] = [Severity::Error, Severity::Warning, Severity::Note].map(count);
-    console.say(&format!("findings   {errors} errors, {warnings} warnings, {notes} notes"));
+    let elsewhere = elsewhere(outside);
+    console.say(&format!("findings   {errors} errors, {warnings} warnings, {notes} notes{elsewhere}"));
     times(console);
 }
 
@@ -229,10 +231,15 @@ fn metres(value: f64) -> String {
 /// Prints the number of findings and the time. `outside` is the number of those outside of the part of the map that is
 /// written.
 pub fn close_part(findings: usize, outside: usize, console: &Console) {
-    let elsewhere = if outside == 0 { String::new() } else { format!(" ({outside} more outside of this part)") };
+    let elsewhere = elsewhere(outside);
     let count = if findings == 0 { "none".into() } else { findings.to_string() };
     console.say(&format!("findings   {count}{elsewhere}"));
     times(console);
+}
+
+/// The number of findings outside of a part, in words.
+fn elsewhere(outside: usize) -> String {
+    if outside == 0 { String::new() } else { format!(" ({outside} more outside of this part)") }
 }
 
 /// Prints the number of findings and the time.

@@ -58,7 +58,7 @@ const RESOLUTION: f64 = 1.0;
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
     /// Outer border: the convex hull of the contours, their bounding box, or a polygon in a vector file. The default is the
-    /// hull, or an outline that follows the contours where these fill less than half of the hull
+    /// hull, or an outline that follows the contours where these fill less than a third of the hull
     #[arg(long, value_name = "auto|hull|bbox|FILE", default_value = "auto", value_parser = source().map(FrameArg::of))]
     pub frame: FrameArg,
 }

@@ -5,8 +5,10 @@
 //! collapses or turns over. Where the ground touches itself at a single point, this point becomes several vertices. So
 //! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
+mod cut;
 mod validate;
 
+use geo::MultiPolygon;
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::base::error::{Error, Result};
@@ -42,16 +44,18 @@ pub struct Mesh {
     pub crs: Option<Crs>,
 }
 
-/// The triangles of a surface inside its frame, or the solid between them and a flat bottom.
+/// The triangles of a surface inside its frame, or the solid between them and a flat bottom. Of a `part` of the map, the
+/// triangles are cut at its border.
 ///
 /// The bottom is a copy of the top without relief. Walls go down along every border edge, including the edges of holes.
 ///
 /// # Errors
 /// If there is no ground inside the frame, if the base is not below the lowest height, or if 32-bit indices cannot
 /// count the vertices.
-pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
+pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshParams) -> Result<Mesh> {
     let tin = &surface.tin;
-    let (vertices, triangles, border) = shell(tin);
+    let cut = part.map(|area| cut::cut(tin, area)).transpose()?;
+    let (vertices, triangles, border) = shell(cut.as_ref().unwrap_or(tin));
     if triangles.is_empty() {
         return Err(Error::Data("there is no ground inside the frame to make a mesh of".into()));
     }
@@ -224,11 +228,11 @@ mod tests {
     fn a_square_is_a_shell_and_a_box() {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let surface = slope(vec![Polygon::new(square, vec![])]);
-        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
         shell.validate().unwrap();
         assert!((shell.plan_area() - 1600.0).abs() < 1e-6, "{}", shell.plan_area());
         assert!(shell.origin.truncate().distance(DVec2::new(400_000.0, 4_000_000.0)) < 50.0, "{}", shell.origin);
-        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 2);
         assert!((solid.volume() - 1600.0 * 45.0).abs() < 1600.0 * 3.0, "{}", solid.volume());
@@ -239,7 +243,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let hole = ring(&[(-8.0, -8.0), (8.0, -8.0), (8.0, 8.0), (-8.0, 8.0)]);
         let surface = slope(vec![Polygon::new(square, vec![hole])]);
-        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 0);
     }
@@ -249,11 +253,11 @@ mod tests {
         let west = ring(&[(-20.0, -10.0), (0.0, 0.0), (-20.0, 10.0)]);
         let east = ring(&[(20.0, -10.0), (20.0, 10.0), (0.0, 0.0)]);
         let surface = slope(vec![Polygon::new(west, vec![]), Polygon::new(east, vec![])]);
-        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
         shell.validate().unwrap();
         let middle = DVec2::new(400_000.0, 4_000_000.0) - shell.origin.truncate();
         assert_eq!(shell.vertices.iter().filter(|v| v.truncate() == middle).count(), 2);
-        let solid = mesh(&surface, &MeshParams { base: Some(-10.0) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(-10.0) }).unwrap();
         solid.validate().unwrap();
         assert_eq!(euler(&solid), 4, "two closed bodies");
     }
@@ -263,7 +267,7 @@ mod tests {
         let square = ring(&[(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)]);
         let surface = slope(vec![Polygon::new(square, vec![])]);
         for base in [30.0, f64::NAN, f64::NEG_INFINITY] {
-            let error = mesh(&surface, &MeshParams { base: Some(base) }).unwrap_err();
+            let error = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap_err();
             assert!(matches!(error, Error::Parameter(_)), "{error}");
         }
     }

@@ -60,7 +60,9 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
     let cells = cut.map_or(0, |cut| cut.len()) as f64;
     let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64 + cells);
     // Ground outside the grid that is wanted needs no nodes.
-    let size = cut.filter(|_| matches!(wanted, Some(Wanted::Grid(_)))).map_or(size, |cut| size.min(cut.size()));
+    let size = cut
+        .filter(|_| matches!(wanted, Some(Wanted::Grid(_))))
+        .map_or(size, |cut| size.min(cut.cell * DVec2::new(cut.cols as f64, cut.rows as f64)));
     let least = (size.x * size.y / most).sqrt();
     let cell = cell.max(least).max(1e-6 * size.max_element());
     let Some(cut) = cut else { return with_border(&Grid::on_multiples(lo, hi, cell)) };

@@ -57,6 +57,11 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// A piece of the stream with these points, to be written.
+    pub(crate) fn piece(&self, points: Vec<DVec3>) -> Self {
+        Self { points, sure: Vec::new(), bands: Vec::new(), ..*self }
+    }
+
     /// Where it begins and ends; `None` without points. Where streams meet, their ends are equal.
     pub(super) fn ends(&self) -> Option<[[u64; 2]; 2]> {
         let ends = self.points.first().zip(self.points.last());

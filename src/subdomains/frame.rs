@@ -23,7 +23,7 @@ const ROUNDING: f64 = 2e-9;
 /// How the frame is chosen.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Frame {
-    /// The convex hull of all contours and spot heights. Where these fill less than half of it, an outline that follows them:
+    /// The convex hull of all contours and spot heights. Where these fill less than a third of it, an outline that follows them:
     /// [`Input::clean`](crate::Input::clean) decides. To all steps after it, this is the hull.
     #[default]
     Auto,

@@ -20,9 +20,9 @@ use crate::contour::ContourMap;
 use crate::tin::{NONE, Tin, TinInput, VertexKind, triangulate};
 
 /// Edges longer than this many mean spacings of the contours lead into ground that is far from all contours.
-const REACH: f64 = 20.0;
+const REACH: f64 = 10.0;
 /// The outline is followed if less than this share of the hull is near contours.
-const FOLLOWED: f64 = 0.5;
+const FOLLOWED: f64 = 1.0 / 3.0;
 /// The user is told of far ground if less than this share of the hull is near contours.
 const TOLD: f64 = 0.8;
 /// The outline that is followed holds up to this many times the ground near contours. So bays and short gaps in a corridor

@@ -6,7 +6,8 @@ use super::base::Background;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
-use super::part::{clip_lines, drop_outside};
+use super::clipped::clip_lines;
+use super::part::drop_outside;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
@@ -64,10 +65,7 @@ impl Terrain {
         if input.map.contours.is_empty() {
             return Err(Error::NoContours { in_polygon: false });
         }
-        let part = input.part.take();
-        if let Some(part) = &part {
-            input.frame = part.frame(std::mem::take(&mut input.frame));
-        }
+        let part = input.take_part();
         let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
         let params = options.surface(input, cells.as_ref());
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
@@ -137,7 +135,7 @@ impl Terrain {
     /// # Errors
     /// As [`mesh`](fn@mesh).
     pub fn mesh(&self, params: &MeshParams) -> Result<Mesh> {
-        mesh(&self.surface, params)
+        mesh(&self.surface, self.part.as_ref(), params)
     }
 
     /// The conversion from the working plane to the coordinates of the input, or to those of another system. Heights

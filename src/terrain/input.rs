@@ -55,6 +55,8 @@ pub struct Input {
     pub map: ContourMap,
     /// The findings, in a fixed order; places are in the working coordinate reference system.
     pub findings: Vec<Finding>,
+    /// Number of findings outside of the frame polygon or the part; they are not in `findings`.
+    pub findings_outside: usize,
     /// The conversion between the working plane and the coordinates of the contours.
     pub reprojection: Reprojection,
     /// Where the ground ends.

@@ -7,6 +7,7 @@
 mod arrays;
 mod base;
 mod cliffs;
+mod clipped;
 mod coast;
 mod compare;
 mod exclude;
@@ -32,6 +33,9 @@ mod units;
 
 pub use arrays::{RaggedLines, TriangleArrays};
 pub use base::BaseJoin;
+#[cfg(feature = "io")]
+pub use clipped::clip_areas;
+pub use clipped::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
 pub use facade::Terrain;
 #[cfg(feature = "io")]

@@ -11,7 +11,7 @@ use glam::DVec2;
 use super::input::Input;
 use crate::base::error::{Error, Finding, Result};
 use crate::base::parallel;
-use crate::contour::{Contour, ContourLine, ContourMap, clip};
+use crate::contour::{Contour, ContourMap};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::geometry::Border;
@@ -121,24 +121,6 @@ impl Part {
             _ => Ok(common),
         }
     }
-}
-
-/// Cuts the lines of a layer at the border of an area.
-pub(super) fn clip_lines(lines: &mut Vec<ContourLine>, area: &MultiPolygon<f64>) {
-    let numbered = (0u64..).zip(lines.iter_mut()).map(|(k, line)| Contour {
-        elevation: line.elevation,
-        points: std::mem::take(&mut line.points),
-        feature: k.into(),
-    });
-    let map = ContourMap { contours: numbered.collect(), ..ContourMap::default() };
-    let pieces = clip(map, area).map.contours;
-    let piece = |piece: Contour| {
-        let mut line = ContourLine { points: piece.points, ..lines[piece.feature.number() as usize] };
-        // A ring that is cut open has no ground inside.
-        line.depression &= line.is_closed();
-        line
-    };
-    *lines = pieces.into_iter().map(piece).collect();
 }
 
 /// Leaves out the heights of cells whose centres lie outside of an area. `on_plane` leads from a centre to the plane of

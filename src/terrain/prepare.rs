@@ -1,7 +1,10 @@
 //! Preparation of the lines: they are examined, repaired, cleaned, fitted and sampled.
 
+use geo::MultiPolygon;
+
 use super::input::Input;
 use super::options::Options;
+use super::part::{Part, drop_outside};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
 use crate::base::memory;
 use crate::base::progress::{Progress, step};
@@ -11,7 +14,7 @@ use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
 use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
-use crate::subdomains::settled;
+use crate::subdomains::{Frame, settled};
 use crate::surface::{SurfaceParams, settle_lines};
 
 /// How far a map is repaired.
@@ -206,11 +209,24 @@ impl Input {
     /// Compares neighbouring contours, and lakes, streams and break lines with them. Adds the faults to the findings, each
     /// once, and returns the map. Of the options, the level of the sea and the tolerance of streams count.
     ///
-    /// With fewer than two levels nothing can be compared; that is a finding too.
+    /// With fewer than two levels nothing can be compared; that is a finding too. Findings outside of the frame polygon or of
+    /// the part are counted and left out.
     ///
     /// # Errors
     /// As [`subdivide_with_water`]. The findings stay in the input.
     pub fn judge(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
+        let part = self.take_part();
+        let border = match (&part, &self.frame) {
+            (Some(part), _) => Some(part.area().clone()),
+            (None, Frame::Polygon(area)) => Some(area.clone()),
+            (None, _) => None,
+        };
+        let judged = self.judge_whole(options, progress);
+        self.findings_outside += border.map_or(0, |area| drop_outside(&mut self.findings, &area));
+        judged
+    }
+
+    fn judge_whole(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
         let params = options.surface(self, None);
@@ -230,17 +246,32 @@ impl Input {
     }
 
     /// Triangulates the map and finds its sub-domains, with the lakes of the input and the sea at the level `sea`.
-    /// The map is moved out of the input.
+    /// The map is moved out of the input. If a part of the map is asked for, the sub-domains are those of a window around it,
+    /// and the part comes with them.
     ///
     /// # Errors
     /// As [`subdivide_with_water`]. [`Error::Strict`] if the preparation was strict and there is an error or a warning.
     /// The findings stay in the input.
-    pub fn subdivide(&mut self, sea: Option<f64>, progress: &dyn Progress) -> Result<Subdivision> {
+    pub fn subdivide(
+        &mut self,
+        sea: Option<f64>,
+        progress: &dyn Progress,
+    ) -> Result<(Subdivision, Option<MultiPolygon<f64>>)> {
+        let part = self.take_part();
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.lakes), sea, coast: self.coast.clone() };
         let subdivision = self.found(subdivide_with_water(map, &self.frame, &water, progress))?;
         self.check_strict()?;
-        Ok(subdivision)
+        let covered = part.map(|part| part.of(&subdivision.frame.area)).transpose()?;
+        self.findings_outside += covered.as_ref().map_or(0, |area| drop_outside(&mut self.findings, area));
+        Ok((subdivision, covered))
+    }
+
+    /// Takes the part that is asked for, if it is one. The frame becomes the window around it.
+    pub(super) fn take_part(&mut self) -> Option<Part> {
+        let part = self.part.take()?;
+        self.frame = part.frame(std::mem::take(&mut self.frame));
+        Some(part)
     }
 
     /// Brings the streams of the input into agreement with a subdivision of its map. They are moved out of the input; what

@@ -60,7 +60,7 @@ fn near(a: f64, b: f64) -> bool {
 #[test]
 fn solids_of_the_samples_are_watertight() {
     for (name, surface) in samples() {
-        let shell = mesh(&surface, &MeshParams::default()).unwrap();
+        let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
         shell.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
         let lowest = shell.extent().0.z;
         let base = lowest - 25.0;
@@ -68,7 +68,7 @@ fn solids_of_the_samples_are_watertight() {
         assert!(near(shell.plan_area(), area), "{name}");
         assert!(!is_closed(&shell.triangles), "{name}");
 
-        let solid = mesh(&surface, &MeshParams { base: Some(base) }).unwrap();
+        let solid = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap();
         solid.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(is_closed(&solid.triangles), "{name}");
         let euler = solid.vertices.len() as i64 - solid.triangles.len() as i64 / 2;
@@ -81,7 +81,7 @@ fn solids_of_the_samples_are_watertight() {
 #[test]
 fn a_mesh_with_a_fault_is_found_out() {
     let (_, surface) = samples().remove(0);
-    let solid = mesh(&surface, &MeshParams { base: Some(-1000.0) }).unwrap();
+    let solid = mesh(&surface, None, &MeshParams { base: Some(-1000.0) }).unwrap();
     let broken = |change: fn(&mut Mesh)| {
         let mut copy = solid.clone();
         change(&mut copy);
@@ -204,7 +204,7 @@ fn read_glb(bytes: &[u8]) -> Read {
 fn every_format_gives_the_mesh_back() {
     let folder = tempfile::tempdir().unwrap();
     let (_, surface) = samples().remove(6);
-    let wanted = mesh(&surface, &MeshParams { base: Some(-50.5) }).unwrap();
+    let wanted = mesh(&surface, None, &MeshParams { base: Some(-50.5) }).unwrap();
     for extension in MESH_EXTENSIONS {
         let path = folder.path().join(format!("model.{extension}"));
         write_mesh(&path, &wanted).unwrap();
@@ -229,7 +229,7 @@ fn every_format_gives_the_mesh_back() {
 
 #[test]
 fn triangles_that_single_precision_flattens_are_counted() {
-    let mut narrow = mesh(&samples()[0].1, &MeshParams::default()).unwrap();
+    let mut narrow = mesh(&samples()[0].1, None, &MeshParams::default()).unwrap();
     assert_eq!(flattened(Path::new("model.glb"), &narrow), 0);
     // So far from zero a hundredth of a millimetre is less than single precision can tell.
     let corners = [DVec3::new(0.0, 5000.0, 0.0), DVec3::new(4096.0, 5000.0, 0.0), DVec3::new(2048.0, 5000.00001, 0.0)];
@@ -279,10 +279,10 @@ fn meshes_of_all_terrain_are_sound() {
             let what = format!("{} {seed}", terrain.kind);
             let Some(report) = tally.take(build(map, &SurfaceParams::default(), &()), &allowed, &what) else { continue };
             let surface = report.value;
-            let shell = mesh(&surface, &MeshParams::default()).unwrap();
+            let shell = mesh(&surface, None, &MeshParams::default()).unwrap();
             prop_assert_eq!(shell.validate(), Ok(()));
             let base = shell.extent().0.z - 1.0;
-            let solid = mesh(&surface, &MeshParams { base: Some(base) }).unwrap();
+            let solid = mesh(&surface, None, &MeshParams { base: Some(base) }).unwrap();
             prop_assert_eq!(solid.validate(), Ok(()));
             let volume = prisms(&surface, base).1;
             prop_assert!((solid.volume() - volume).abs() <= 1e-6 * volume);

@@ -120,7 +120,7 @@ impl Recipe {
                 "auto" => FrameRecipe::Named(Frame::Auto),
                 "hull" => FrameRecipe::Named(Frame::Hull),
                 "bbox" => FrameRecipe::Named(Frame::Box),
-                other => return Err(one_of(py, "frame", other, "\"hull\", \"bbox\" or polygons")),
+                other => return Err(one_of(py, "frame", other, "\"auto\", \"hull\", \"bbox\" or polygons")),
             },
         };
         let base = match &given.base {
@@ -175,11 +175,13 @@ impl Recipe {
         }
         self.exclude.iter().try_for_each(|source| input.read_excluded(source))?;
         self.cliffs.iter().try_for_each(|source| input.read_cliffs(source))?;
+        self.frame(&mut input)?;
+        self.part(&mut input)?;
         Ok(input)
     }
 
     /// Limits the results to the part that is asked for.
-    pub fn part(&self, input: &mut Input) -> Result<()> {
+    fn part(&self, input: &mut Input) -> Result<()> {
         if let Some((extent, crs)) = &self.extent {
             input.set_extent(*extent, crs.as_ref())?;
         }
@@ -196,7 +198,7 @@ impl Recipe {
     }
 
     /// Adds the frame.
-    pub fn frame(&self, input: &mut Input) -> Result<()> {
+    fn frame(&self, input: &mut Input) -> Result<()> {
         match &self.frame {
             FrameRecipe::Named(frame) => input.frame = frame.clone(),
             FrameRecipe::Area(source) => input.read_boundary(source)?,
@@ -221,7 +223,6 @@ impl Recipe {
 
     /// Adds everything that a surface needs besides the contours.
     pub fn surface(&self, input: &mut Input) -> Result<()> {
-        self.frame(input)?;
         self.water(input)?;
         self.streams(input)?;
         self.breaklines(input)?;

@@ -67,7 +67,6 @@ fn built_of(
     options: &Options,
     progress: &dyn Progress,
 ) -> tokosen::Result<tokosen::Terrain> {
-    recipe.part(input)?;
     input.prepare(&options.preparation, progress)?;
     recipe.base(input, progress)?;
     recipe.surface(input)?;

@@ -17,7 +17,7 @@ use tokosen::io::raster::Quantity;
 use tokosen::skeleton::skeleton as skeleton_of;
 use tokosen::subdomains::landforms;
 use tokosen::surface::Triangles;
-use tokosen::terrain::{all_right, check_json};
+use tokosen::terrain::{all_right, check_json, clip_areas, clip_skeleton, clip_streams};
 use tokosen::tuning::SkeletonTuning;
 
 use crate::error::parameter;
@@ -105,12 +105,12 @@ pub fn regions(
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
         input.prepare(&options.preparation, progress)?;
-        recipe.frame(&mut input)?;
         recipe.water(&mut input)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
-        let subdivision = input.subdivide(options.sea, progress)?;
+        let (subdivision, part) = input.subdivide(options.sea, progress)?;
         let forms = landforms(&subdivision.tin, &subdivision.regions);
-        let layer = one(Layer::all(&[of_landforms(&forms, &subdivision.tin, &subdivision.regions)], &back))?;
+        let areas = of_landforms(&forms, &subdivision.tin, &subdivision.regions);
+        let layer = one(Layer::all(&[part.iter().fold(areas, clip_areas)], &back))?;
         Ok((layer, warned(&input.findings, &input.reprojection.from_working(None)?)))
     })
 }
@@ -135,14 +135,17 @@ pub fn skeleton(
         let mut input = recipe.contours(progress)?;
         input.prepare(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
-        recipe.frame(&mut input)?;
         recipe.water(&mut input)?;
         recipe.streams(&mut input)?;
-        let subdivision = input.subdivide(options.sea, progress)?;
-        let streams = input.settle_streams(&subdivision, options.stream_tolerance, progress)?;
+        let (subdivision, part) = input.subdivide(options.sea, progress)?;
+        let mut streams = input.settle_streams(&subdivision, options.stream_tolerance, progress)?;
         progress.start("ridge and canyon lines", 0);
-        let found = skeleton_of(&subdivision.tin, &subdivision.regions, resolution, &SkeletonTuning::default());
+        let mut found = skeleton_of(&subdivision.tin, &subdivision.regions, resolution, &SkeletonTuning::default());
         progress.finish();
+        if let Some(area) = &part {
+            clip_skeleton(&mut found, area);
+            clip_streams(&mut streams, area);
+        }
         let layer = one(Layer::all(&[skeleton_lines(&found, &streams)], &back))?;
         Ok((layer, warned(&input.findings, &input.reprojection.from_working(None)?)))
     })

@@ -56,7 +56,7 @@ options = st.fixed_dictionaries(
         "repair": st.sampled_from([None, "none", "safe", "all", "x"]),
         "strict": st.booleans(),
         "drain": st.sampled_from(["none", "safe", "all"]),
-        "frame": st.sampled_from(["hull", "bbox", "x"]),
+        "frame": st.sampled_from(["auto", "hull", "bbox", "x"]),
         "surface": st.sampled_from(["linear", "skeleton", "spline"]),
         "tension": numbers,
         "noise": numbers,

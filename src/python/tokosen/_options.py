@@ -80,7 +80,8 @@ class FrameOptions(TypedDict, total=False):
     """Where the ground ends."""
 
     frame: Any
-    """"hull" of the contours, their "bbox", or polygons."""
+    """"hull" of the contours, their "bbox", or polygons. "auto" is the hull, or an outline of the contours where these fill
+    less than a third of it ("auto")."""
 
 
 class BreakLineOptions(TypedDict, total=False):
@@ -142,11 +143,13 @@ class SurfaceOptions(SideOptions, SpotOptions, total=False):
     """Distance at which a twentieth of the difference from the base is left, map units."""
 
 
-class CheckOptions(InputOptions, SpotOptions, WaterOptions, StreamOptions, BreakLineOptions, total=False):
+class CheckOptions(
+    InputOptions, SpotOptions, FrameOptions, PartOptions, WaterOptions, StreamOptions, BreakLineOptions, total=False
+):
     """How contours are read, and what is compared with them."""
 
 
-class RegionOptions(InputOptions, SpotOptions, FitOptions, WaterOptions, FrameOptions, total=False):
+class RegionOptions(InputOptions, SpotOptions, FitOptions, WaterOptions, FrameOptions, PartOptions, total=False):
     """How contours are read and parted into sub-domains."""
 
 
@@ -177,7 +180,7 @@ _DEFAULTS: dict[str, Any] = {
     "sinks": None,
     "drain": "safe",
     "exclude": None,
-    "frame": "hull",
+    "frame": "auto",
     "base": None,
     "base_fade": None,
     "extent": None,
@@ -208,7 +211,7 @@ def options(given: Mapping[str, Any], known: type, uncertainty: bool = False) ->
         found[name] = None if found[name] is None else source(name, found[name])
     for name in _SYSTEMS:
         found[name] = crs_text(found[name])
-    if not isinstance(found["frame"], str) or found["frame"] not in ("hull", "bbox"):
+    if not isinstance(found["frame"], str) or found["frame"] not in ("auto", "hull", "bbox"):
         frame = found["frame"]
         is_path = isinstance(frame, str) and not os.path.splitext(frame)[1]
         found["frame"] = frame if is_path else source("frame", frame)

@@ -151,7 +151,11 @@ DRAIN = choice(
 FRAME = choice(
     "--frame",
     "Outer border",
-    [("hull", "Convex hull of the contours"), ("bbox", "Bounding box of the contours")],
+    [
+        ("auto", "Convex hull, or an outline of the contours where these fill less than a third of it"),
+        ("hull", "Convex hull of the contours"),
+        ("bbox", "Bounding box of the contours"),
+    ],
     unless=["FRAME_LAYER"],
     advanced=True,
 )

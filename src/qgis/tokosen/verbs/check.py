@@ -46,6 +46,9 @@ The repaired contours are an output of their own.
 """
     options = [
         *shared.CONTOURS,
+        *shared.PART,
+        shared.FRAME,
+        shared.FRAME_LAYER,
         shared.STREAMS,
         shared.WATER,
         shared.BREAK_LINES,

@@ -20,6 +20,7 @@ The model is in metres, relative to an offset that the file states. With a heigh
         *shared.CONTOURS,
         number("--base", "Height of the bottom of a closed solid [m]"),
         *shared.TERRAIN,
+        *shared.PART,
         *shared.SURFACE,
         *shared.CLEANING,
         file_output("--output", "Model", "PLY (*.ply);;Wavefront OBJ (*.obj);;Binary glTF (*.glb)", optional=False),

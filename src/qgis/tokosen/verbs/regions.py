@@ -24,6 +24,7 @@ the levels below and above it (band_lo, band_hi), the area around it (parent) an
         shared.COAST_LEVEL,
         shared.SEA,
         shared.EXCLUDE,
+        *shared.PART,
         shared.FRAME,
         shared.FRAME_LAYER,
         shared.TO_CRS,

@@ -28,6 +28,7 @@ upper_z and lower_z. Lines that meet have the same number in network.
         shared.SEA,
         shared.EXCLUDE,
         shared.STREAM_TOLERANCE,
+        *shared.PART,
         shared.FRAME,
         shared.FRAME_LAYER,
         shared.TO_CRS,
