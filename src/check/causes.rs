@@ -15,7 +15,8 @@ pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
     let mut zero = HashSet::new();
     findings.retain(|f| f.kind != ZeroElevation || f.features.iter().fold(false, |new, n| zero.insert(*n) | new));
 
-    let frame_is_moved = findings.iter().any(|f| matches!(f.kind, FarAway | LooksLikeDegrees));
+    let frame_is_moved =
+        findings.iter().any(|f| matches!(f.kind, FarAway | LooksLikeDegrees) && !f.features.is_empty());
     let known = |f: &&Finding| matches!(f.kind, FarAway | LooksLikeDegrees | LevelJump | ZeroElevation);
     let known: HashSet<FeatureId> = findings.iter().filter(known).flat_map(|f| f.features.iter().copied()).collect();
     let is_cut = |f: &&Finding| is_cut(f.kind);

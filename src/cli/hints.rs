@@ -66,9 +66,9 @@ fn in_flags(error: &Error) -> Option<String> {
         Error::NotProjectedInMetres { name } => format!("--work-crs {name} is not a projected system in metres"),
         Error::UnknownCrs { needed_for: CrsNeed::WorkingCrs } => needs_crs("--work-crs"),
         Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees } => needs_crs("--cell-degrees"),
-        Error::TooManyCells { cell, cols, rows, in_degrees } => {
+        Error::TooManyCells { cell, cols, rows, in_degrees, because } => {
             let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };
-            format!("{flag} {cell} gives {cols:.0} x {rows:.0} cells: choose a larger cell")
+            format!("{flag} {cell} gives {cols:.0} x {rows:.0} cells{because}: choose a larger cell")
         }
         Error::CellTooLarge { cell, width, height, in_degrees } => {
             let flag = if *in_degrees { "--cell-degrees" } else { "--cell" };

@@ -6,8 +6,8 @@ use clap::Args;
 use tokosen::draw::preview::{landform_patches, subdivision_picture};
 use tokosen::io::layer::{REGIONS_LAYER, of_landforms};
 use tokosen::io::{PlannedOutput, StagedOutput, write_layers_back};
-use tokosen::terrain::clip_areas;
 use tokosen::subdomains::{Landform, LandformClass, landforms};
+use tokosen::terrain::clip_areas;
 
 use super::console::Console;
 use super::failure::Failure;

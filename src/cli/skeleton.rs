@@ -97,11 +97,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let tuning = SkeletonTuning::default();
     let mut found = console
         .step("ridge and canyon lines", || skeleton(&subdivision.tin, &subdivision.regions, args.resolution, &tuning));
-    let mut edges = if args.curve_mesh {
-        junction_edges(&subdivision.tin, &subdivision.regions, &found)
-    } else {
-        Vec::new()
-    };
+    let mut edges =
+        if args.curve_mesh { junction_edges(&subdivision.tin, &subdivision.regions, &found) } else { Vec::new() };
     if let Some(area) = &part {
         clip_skeleton(&mut found, area);
         clip_streams(&mut streams, area);

@@ -43,7 +43,8 @@ fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<[DVec2; 3]>> {
         if bits(a) <= bits(b) { Segment { a, b } } else { Segment { a: b, b: a } }
     });
     let inside = |p: DVec2| (0..3).all(|i| (corners[(i + 1) % 3] - corners[i]).perp_dot(p - corners[i]) >= 0.0);
-    let mut input = TinInput::new([corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])], -1.0);
+    let mut input =
+        TinInput::new([corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2])], -1.0);
     let mut points: Vec<DVec2> = Vec::new();
     let mut push = |p: DVec2| {
         points.push(p);
@@ -76,8 +77,12 @@ fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<[DVec2; 3]>> {
         on_edge.sort_by(|a, b| a.0.total_cmp(&b.0));
         along.extend(on_edge.windows(2).map(|w| [w[0].1, w[1].1]));
     }
+    // The sides that points lie on, as bits.
+    let mut on_sides: HashMap<u32, u8> = HashMap::new();
     for (i, mut met) in on_side.into_iter().enumerate() {
         let side = &sides[i];
+        let on = met.iter().map(|m| m.1).chain([numbers[i], numbers[(i + 1) % 3]]);
+        on.for_each(|number| *on_sides.entry(number).or_default() |= 1 << i);
         let ends = [numbers[i], numbers[(i + 1) % 3]];
         let [first, last] = if side.a == corners[i] { ends } else { [ends[1], ends[0]] };
         met.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -87,7 +92,11 @@ fn divided(corners: [DVec2; 3], edges: &[Segment]) -> Result<Vec<[DVec2; 3]>> {
     along.into_iter().for_each(|[a, b]| input.push_loose_edge(a, b));
     let pieces = triangulate(input)?;
     let corner = |v: u32| points[pieces.source[v as usize] as usize];
-    Ok(pieces.triangles.iter().map(|triangle| triangle.map(corner)).collect())
+    // Crossings lie beside their side by a rounding error. Slivers between them and the side are no ground.
+    let sides_of = |v: u32| on_sides.get(&pieces.source[v as usize]).copied().unwrap_or(0);
+    let is_sliver = |triangle: &[u32; 3]| triangle.iter().fold(7, |sides, v| sides & sides_of(*v)) != 0;
+    let ground = pieces.triangles.iter().filter(|triangle| !is_sliver(triangle));
+    Ok(ground.map(|triangle| triangle.map(corner)).collect())
 }
 
 /// The triangles of the cut triangulation, up to now.
@@ -122,8 +131,7 @@ impl Parts<'_> {
             .flat_map(|(t, [a, b, c])| [([*a, *b], t), ([*b, *c], t), ([*c, *a], t)])
             .collect();
         let beyond = |a: u32, b: u32| sides.get(&[b, a]).copied().unwrap_or(NONE);
-        cut.neighbours =
-            cut.triangles.iter().map(|&[a, b, c]| [beyond(a, b), beyond(b, c), beyond(c, a)]).collect();
+        cut.neighbours = cut.triangles.iter().map(|&[a, b, c]| [beyond(a, b), beyond(b, c), beyond(c, a)]).collect();
         cut.inside = vec![true; cut.triangles.len()];
         cut.edges = vec![0; cut.triangles.len()];
         cut

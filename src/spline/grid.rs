@@ -16,6 +16,8 @@ const FREE_NODES: f64 = 2e5;
 /// Further nodes per vertex of the contours. Ten real maps have 1 to 10. Only lines that are straight over many times their
 /// spacing need more, and there more nodes add nothing.
 const NODES_PER_VERTEX: f64 = 16.0;
+/// The user is told of nodes that are further apart than this many times what the contours ask for.
+const COARSER: f64 = 1.5;
 /// Largest number of nodes of a grid that is divided for break lines. It limits time.
 const MOST_NODES_FOR_LINES: f64 = 10e6;
 /// A divided grid is cut to the map again if that leaves less than one node in so many.
@@ -42,29 +44,10 @@ fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
 ///   its cells.
 /// * Without such a raster, cells lie on multiples of their size.
 pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
-    let (lo, hi) = extent
-        .frame
-        .rings()
-        .flatten()
-        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let spacing = extent.spacing;
-    let cell = (spacing / tuning.nodes_per_spacing)
-        .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
-    let size = hi - lo;
-    let cut = match wanted {
-        Some(Wanted::Grid(grid)) if !grid.is_empty() => Some(grid),
-        Some(Wanted::Cell(cell)) => Some(Grid::on_multiples(lo, hi, cell)),
-        _ => source_raster(&extent.map.contours).map(|raster| cells_of(&raster, lo, hi)),
-    };
-    let cut = cut.map(|wanted| clipped(&wanted, lo, hi));
+    let Sizes { lo, hi, asked, least, cut, most } = Sizes::new(extent, wanted, tuning);
     let cells = cut.map_or(0, |cut| cut.len()) as f64;
-    let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64 + cells);
-    // Ground outside the grid that is wanted needs no nodes.
-    let size = cut
-        .filter(|_| matches!(wanted, Some(Wanted::Grid(_))))
-        .map_or(size, |cut| size.min(cut.cell * DVec2::new(cut.cols as f64, cut.rows as f64)));
-    let least = (size.x * size.y / most).sqrt();
-    let cell = cell.max(least).max(1e-6 * size.max_element());
+    let (spacing, size) = (extent.spacing, hi - lo);
+    let cell = asked.max(least).max(1e-6 * size.max_element());
     let Some(cut) = cut else { return with_border(&Grid::on_multiples(lo, hi, cell)) };
     let is = (cut.cell.x * cut.cell.y).sqrt();
     if is > tuning.max_spacings_per_cell * spacing {
@@ -75,6 +58,50 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
         cut
     } else {
         thinned(&cut, (cell / is).ceil() as usize)
+    }
+}
+
+/// The distance between nodes that the contours ask for, and the least that a map of this extent may have, if that is
+/// larger. Both are in map units.
+pub fn coarser_than_asked(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Option<[f64; 2]> {
+    let Sizes { asked, least, .. } = Sizes::new(extent, wanted, tuning);
+    (least > COARSER * asked).then_some([asked, least])
+}
+
+/// What the size of the nodes follows from.
+struct Sizes {
+    /// The box around the frame.
+    lo: DVec2,
+    hi: DVec2,
+    /// The distance between nodes that the contours ask for.
+    asked: f64,
+    /// The least distance that the limit of nodes allows.
+    least: f64,
+    /// The grid that is wanted, cut to the box.
+    cut: Option<Grid>,
+    /// The limit of nodes.
+    most: f64,
+}
+
+impl Sizes {
+    fn new(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Self {
+        let (lo, hi) = extent.frame.extent();
+        let spacing = extent.spacing;
+        let asked = (spacing / tuning.nodes_per_spacing)
+            .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
+        let is_given = matches!(wanted, Some(Wanted::Grid(_)));
+        let cut = match wanted {
+            Some(Wanted::Grid(grid)) if !grid.is_empty() => Some(grid),
+            Some(Wanted::Cell(cell)) => Some(Grid::on_multiples(lo, hi, cell)),
+            _ => source_raster(&extent.map.contours).map(|raster| cells_of(&raster, lo, hi)),
+        };
+        let cut = cut.map(|wanted| clipped(&wanted, lo, hi));
+        let cells = cut.map_or(0, |cut| cut.len()) as f64;
+        let most = MOST_NODES.min(FREE_NODES + NODES_PER_VERTEX * extent.map.vertex_count() as f64 + cells);
+        // Ground outside the grid that is wanted needs no nodes.
+        let covered = cut.filter(|_| is_given).map(|cut| cut.cell * DVec2::new(cut.cols as f64, cut.rows as f64));
+        let size = covered.map_or(hi - lo, |covered| covered.min(hi - lo));
+        Self { lo, hi, asked, least: (size.x * size.y / most).sqrt(), cut, most }
     }
 }
 

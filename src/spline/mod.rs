@@ -53,7 +53,7 @@ pub(crate) use blur::blurred;
 pub(crate) use cliffs::beside;
 pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;
-pub(crate) use grid::{bytes_on, finer_grid, working_grid};
+pub(crate) use grid::{bytes_on, coarser_than_asked, finer_grid, working_grid};
 pub(crate) use lattice::{CrossingKind, Lattice};
 pub use params::{HyperParameters, SplineParams, Wanted};
 pub(crate) use slopes::slopes;

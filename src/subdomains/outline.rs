@@ -30,6 +30,12 @@ const TOLD: f64 = 0.8;
 const SLACK: f64 = 1.5;
 /// In these bays and gaps, edges are at most this many times as long as the reach.
 const WIDEST: f64 = 4.0;
+/// If fewer squares than this meet contours, they are too large for the test.
+const FEW_SQUARES: usize = 500;
+/// The search for the ground near contours ends when it changes by no more than this share.
+const STABLE: f64 = 0.1;
+/// It ends after this many rounds.
+const ROUNDS: usize = 5;
 /// Squares of the quick test: in the hull, and at most in the box around it.
 const SQUARES: [f64; 2] = [16e3, 4e6];
 
@@ -84,11 +90,24 @@ fn outline(map: &ContourMap) -> Option<Outline> {
     let ring = frame_ring(map, &Frame::Hull);
     let hull = ring.area.unsigned_area();
     let length: f64 = map.contours.iter().map(|line| line.length()).sum();
-    if !(hull > 0.0 && length > 0.0) || may_fill(map, &ring, length) {
+    if !(hull > 0.0 && length > 0.0) {
+        return None;
+    }
+    let mut near = roughly_near(map, &ring, length);
+    if near > TOLD * hull {
         return None;
     }
     let tin = triangulate(input(map)).ok()?;
-    let removed = removed_from_outside(&tin, hull, length);
+    let mut removed = Vec::new();
+    for _ in 0..ROUNDS {
+        removed = removed_from_outside(&tin, REACH * near / length);
+        let found = hull - removed.iter().map(|removed| area(&tin, removed.triangle)).sum::<f64>();
+        let is_stable = (found - near).abs() <= STABLE * near;
+        near = found;
+        if is_stable {
+            break;
+        }
+    }
     let left: Vec<f64> = removed
         .iter()
         .scan(hull, |left, removed| {
@@ -119,8 +138,8 @@ fn outline(map: &ContourMap) -> Option<Outline> {
     Some(Outline { near, kept: Some(Kept { area: rings(map, &tin, &is_kept), lines, spots }) })
 }
 
-/// A quick test whether the contours may fill most of their hull. Only squares that no contour is near count against it.
-fn may_fill(map: &ContourMap, ring: &FrameRing, length: f64) -> bool {
+/// About how much of the hull is near contours, counted in squares.
+fn roughly_near(map: &ContourMap, ring: &FrameRing, length: f64) -> f64 {
     let ((lo, hi), hull) = (ring.extent(), ring.area.unsigned_area());
     let size = hi - lo;
     let side = (hull / SQUARES[0]).max(size.x * size.y / SQUARES[1]).sqrt();
@@ -143,19 +162,28 @@ fn may_fill(map: &ContourMap, ring: &FrameRing, length: f64) -> bool {
             from..(to as usize).clamp(from, cols)
         })
         .collect();
-    // Ground up to half of the reach from a contour may be near: a triangle between two contours has two such halves.
-    let mut near = hull;
+    // The reach follows from the ground that is near, and that from the reach. The search begins with little ground: a point far
+    // away makes the hull as large as it likes.
+    let met = is_met.iter().filter(|is_met| **is_met).count();
+    let mut near = met as f64 * side * side;
+    if met < FEW_SQUARES {
+        // The squares are too large to tell. Boxes around lines hold each other, so this is still an upper bound.
+        let boxes = map.contours.iter().map(|line| {
+            let around = |(lo, hi): (DVec2, DVec2), p: &DVec2| (lo.min(*p), hi.max(*p));
+            let (lo, hi) = line.points.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), around);
+            (hi - lo).element_product()
+        });
+        return near.min(boxes.sum());
+    }
     loop {
-        let reach = (REACH / 2.0 * near / length / side).ceil() as usize;
+        // Ground nearer to a contour than an eighth of the reach is surely near.
+        let reach = (REACH / 8.0 * near / length / side).ceil() as usize;
         let wide = spread(&is_met, cols, 1, reach);
         let is_near = spread(&wide, rows, cols, reach);
         let squares = (0..).zip(&inside).flat_map(|(row, inside)| &is_near[row * cols..][inside.clone()]);
         let found = (squares.filter(|is_near| **is_near).count() as f64 * side * side).min(hull);
-        if found > TOLD * hull {
-            return true;
-        }
-        if found > 0.9 * near {
-            return false;
+        if found > TOLD * hull || found <= (1.0 + STABLE) * near {
+            return found;
         }
         near = found;
     }
@@ -217,7 +245,7 @@ struct Removed {
 
 /// The triangles far from contours that can be reached from outside, those behind the longest edges first. All edges on the
 /// ways to them are longer than the reach.
-fn removed_from_outside(tin: &Tin, hull: f64, length: f64) -> Vec<Removed> {
+fn removed_from_outside(tin: &Tin, reach: f64) -> Vec<Removed> {
     let mut ways: BinaryHeap<(Key, std::cmp::Reverse<u32>)> = BinaryHeap::new();
     for t in 0..tin.len() as u32 {
         for i in (0..3).filter(|&i| tin.neighbours[t as usize][i] == NONE && !tin.is_constraint(t, i)) {
@@ -226,16 +254,14 @@ fn removed_from_outside(tin: &Tin, hull: f64, length: f64) -> Vec<Removed> {
     }
     let mut is_removed = vec![false; tin.len()];
     let mut removed = Vec::new();
-    let mut left = hull;
     while let Some((Key(narrowest), std::cmp::Reverse(t))) = ways.pop() {
-        if narrowest <= REACH * left / length {
+        if narrowest <= reach {
             break;
         }
         if std::mem::replace(&mut is_removed[t as usize], true) {
             continue;
         }
         removed.push(Removed { triangle: t, narrowest });
-        left -= area(tin, t);
         for i in (0..3).filter(|&i| !tin.is_constraint(t, i)) {
             let n = tin.neighbours[t as usize][i];
             if n != NONE && !is_removed[n as usize] {
@@ -332,10 +358,12 @@ fn leave_out(map: &mut ContourMap, kept: &Kept, findings: &mut Vec<Finding>) {
         let finding = Finding::new(FindingKind::FarAway, line.points.first().copied(), message);
         findings.push(finding.about(line.feature, line.elevation));
     }
-    for &spot in &kept.spots {
-        let spot = map.spots[spot];
-        let message = format!("the spot height {} m is left out: it lies far from all contours", spot.z);
-        findings.push(Finding::at(FindingKind::FarAway, spot.truncate(), message).of_elevations([spot.z]));
+    if let Some(first) = kept.spots.first().map(|&spot| map.spots[spot]) {
+        let message = match kept.spots.len() {
+            1 => format!("the spot height {} m is left out: it lies far from all contours", first.z),
+            count => format!("{count} spot heights are left out: they lie far from all contours; the first"),
+        };
+        findings.push(Finding::at(FindingKind::FarAway, first.truncate(), message).of_elevations([first.z]));
     }
     let mut k = 0..;
     map.contours.retain(|_| k.next().is_none_or(|k| kept.lines.binary_search(&k).is_err()));

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec2;
 
 use super::built::Surface;
+use super::coarse::account_for_coarse_nodes;
 use super::conditions::conditions;
 use super::drained::{Wanted, drain_working};
 use super::given_lines::{GivenLines, known, settle_lines};
@@ -56,7 +57,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let Triangulated { mut subdivision, trusted, mended, closures, mut streams, mut creases, finer, mut findings } =
         found?;
     let mut sinks = params.sinks.clone();
-    let chosen = mended.or(chosen);
+    let mut chosen = mended.or(chosen);
     let mut break_lines = Vec::new();
     let mut axis = Axis::default();
     if let Some(finer) = finer {
@@ -101,6 +102,9 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         creases.iter_mut().for_each(|crease| crease.follow(|p| f64::from(working.at(p))));
         (Some(working), triangles)
     });
+    let coarse =
+        working.as_ref().and_then(|working| account_for_coarse_nodes(&subdivision, working, params, chosen.as_mut()));
+    findings.extend(coarse);
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
         let known = trusted.as_ref().map(|map| subdivision.extent_of(map));

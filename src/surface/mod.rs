@@ -9,6 +9,7 @@
 mod along_streams;
 mod build;
 mod built;
+mod coarse;
 mod conditions;
 mod drained;
 mod errors;

@@ -3,10 +3,10 @@
 use geo::MultiPolygon;
 
 use super::base::Background;
+use super::clipped::clip_lines;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
-use super::clipped::clip_lines;
 use super::part::drop_outside;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
@@ -65,6 +65,7 @@ impl Terrain {
         if input.map.contours.is_empty() {
             return Err(Error::NoContours { in_polygon: false });
         }
+        input.report_sides_elsewhere();
         let part = input.take_part();
         let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
         let params = options.surface(input, cells.as_ref());
@@ -78,7 +79,8 @@ impl Terrain {
         if let Some(cells) = &cells {
             let of_surface = || part_of_ground.map_or_else(ground, |area| FrameRing { area });
             let covered = background.as_ref().map_or_else(of_surface, |background| background.ground.clone());
-            cells.check_room(&covered, background.is_some(), params.memory)?;
+            let room = cells.check_room(&covered, background.is_some(), params.memory);
+            room.map_err(|error| error.because_of_far_lines(&input.findings))?;
         }
         let built = build(std::mem::take(&mut input.map), &params, progress);
         let mut surface = input.found(built)?;

@@ -169,7 +169,7 @@ impl Cells {
         let in_degrees = self.apart.as_ref().is_some_and(|apart| apart.crs.is_geographic());
         let count = ((hi - lo) / cell).ceil();
         if !count.is_finite() || count.x * count.y > MOST_CELLS {
-            return Err(Error::TooManyCells { cell, cols: count.x, rows: count.y, in_degrees });
+            return Err(Error::TooManyCells { cell, cols: count.x, rows: count.y, in_degrees, because: String::new() });
         }
         let grid = Grid::on_multiples(lo, hi, cell);
         let (first, last) = (grid.place(DVec2::new(lo.x, hi.y)).ceil(), grid.place(DVec2::new(hi.x, lo.y)).floor());

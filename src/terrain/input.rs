@@ -190,6 +190,7 @@ impl Input {
     ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         let unit = self.unit_beside("the spot heights", crs, hint);
+        let before = [self.map.spots.len(), self.map.soft_spots.len()];
         for (spot, sigma) in spots {
             let place = to_working.point(spot.truncate().extend(unit.metres(spot.z)))?;
             match sigma.filter(|sigma| *sigma > 0.0) {
@@ -197,6 +198,10 @@ impl Input {
                 None => self.map.spots.push(place),
             }
         }
+        let exact = self.map.spots[before[0]..].iter().map(|spot| spot.truncate());
+        let added: Vec<DVec2> =
+            exact.chain(self.map.soft_spots[before[1]..].iter().map(|spot| spot.place.truncate())).collect();
+        self.report_spots_elsewhere(added.into_iter());
         Ok(())
     }
 

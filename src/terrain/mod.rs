@@ -27,6 +27,7 @@ mod plane;
 mod prepare;
 #[cfg(feature = "io")]
 mod sheets;
+mod sides;
 #[cfg(all(test, feature = "io"))]
 mod tests;
 mod units;

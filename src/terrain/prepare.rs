@@ -227,6 +227,7 @@ impl Input {
     }
 
     fn judge_whole(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
+        self.report_sides_elsewhere();
         let map = std::mem::take(&mut self.map);
         let flat = find_interval(&map.contours).is_none().then(|| map.clone());
         let params = options.surface(self, None);
@@ -257,6 +258,7 @@ impl Input {
         sea: Option<f64>,
         progress: &dyn Progress,
     ) -> Result<(Subdivision, Option<MultiPolygon<f64>>)> {
+        self.report_sides_elsewhere();
         let part = self.take_part();
         let map = std::mem::take(&mut self.map);
         let water = Water { lakes: std::mem::take(&mut self.lakes), sea, coast: self.coast.clone() };

@@ -16,6 +16,7 @@ mod everyday;
 mod exclude;
 mod existing_outputs;
 mod file_troubles;
+mod hulls;
 mod labels;
 mod maps;
 mod other_crs;

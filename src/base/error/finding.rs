@@ -150,6 +150,8 @@ kinds! {
     Straightened = "straightened", Note, "stray vertices left out";
     /// The frame polygon reaches beyond the area that the contours describe; it was cut back.
     FrameBeyondMap = "frame-beyond-map", Note, "frame larger than the map";
+    /// The nodes of the smooth surface are further apart than the contours ask for.
+    CoarseNodes = "coarse-nodes", Warning, "surfaces coarser than the contours";
     /// Much of the convex hull of the contours is far from all of them.
     HullBeyondMap = "hull-beyond-map", Note, "convex hull larger than the map";
     /// A lake meets contours of another level, the extension of a contour to the frame, or other water. It was cut back

@@ -136,7 +136,7 @@ pub enum Error {
         must: &'static str,
     },
     /// A height map would have too many cells.
-    #[error("cells of {cell} make {cols:.0} x {rows:.0} cells: choose a larger cell")]
+    #[error("cells of {cell} make {cols:.0} x {rows:.0} cells{because}: choose a larger cell")]
     TooManyCells {
         /// Size of a cell, in the units of the grid's coordinate reference system.
         cell: f64,
@@ -146,6 +146,8 @@ pub enum Error {
         rows: f64,
         /// Whether the size is in degrees.
         in_degrees: bool,
+        /// Why the map is so large, if that is known: the end of a sentence, or nothing.
+        because: String,
     },
     /// Cells are so large that none of their centres lies on the map.
     #[error("cells of {cell} are too large: none of their centres lies on the map, which is {width} x {height}")]
@@ -475,6 +477,24 @@ impl Error {
     pub fn root(&self) -> &Self {
         match self {
             Self::InFile { error, .. } => error.root(),
+            error => error,
+        }
+    }
+
+    /// An error about a map that is too large, with the lines that make it so, if findings name them.
+    pub(crate) fn because_of_far_lines(self, findings: &[Finding]) -> Self {
+        let moved = |finding: &&Finding| matches!(finding.kind, FindingKind::FarAway | FindingKind::LooksLikeDegrees);
+        let far = findings.iter().filter(moved).find(|finding| !finding.features.is_empty());
+        let Some(far) = far else { return self };
+        let because =
+            format!(" because {} (leave them out, or write a part with --extent)", far.with_place_in_words().message);
+        match self {
+            Self::TooManyCells { cell, cols, rows, in_degrees, .. } => {
+                Self::TooManyCells { cell, cols, rows, in_degrees, because }
+            }
+            Self::OutOfMemory { what, needed, available, remedy } => {
+                Self::OutOfMemory { what: what + &because, needed, available, remedy }
+            }
             error => error,
         }
     }
