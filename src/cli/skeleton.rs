@@ -18,7 +18,7 @@ use super::plane::ToCrsArgs;
 use super::streams::StreamArgs;
 use super::summary;
 use super::surface::{FrameArgs, WaterArgs};
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::{ToUnitArgs, in_units};
 
 /// Ridge and canyon lines with heights
 ///
@@ -57,7 +57,7 @@ pub struct SkeletonArgs {
     #[command(flatten, next_help_heading = "Surface")]
     streams: StreamArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Surface")]
+    #[arg(long, value_name = "W", default_value_t = 1.0, help_heading = "Surface")]
     resolution: f64,
 }
 
@@ -116,7 +116,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();
-        console.say(&format!("written    {path}, layer {name}{}", in_feet(unit)));
+        console.say(&format!("written    {path}, layer {name}{}", in_units(&back)));
     }
     job.close(input.findings.len())
 }
