@@ -15,7 +15,7 @@ use super::job::Job;
 use super::output;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::{ToUnitArgs, in_units};
 
 /// The areas between contour lines, with their landforms and nesting
 ///
@@ -76,7 +76,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = staged.commit()?;
-    console.say(&format!("written    {} ({} areas{})", path.display(), forms.len(), in_feet(unit)));
+    console.say(&format!("written    {} ({} areas{})", path.display(), forms.len(), in_units(&back)));
     job.close(input.findings.len())
 }
 

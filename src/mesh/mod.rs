@@ -5,12 +5,13 @@
 //! collapses or turns over. Where the ground touches itself at a single point, this point becomes several vertices. So
 //! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
+mod drawing;
 mod validate;
 
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::base::error::{Error, Result};
-use crate::crs::Crs;
+use crate::crs::{Crs, LengthUnit};
 use crate::surface::Surface;
 use crate::tin::Tin;
 
@@ -24,7 +25,7 @@ pub struct MeshParams {
     pub base: Option<f64>,
 }
 
-/// Triangles in space: x east, y north (map units), z up (metres).
+/// Triangles in space: x east, y north, z up, in metres or in another unit on all three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// Origin of the vertices: origin plus vertex position gives map coordinates. It is in whole numbers, near the
@@ -36,10 +37,12 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Corners of the triangles, counter-clockwise seen from above. In a solid, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Height of the bottom, metres, if the mesh is a solid.
+    /// Height of the bottom, if the mesh is a solid.
     pub base: Option<f64>,
     /// The coordinate reference system, if known.
     pub crs: Option<Crs>,
+    /// The unit of all three axes, if it is not the metre.
+    pub unit: Option<LengthUnit>,
 }
 
 /// The triangles of a surface inside its frame, or the solid between them and a flat bottom.
@@ -66,6 +69,7 @@ pub fn mesh(surface: &Surface, params: &MeshParams) -> Result<Mesh> {
         triangles,
         base: params.base,
         crs: surface.map.crs.clone(),
+        unit: None,
     };
     let ground = mesh.triangles.len();
     if let Some(base) = params.base {
