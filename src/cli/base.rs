@@ -52,7 +52,7 @@ pub fn describe(base: &BaseJoin, console: &Console) {
         return;
     }
     let fades = match *fade > 0.0 {
-        true => format!("it fades over {fade:.0} map units"),
+        true => format!("it fades over {fade:.0} m"),
         false => "it does not fade: there is a step".into(),
     };
     console.say(&format!(

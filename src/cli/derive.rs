@@ -48,7 +48,7 @@ use super::unit::UnitArg;
 #[command(
     after_help = EXAMPLES,
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
-    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it")),
+    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs; those of a drawing without a CRS that is in feet]; cells lie on multiples of it")),
     mut_arg("to_crs", |arg| arg.help(TO_CRS_HELP)),
     mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png)")),
 )]

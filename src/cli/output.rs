@@ -24,7 +24,8 @@ use super::unit::of_drawing;
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
 pub struct GridArgs {
-    /// Cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it
+    /// Cell size of the height map [units of the working CRS, or of --to-crs; those of a drawing without a CRS that is in
+    /// feet]; cells lie on multiples of it
     #[arg(long, value_name = "SIZE")]
     pub cell: Option<f64>,
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]

@@ -128,7 +128,7 @@ fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
         let length = lines.iter().map(|l| l.length()).fold(0.0, |sum, length| sum + length);
         let ends = |wanted| lines.iter().flat_map(|l| l.ends).filter(|end| *end == wanted).count();
         console.say(&format!(
-            "{name:<10} {} lines, length {length:.0}; ends: {} at contours, {} at junctions, {} at the frame",
+            "{name:<10} {} lines, length {length:.0} m; ends: {} at contours, {} at junctions, {} at the frame",
             lines.len(),
             ends(LineEnd::Contour),
             ends(LineEnd::Junction),

@@ -367,11 +367,12 @@ fn unit_of(map: &ContourMap, options: &InputOptions, findings: &mut Vec<Finding>
     // A system that is named in place of the file's may say nothing about heights.
     let named = options.crs.as_ref();
     let stating = [named, map.crs.as_ref()].into_iter().flatten().find(|crs| crs.height_unit().is_some());
+    let plane = options.plane_unit.map(Crs::of_plane_in);
     let elevations = Elevations {
         what: "the elevations",
         asked: options.unit,
         otherwise: ElevationUnit::Metre,
-        crs: stating.or(named).or(map.crs.as_ref()),
+        crs: stating.or(named).or(map.crs.as_ref()).or(plane.as_ref()),
         hint: map.unit_hint.as_ref(),
     };
     let mut about_unit = Vec::new();

@@ -229,6 +229,16 @@ fn without_a_unit_of_x_and_y_slopes_and_models_are_refused() {
         let said = folder.succeeds(&format!("mesh {name} -o metres.ply"));
         assert!(!said.contains("plane-unit"), "{said}");
     }
+    // The other way round: x and y in feet, and nothing states the unit of heights.
+    for (name, content, options) in [
+        ("a.dxf", drawing(Some(2)), ""),
+        ("a.dxf", drawing(None), "--plane-unit ft"),
+        ("a.geojson", geojson(None), "--plane-unit us-ft"),
+    ] {
+        let folder = Folder::with(name, &content);
+        let said = folder.succeeds(&format!("densify {name} {options} -i 5 -o out.gpkg"));
+        assert!(said.contains("the elevations are taken as metres") && said.contains("--unit ft"), "{options}: {said}");
+    }
     // A height map with heights in feet that names no system.
     let folder =
         Folder::with("a.asc", "ncols 3\nnrows 3\nxllcorner 1000\nyllcorner 0\ncellsize 50\n1 2 3\n1 2 3\n1 2 3\n");
@@ -277,6 +287,8 @@ fn files_beside_a_drawing_are_in_its_plane() {
     // Offsets from the first vertex, in feet.
     let extent = format!("{},{},{},{}", x + 400.0, y + 400.0, x + 1400.0, y + 1400.0);
     folder.succeeds(&format!("dem a.dxf --unit ft --cell 50 --extent {extent} -o part.tif"));
+    let said = folder.ends("dem a.dxf --unit ft --cell 50 --extent 0,0,100,100 -o none.tif", 1);
+    assert!(said.contains("(x 0.0 to 100.0, y 0.0 to 100.0)") && said.contains("2000000.1"), "{said}");
     let grid = read_dem(&folder.path("part.tif")).unwrap().value.dem.grid;
     assert!((20..=21).contains(&grid.cols) && (20..=21).contains(&grid.rows), "{grid:?}");
     let ring =
