@@ -37,7 +37,7 @@ const UNITS: &[DrawingUnit] = &[
     (17, "gigametre", "gigametres", 1e9),
     (18, "astronomical unit", "astronomical units", 149_597_870_700.0),
     (19, "light year", "light years", 9_460_730_472_580_800.0),
-    (20, "parsec", "parsecs", 3.085_677_581_491_367_3e16),
+    (20, "parsec", "parsecs", 3.085_677_581_491_367e16),
     (21, "US survey foot", "US survey feet", 1200.0 / 3937.0),
     (22, "US survey inch", "US survey inches", 100.0 / 3937.0),
     (23, "US survey yard", "US survey yards", 3600.0 / 3937.0),
