@@ -20,7 +20,7 @@ pub struct BaseArgs {
     pub base: Option<PathBuf>,
     /// Distance from the border at which a twentieth of the difference is left; 0 changes nothing of the base [units of
     /// the working CRS; default: 12 times the mean spacing of the contours]
-    #[arg(long, value_name = "DISTANCE", requires = "base", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "DISTANCE", requires = "base", hide_short_help = true)]
     pub base_fade: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub fn describe(base: &BaseJoin, console: &Console) {
         return;
     }
     let fades = match *fade > 0.0 {
-        true => format!("it fades over {fade:.0} map units"),
+        true => format!("it fades over {fade:.0} m"),
         false => "it does not fade: there is a step".into(),
     };
     console.say(&format!(

@@ -20,7 +20,7 @@ use super::plane::ToCrsArgs;
 use super::streams::StreamArgs;
 use super::summary;
 use super::surface::{FrameArgs, WaterArgs};
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::{ToUnitArgs, in_units};
 
 /// Faults in contour lines, their places and proposed repairs
 ///
@@ -116,7 +116,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
                 "written    {} ({}{})",
                 path.display(),
                 contents(map.as_ref(), findings, &path),
-                in_feet(args.to_unit.unit())
+                in_units(&back)
             ));
         }
         summary::close_severities(findings, input.findings_outside, console);

@@ -18,7 +18,7 @@ use super::console::Console;
 use super::failure::Failure;
 use super::levels::{LevelsArgs, output_layers};
 use super::output;
-use super::unit::in_feet;
+use super::unit::in_units;
 use super::{memory, plane, summary};
 
 /// Contour lines of a height map
@@ -49,12 +49,12 @@ pub struct ContourArgs {
     levels: LevelsArgs,
     /// Largest horizontal distance between a line and the contour of the height map [units of the height map; default:
     /// half a cell, the smaller side]. Beyond about one cell, it has no more effect
-    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
     tolerance: Option<f64>,
     /// Smooth the heights first, for noisy height maps: a Gaussian with this standard deviation, corrected so that even
     /// slopes and gentle tops stay [units of the height map; at most 50 cells]. --tolerance is then the distance to the
     /// contour of the smoothed heights. The summary states the changes of the heights
-    #[arg(long, value_name = "DEVIATION", allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(long, value_name = "DEVIATION", help_heading = "Output")]
     smooth: Option<f64>,
     /// Also draw a picture of the height map and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -120,7 +120,8 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         let path = written.get(k).or(written.first()).map(|path| path.display().to_string()).unwrap_or_default();
         let vertices: usize = layer.lines.iter().map(|line| line.points.len()).sum();
         let (name, lines) = (&layer.name, layer.lines.len());
-        console.say(&format!("written    {path}, layer {name} ({lines} lines, {vertices} vertices{})", in_feet(unit)));
+        console
+            .say(&format!("written    {path}, layer {name} ({lines} lines, {vertices} vertices{})", in_units(&back)));
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }

@@ -23,7 +23,8 @@ use super::unit::ToUnitArgs;
 /// A height map (DEM) from contour lines
 ///
 /// Heights are those of the surface at the cell centres. Cells outside the frame are nodata, or get their heights from
-/// --base. The height map is in the working CRS, or in that of --to-crs; with --cell-degrees it is in degrees, with --like
+/// --base. The height map is in the working CRS, or in that of --to-crs; for a drawing in feet
+/// without a CRS in the coordinates of the drawing; with --cell-degrees it is in degrees, with --like
 /// in the CRS of that raster. Heights are in metres, or in the unit of --to-unit, which the file states (.xyz has no place
 /// for it).
 #[derive(Debug, Args)]

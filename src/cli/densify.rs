@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding};
 use tokosen::contour::{ContourLayer, Source};
+use tokosen::crs::FromWorking;
 use tokosen::draw::preview::picture;
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
 use tokosen::slice::{LayerParams, Target};
@@ -24,7 +24,7 @@ use super::output::{self, DemOutput, HeightMapArgs};
 use super::part::PartArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
-use super::unit::in_feet;
+use super::unit::in_units;
 
 /// Contour lines at a finer interval
 ///
@@ -52,13 +52,7 @@ pub struct DensifyArgs {
     keep_input: bool,
     /// Leave out vertices of new contours where a straight piece stays within this distance of the line; 0 keeps all. No
     /// lines cross by it [units of the working CRS; default: 1 % of the mean spacing of the contours]
-    #[arg(
-        long,
-        value_name = "TOLERANCE",
-        allow_negative_numbers = true,
-        help_heading = "Output",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "TOLERANCE", help_heading = "Output", hide_short_help = true)]
     simplify: Option<f64>,
     /// Also write a height map: .tif, .exr, .png, .asc or .xyz (needs --cell, --cell-degrees or --like). It is in the CRS
     /// of --to-crs too, unless --like names another grid. 'tokosen dem --base' also covers the ground outside the frame
@@ -149,7 +143,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     pits.iter().for_each(|pits| summary::pits(pits, "smooth surface", console));
     staged.commit()?;
     for (k, layer) in layers.iter().enumerate() {
-        describe(written.get(k).or(written.first()), layer, unit, console);
+        describe(written.get(k).or(written.first()), layer, &back, console);
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
@@ -245,7 +239,7 @@ fn finest(layers: &[ContourLayer]) -> &[tokosen::contour::ContourLine] {
     layers.iter().max_by_key(|l| l.lines.len()).map_or(&[], |l| &l.lines)
 }
 
-fn describe(path: Option<&PathBuf>, layer: &ContourLayer, unit: ElevationUnit, console: &Console) {
+fn describe(path: Option<&PathBuf>, layer: &ContourLayer, back: &FromWorking, console: &Console) {
     let new = layer.lines.iter().filter(|l| l.source == Source::Interpolated).count();
     let vertices: usize = layer.lines.iter().map(|l| l.points.len()).sum();
     let artefact_rings = match layer.artefact_rings {
@@ -261,6 +255,6 @@ fn describe(path: Option<&PathBuf>, layer: &ContourLayer, unit: ElevationUnit, c
         "written    {path}, layer {} ({} input lines, {new} new lines, {vertices} vertices{artefact_rings}{dead_ends}{})",
         layer.name,
         layer.lines.len() - new,
-        in_feet(unit)
+        in_units(back)
     ));
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tokosen::Options;
 use tokosen::base::ElevationUnit;
-use tokosen::base::error::Finding;
+use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::find_interval;
 use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
 use tokosen::dem::{Dem, GroundScale};
@@ -27,6 +27,7 @@ use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
 use super::summary;
 use super::surface::SurfaceArgs;
+use super::unit::UnitArg;
 
 /// Slope, aspect, hillshade, steep places, flow of water and catchments
 ///
@@ -47,7 +48,7 @@ use super::surface::SurfaceArgs;
 #[command(
     after_help = EXAMPLES,
     mut_arg("contours", |arg| arg.value_name("INPUT").help(INPUT_HELP)),
-    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it")),
+    mut_arg("cell", |arg| arg.help("For contours: cell size of the height map [units of the working CRS, or of --to-crs; those of a drawing without a CRS that is in feet]; cells lie on multiples of it")),
     mut_arg("to_crs", |arg| arg.help(TO_CRS_HELP)),
     mut_arg("like", |arg| arg.help("For contours: use the grid of this height map (.tif, .asc, .exr, .png)")),
 )]
@@ -78,7 +79,6 @@ pub struct DeriveArgs {
         long,
         value_name = "DEGREES",
         default_value_t = 30.0,
-        allow_negative_numbers = true,
         requires = "steep",
         help_heading = "Output",
         hide_short_help = true
@@ -89,7 +89,6 @@ pub struct DeriveArgs {
         long,
         value_name = "METRES",
         default_value_t = 5.0,
-        allow_negative_numbers = true,
         requires = "steep",
         help_heading = "Output",
         hide_short_help = true
@@ -205,7 +204,7 @@ impl DeriveArgs {
             .or(crs.map(|_| "--to-crs"))
             .or_else(|| self.base.given())
             .or(self.input.map.points.as_ref().map(|_| "--points"))
-            .or_else(|| self.input.about_contours())
+            .or_else(|| self.input.about_contours_but(Some("--plane-unit")))
             .or_else(|| self.part.given())
             .or_else(|| self.surface.given());
         if let Some(flag) = for_contours.filter(|_| is_raster) {
@@ -261,7 +260,14 @@ impl DeriveArgs {
     fn read_raster(&self, console: &Console) -> Result<SourceDem, Failure> {
         let path = self.input.map.file();
         let read = console.step("reading", || read_dem(path))?;
-        let dem = read.value.dem;
+        let unit = self.input.map.plane_unit.map(UnitArg::unit);
+        let dem = read.value.dem.with_plane_unit(unit).map_err(|error| error.in_file(path))?;
+        // The finding says that heights were in feet. Then x and y may be so too.
+        if dem.metres_per_unit().is_none()
+            && read.findings.iter().any(|finding| finding.kind == FindingKind::HeightUnit)
+        {
+            return Err(Error::PlaneUnitUnknown.in_file(path).into());
+        }
         let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
         console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
         console.say(&format!("crs        {crs}"));
@@ -270,6 +276,7 @@ impl DeriveArgs {
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
         let mut input = self.input.read(&self.surface.frame, Some(&self.part), console)?;
+        input.check_plane_unit().map_err(|error| summary::after_findings(error, &input.findings, console))?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         self.base.add_to(&mut input, console)?;

@@ -23,6 +23,10 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::LayerAmbiguous { what: "lines", .. } => "; choose one with --layer".to_owned(),
         Error::LayerAmbiguous { .. } => "; choose one by its name, in quotes: 'FILE|layername=NAME'".to_owned(),
         Error::UnknownCrs { needed_for: CrsNeed::OtherOutput } => "; name it with --crs".to_owned(),
+        Error::PlaneUnit { .. } => {
+            ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or name the coordinate reference system with --crs".to_owned()
+        }
+        Error::PlaneUnitUnknown => ": --plane-unit m, --plane-unit ft or --plane-unit us-ft; or --crs CRS".to_owned(),
         Error::Exists { .. } => "; --overwrite replaces it, or choose another name".to_owned(),
         Error::LayerExists { is_input: false, .. } => {
             "; --overwrite replaces the layer, or choose another file".to_owned()
@@ -41,6 +45,11 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
 pub fn for_kind_of(finding: &Finding) -> Option<String> {
     match finding.kind {
         FindingKind::UnitDoubt => Some("--unit m, --unit ft or --unit us-ft states the unit of contours".into()),
+        FindingKind::PlaneUnit => Some(
+            "--plane-unit m, --plane-unit ft or --plane-unit us-ft states the unit of x and y; --crs names their coordinate \
+             reference system"
+                .into(),
+        ),
         FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level".into()),
         FindingKind::StreamBeside | FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())

@@ -24,15 +24,20 @@ pub struct InputArgs {
     pub fit: Option<f64>,
     /// Add vertices until the distance between neighbours on a line is at most S times the distance to the nearest
     /// other contour. The input's own vertices stay; with --fit, all vertices lie on the fitted curve
-    #[arg(long, value_name = "S", value_parser = sampling_ratio, allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "S", value_parser = sampling_ratio, hide_short_help = true)]
     pub sample: Option<f64>,
 }
 
 impl InputArgs {
     /// The first flag that applies to contours, if one is given; a run without contours must not ignore it.
     pub fn about_contours(&self) -> Option<&'static str> {
+        self.about_contours_but(None)
+    }
+
+    /// The same without one flag, which applies to height maps too.
+    pub fn about_contours_but(&self, but: Option<&str>) -> Option<&'static str> {
         let own = [(self.fit.is_some(), "--fit"), (self.sample.is_some(), "--sample")];
-        first_given(self.map.flags().chain(own))
+        first_given(self.map.flags().chain(own).filter(|(_, flag)| Some(*flag) != but))
     }
 
     /// Reads and prepares the map inside its frame, or a part of it, if one is given.

@@ -19,27 +19,19 @@ use super::unit::ToUnitArgs;
 #[command(next_help_heading = "Output")]
 pub struct LevelsArgs {
     /// Interval of the contours [metres, or the unit of --to-unit], or several: 5,2,1
-    #[arg(
-        short,
-        long,
-        value_name = "STEP",
-        value_delimiter = ',',
-        allow_negative_numbers = true,
-        required_unless_present = "levels"
-    )]
+    #[arg(short, long, value_name = "STEP", value_delimiter = ',', required_unless_present = "levels")]
     interval: Vec<f64>,
     /// Elevations of the contours [metres, or the unit of --to-unit] instead of an interval: 12.5,13
     #[arg(
         long,
         value_name = "Z",
         value_delimiter = ',',
-        allow_negative_numbers = true,
         conflicts_with_all = ["interval", "base"],
         hide_short_help = true
     )]
     levels: Vec<f64>,
     /// Levels are BASE plus whole multiples of the interval [metres, or the unit of --to-unit]
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, default_value_t = 0.0, hide_short_help = true)]
     base: f64,
     /// Every Nth level is an index contour; 0 for none
     #[arg(long, value_name = "N", default_value_t = 5, hide_short_help = true)]

@@ -13,16 +13,15 @@ pub struct LightArgs {
         long,
         value_name = "DEGREES",
         default_value_t = 315.0,
-        allow_negative_numbers = true,
         requires = "hillshade",
         conflicts_with = "multidirectional"
     )]
     pub azimuth: f64,
     /// Altitude of the light of the hillshade above the horizon [degrees]
-    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, allow_negative_numbers = true, requires = "hillshade")]
+    #[arg(long, value_name = "DEGREES", default_value_t = 45.0, requires = "hillshade")]
     pub altitude: f64,
     /// Factor on heights for the hillshade (vertical exaggeration)
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true, requires = "hillshade")]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, requires = "hillshade")]
     pub z_factor: f64,
     /// Light the hillshade from 225, 270, 315 and 360 degrees; each slope mostly from the side, as 'gdaldem
     /// -multidirectional' does

@@ -38,7 +38,7 @@ pub struct MapArgs {
     pub points: Option<VectorSource>,
     /// Standard error of the spot heights of --points: the surface comes near them instead of passing through. An attribute
     /// sigma gives each point its own [unit of the spot heights]
-    #[arg(long, value_name = "SIGMA", requires = "points", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SIGMA", requires = "points")]
     pub points_sigma: Option<f64>,
     /// Leave out the contours and spot heights inside the polygons of this file, for instance of a quarry or of wrong
     /// lines; the surface bridges them. Can be given several times
@@ -48,12 +48,16 @@ pub struct MapArgs {
     pub cliffs: CliffArgs,
     /// Coast: lines, or polygons of land or sea, at their elevation attribute or z, otherwise at 0; or the level of contours
     /// that are the coast. The sea becomes level; the contours show which side is land
-    #[arg(long, value_name = "FILE|LEVEL", value_parser = CoastArg::parser(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "FILE|LEVEL", value_parser = CoastArg::parser())]
     pub coast: Option<CoastArg>,
     /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
     /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
     #[arg(long, value_enum, hide_short_help = true)]
     pub unit: Option<UnitArg>,
+    /// Unit of x and y of contours without a CRS, and of files beside them without one [default: that of the drawing
+    /// ($INSUNITS of a DXF); else metres]. The work is done in metres; lines, height maps and models come back in this unit
+    #[arg(long, value_enum, hide_short_help = true)]
+    pub plane_unit: Option<UnitArg>,
     /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
@@ -62,7 +66,7 @@ pub struct MapArgs {
     #[arg(long, value_name = "CRS", value_parser = plane::crs, hide_short_help = true)]
     pub work_crs: Option<Crs>,
     /// Join line ends of one elevation up to this distance, and close rings with such a gap [units of the working CRS]
-    #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = SNAP, hide_short_help = true)]
     pub snap: f64,
     /// How far to repair the contours. Safe repairs, also made without this option, are those of repeated points,
     /// duplicates, line ends within --snap and crossings. At a crossing, vertices that stray across the other line are
@@ -154,6 +158,7 @@ impl MapArgs {
             (!self.cliffs.cliffs.is_empty(), "--cliffs"),
             (self.coast.is_some(), "--coast"),
             (self.unit.is_some(), "--unit"),
+            (self.plane_unit.is_some(), "--plane-unit"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
             (self.snap != SNAP, "--snap"),
@@ -181,6 +186,7 @@ impl MapArgs {
             elevation_field: self.elevation_field.clone(),
             layer: self.layer.clone(),
             unit: self.unit.map(UnitArg::unit),
+            plane_unit: self.plane_unit.map(UnitArg::unit),
             crs: self.crs.clone(),
             work_crs: self.work_crs.clone(),
             memory: memory::available(),

@@ -6,7 +6,7 @@ use clap::Args;
 use tokosen::base::ElevationUnit;
 use tokosen::draw::preview::{Model, render_model};
 use tokosen::io::StagedOutput;
-use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, write_mesh};
+use tokosen::io::mesh::{MESH_EXTENSIONS, flattened, placement, write_mesh};
 use tokosen::mesh::{Mesh, MeshParams};
 use tokosen::surface::Triangles;
 
@@ -21,9 +21,9 @@ use super::{output, summary};
 /// A 3-D model (triangle mesh) from contour lines
 ///
 /// The model holds the triangles of the surface inside the frame; the contours are among their edges. Coordinates are
-/// relative to an offset, which is recorded in the file; heights are not changed. The model is always in the working
+/// relative to an offset, which is recorded in the file and printed; heights are not changed. The model is in the working
 /// CRS, in metres, whatever the CRS of the contours and the unit of their elevations: the three axes of a model have
-/// one unit.
+/// one unit. The model of a drawing in feet without a CRS is in feet, on all three axes; a .glb is always in metres.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MeshArgs {
@@ -33,7 +33,7 @@ pub struct MeshArgs {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: PathBuf,
     /// Close the model to a solid, with walls and a flat bottom at this height, as 3-D printing needs [m]
-    #[arg(long, value_name = "HEIGHT", allow_negative_numbers = true, help_heading = "Output")]
+    #[arg(long, value_name = "HEIGHT", help_heading = "Output")]
     base: Option<f64>,
     /// Also draw an oblique view of the model with its contours, ridge and canyon lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -67,7 +67,10 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;
-    console.step("writing", || write_mesh(&staged.path(), &model)).map_err(|e| staged.with_final_name(e))?;
+    // The picture is drawn in metres.
+    let of_drawing = model.in_drawing(&terrain.reprojection);
+    let written = of_drawing.as_ref().unwrap_or(&model);
+    console.step("writing", || write_mesh(&staged.path(), written)).map_err(|e| staged.with_final_name(e))?;
     job.draw(|| {
         let contours = &terrain.input_contours()?.lines;
         let break_lines = &terrain.surface.break_lines;
@@ -76,17 +79,21 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
 
     job.report(&terrain.findings, &terrain.surface.map);
     summary::surface(&terrain.surface, console);
-    describe(&staged.commit()?, &model, console);
+    describe(&staged.commit()?, written, console);
     job.close_part(terrain.findings.len(), terrain.findings_outside)
 }
 
 /// The lines of the summary about a model.
 fn describe(path: &Path, mesh: &Mesh, console: &Console) {
     let (lo, hi) = mesh.extent();
+    let unit = mesh.unit.as_ref().map_or("m".to_owned(), |unit| match ElevationUnit::of_size(unit.metres) {
+        Some(known) => known.name().to_owned(),
+        None => unit.name.clone(),
+    });
     let size = hi - lo;
     let kind = if mesh.base.is_some() { "solid" } else { "shell" };
     console.say(&format!(
-        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} m, offset {} {} {})",
+        "written    {} ({kind}, {} vertices, {} triangles, {:.2} x {:.2}, heights {:.2} to {:.2} {unit}, offset {} {} {})",
         path.display(),
         mesh.vertices.len(),
         mesh.triangles.len(),
@@ -98,6 +105,7 @@ fn describe(path: &Path, mesh: &Mesh, console: &Console) {
         mesh.origin.y,
         mesh.origin.z,
     ));
+    console.say(&format!("           {}", placement(path, mesh)));
     let flat = flattened(path, mesh);
     if flat > 0 {
         console.say(&format!(

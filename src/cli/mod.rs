@@ -29,6 +29,7 @@ mod light;
 mod map;
 mod memory;
 mod mesh;
+mod negative;
 mod output;
 mod part;
 mod plane;
@@ -171,7 +172,7 @@ fn parsed(arguments: Vec<OsString>) -> Result<Run, Failure> {
         let Repeated { cli, saved, warnings } = run_file::repeated(&arguments)?;
         return Ok(Run { cli, arguments: saved.arguments.clone(), repeated: Some((saved, warnings)) });
     }
-    let cli = Cli::try_parse_from(&arguments)
+    let cli = Cli::try_parse_from(negative::joined(Cli::command(), arguments.clone()))
         .unwrap_or_else(|error| suggest::with_right_flag(error, Cli::command(), &arguments).exit());
     let arguments = match cli.common.save_run {
         Some(_) => run_file::saved_arguments(given.to_vec())?,

@@ -8,7 +8,8 @@ use tokosen::base::error::Report;
 use tokosen::crs::Crs;
 use tokosen::dem::Dem;
 use tokosen::io::raster::{
-    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, write_raster, write_with_errors,
+    DEM_EXTENSIONS, PngEncoding, RasterParams, TWO_BAND_EXTENSIONS, TiffLayout, reading, write_raster,
+    write_with_errors,
 };
 use tokosen::io::{StagedOutput, VectorFormat};
 use tokosen::surface::Uncertainty;
@@ -18,19 +19,20 @@ use tokosen::{GridSpec, Terrain};
 use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
+use super::unit::of_drawing;
 
 /// Where the cells of a height map are.
 #[derive(Debug, Clone, Args)]
 pub struct GridArgs {
-    /// Cell size of the height map [units of the working CRS, or of --to-crs]; cells lie on multiples of it
-    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    /// Cell size of the height map [units of the working CRS, or of --to-crs; those of a drawing without a CRS that is in
+    /// feet]; cells lie on multiples of it
+    #[arg(long, value_name = "SIZE")]
     pub cell: Option<f64>,
     /// Make the height map in degrees, with cells of this size [degrees; seconds with an s: 0.4s]
     #[arg(
         long,
         value_name = "SIZE",
         value_parser = degrees,
-        allow_negative_numbers = true,
         conflicts_with = "cell",
         hide_short_help = true
     )]
@@ -248,7 +250,9 @@ impl DemOutput {
 
     /// Puts the file in its place, and prints what is in it.
     pub fn commit(self, dem: &Dem, console: &Console) -> Result<(), Failure> {
-        describe(&self.staged.commit()?, dem, self.raster.unit, console);
+        let path = self.staged.commit()?;
+        describe(&path, dem, self.raster.unit, console);
+        reading(&path, dem, &self.raster).iter().for_each(|line| console.say(&format!("           {line}")));
         Ok(())
     }
 }
@@ -264,10 +268,11 @@ fn describe(path: &Path, dem: &Dem, unit: ElevationUnit, console: &Console) {
         _ => format!("heights {low:.2} to {high:.2} {}", unit.symbol()),
     };
     console.say(&format!(
-        "written    {} ({} x {} cells, {:.1} % with data, {range})",
+        "written    {} ({} x {} cells, {:.1} % with data, {range}{})",
         path.display(),
         dem.grid.cols,
         dem.grid.rows,
         100.0 * count as f64 / dem.grid.len().max(1) as f64,
+        of_drawing(dem.crs.as_ref(), unit)
     ));
 }

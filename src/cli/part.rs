@@ -20,7 +20,6 @@ pub struct PartArgs {
         long,
         value_name = "XMIN,YMIN,XMAX,YMAX",
         value_parser = extent,
-        allow_hyphen_values = true,
         conflicts_with = "clip"
     )]
     pub extent: Option<Extent>,

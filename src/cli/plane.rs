@@ -39,6 +39,11 @@ pub fn crs(text: &str) -> Result<Crs, String> {
 
 /// The systems, for the summary.
 pub fn describe(map: &ContourMap, reprojection: Option<&Reprojection>) -> String {
+    let input = reprojection.map_or(map.crs.as_ref(), Reprojection::input_crs);
+    if let Some(unit) = input.filter(|crs| crs.is_unnamed_plane()).and_then(Crs::length_unit) {
+        let work = if unit.metres == 1.0 { "" } else { "; the work is done in metres" };
+        return format!("unknown; the unit of x and y is the {}{work}", unit.name);
+    }
     let label = |crs: Option<&Crs>| match (crs.and_then(|c| c.name()), crs.and_then(|c| c.epsg)) {
         (Some(name), Some(code)) if !name.starts_with("EPSG:") => format!("{name} (EPSG:{code})"),
         (Some(name), _) => name,

@@ -17,7 +17,7 @@ use super::output;
 use super::part::PartArgs;
 use super::plane::ToCrsArgs;
 use super::surface::{FrameArgs, WaterArgs};
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::{ToUnitArgs, in_units};
 
 /// The areas between contour lines, with their landforms and nesting
 ///
@@ -81,7 +81,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     job.report(&input.findings, &subdivision.map);
     describe(&forms, console);
     let path = staged.commit()?;
-    console.say(&format!("written    {} ({} areas{})", path.display(), written, in_feet(unit)));
+    console.say(&format!("written    {} ({} areas{})", path.display(), written, in_units(&back)));
     job.close_part(input.findings.len(), input.findings_outside)
 }
 

@@ -20,7 +20,7 @@ use super::plane::ToCrsArgs;
 use super::streams::StreamArgs;
 use super::summary;
 use super::surface::{FrameArgs, WaterArgs};
-use super::unit::{ToUnitArgs, in_feet};
+use super::unit::{ToUnitArgs, in_units};
 
 /// Ridge and canyon lines with heights
 ///
@@ -61,7 +61,7 @@ pub struct SkeletonArgs {
     #[command(flatten, next_help_heading = "Surface")]
     streams: StreamArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = 1.0, allow_negative_numbers = true, help_heading = "Surface")]
+    #[arg(long, value_name = "W", default_value_t = 1.0, help_heading = "Surface")]
     resolution: f64,
 }
 
@@ -126,7 +126,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     staged.commit()?;
     for (k, name) in names.iter().enumerate() {
         let path = written.get(k).or(written.first()).map(|p| p.display().to_string()).unwrap_or_default();
-        console.say(&format!("written    {path}, layer {name}{}", in_feet(unit)));
+        console.say(&format!("written    {path}, layer {name}{}", in_units(&back)));
     }
     job.close_part(input.findings.len(), input.findings_outside)
 }
@@ -138,7 +138,7 @@ fn describe(skeleton: &Skeleton, resolution: f64, console: &Console) {
         let length = lines.iter().map(|l| l.length()).fold(0.0, |sum, length| sum + length);
         let ends = |wanted| lines.iter().flat_map(|l| l.ends).filter(|end| *end == wanted).count();
         console.say(&format!(
-            "{name:<10} {} lines, length {length:.0}; ends: {} at contours, {} at junctions, {} at the frame",
+            "{name:<10} {} lines, length {length:.0} m; ends: {} at contours, {} at junctions, {} at the frame",
             lines.len(),
             ends(LineEnd::Contour),
             ends(LineEnd::Junction),

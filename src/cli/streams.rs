@@ -17,7 +17,7 @@ pub struct StreamArgs {
     pub streams: Vec<VectorSource>,
     /// Move streams up to this distance into the bends of contours; beyond it, contours cut streams [units of the working
     /// CRS; default: a quarter of the mean spacing of the contours]
-    #[arg(long, value_name = "DISTANCE", requires = "streams", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "DISTANCE", requires = "streams", hide_short_help = true)]
     pub stream_tolerance: Option<f64>,
 }
 

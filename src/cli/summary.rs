@@ -147,7 +147,7 @@ pub fn streams(streams: &[Stream], console: &Console) {
     let share = |which: &dyn Fn(&Stream) -> bool| 100.0 * length(which) / all;
     let (turned, moved) = (share(&|stream| stream.turned), share(&|stream| stream.shift > 0.0));
     console.say(&format!(
-        "streams    {} pieces, length {all:.0}; {turned:.0} % of it turned, {moved:.0} % moved",
+        "streams    {} pieces, length {all:.0} m; {turned:.0} % of it turned, {moved:.0} % moved",
         streams.len()
     ));
 }
@@ -160,7 +160,7 @@ fn break_lines(creases: &[Crease], console: &Console) {
     let length = creases.iter().map(Crease::length).fold(0.0, |sum, length| sum + length);
     let surveyed: f64 = creases.iter().map(|crease| crease.length() * crease.surveyed_share()).sum();
     console.say(&format!(
-        "breaklines {} pieces, length {length:.0}; {:.0} % of it with heights of its own",
+        "breaklines {} pieces, length {length:.0} m; {:.0} % of it with heights of its own",
         creases.len(),
         100.0 * surveyed / length.max(f64::MIN_POSITIVE)
     ));

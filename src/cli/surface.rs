@@ -36,15 +36,15 @@ pub struct SurfaceArgs {
     #[command(flatten)]
     pub drain: DrainArgs,
     /// Resolution parameter w of the method: larger values give fewer ridge and canyon lines
-    #[arg(long, value_name = "W", default_value_t = RESOLUTION, allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "W", default_value_t = RESOLUTION, hide_short_help = true)]
     pub resolution: f64,
     /// Tension of the smooth surface: 0 is minimum curvature, 10 and more is close to the surface with ridge and canyon
     /// lines [default: chosen from the contours]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "T", hide_short_help = true)]
     pub tension: Option<f64>,
     /// Noise of the contours: 0 for smooth ones, 1 for those with jitter, as from unsmoothed lidar [default: chosen
     /// from the contours]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "N", hide_short_help = true)]
     pub noise: Option<f64>,
     /// Another value of a tuned number, for scripts/sweep.py
     #[arg(long, value_name = "NAME=VALUE", hide = true)]
@@ -237,7 +237,7 @@ pub struct WaterArgs {
     pub water: Option<VectorSource>,
     /// Level of the sea [metres, or the unit of --to-unit if the command has it]; the input must have contours at it.
     /// Ground that reaches down only to contours of this level becomes level sea
-    #[arg(long, value_name = "LEVEL", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LEVEL")]
     pub sea: Option<f64>,
 }
 

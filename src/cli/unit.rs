@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tokosen::base::ElevationUnit;
+use tokosen::crs::{Crs, FromWorking};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnitArg {
@@ -44,7 +45,28 @@ impl ToUnitArgs {
     }
 }
 
-/// What the summary says behind the contents of a file whose heights are in feet. Metres are not told.
-pub fn in_feet(unit: ElevationUnit) -> String {
-    if unit.is_foot() { format!(", heights in {}", unit.name()) } else { String::new() }
+/// What the summary says behind the contents of a file: the unit of heights if they are in feet, and the unit of x and y of a
+/// drawing that is not in metres. Metres are not told.
+pub fn in_units(back: &FromWorking) -> String {
+    match of_drawing(back.crs(), back.unit()) {
+        text if text.is_empty() && back.unit().is_foot() => format!(", heights in {}", back.unit().name()),
+        text => text,
+    }
+}
+
+/// What the summary says about the units of a drawing that is not in metres, with heights in `unit`; nothing for other
+/// coordinates.
+pub fn of_drawing(crs: Option<&Crs>, unit: ElevationUnit) -> String {
+    let drawn = crs.filter(|crs| crs.is_local()).and_then(Crs::length_unit).filter(|drawn| drawn.metres != 1.0);
+    match drawn {
+        Some(drawn) if ElevationUnit::of_size(drawn.metres) == Some(unit) => {
+            format!(", x, y and heights in {}", unit.name())
+        }
+        Some(drawn) => {
+            let known = ElevationUnit::of_size(drawn.metres);
+            let name = known.map_or(drawn.name, |unit| unit.name().to_owned());
+            format!(", x and y in {name}, but heights in {}: --to-unit chooses their unit", unit.name())
+        }
+        None => String::new(),
+    }
 }

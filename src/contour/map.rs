@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::spots::SoftSpot;
 use super::unit_hint::UnitHint;
 use crate::base::{ElevationUnit, FeatureId};
-use crate::crs::Crs;
+use crate::crs::{Crs, LengthUnit};
 
 /// A line of one elevation.
 ///
@@ -54,6 +54,8 @@ pub struct ContourMap {
     pub cut_ends: Vec<DVec2>,
     /// The coordinate reference system, if the input names one.
     pub crs: Option<Crs>,
+    /// The unit of x and y, if the input states it and names no coordinate reference system.
+    pub plane_unit: Option<LengthUnit>,
     /// What the input lets suppose about the unit of the elevations, if it is more than nothing.
     pub unit_hint: Option<UnitHint>,
 }

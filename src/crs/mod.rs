@@ -2,11 +2,12 @@
 //!
 //! A system is named by an EPSG code, by well-known text (WKT 1, WKT 2 or Esri's flavour), or by both. A surface needs
 //! plane coordinates, in the same unit as the heights. So [`working_crs`] finds a metric system for data in degrees or
-//! feet, [`Transform`] goes there and back, and [`Reprojection`] keeps the original coordinates of the input's
-//! vertices, bit for bit.
+//! feet, also for the plane of a drawing of which the unit alone is known ([`Crs::of_plane`]). [`Transform`] goes there
+//! and back, and [`Reprojection`] keeps the original coordinates of the input's vertices, bit for bit.
 
 mod definition;
 mod esri;
+mod local;
 mod proj_string;
 mod reprojection;
 mod system;
@@ -15,7 +16,6 @@ mod vertical;
 mod wkt;
 mod working;
 
-#[cfg(feature = "io")]
 pub(crate) use definition::label;
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};

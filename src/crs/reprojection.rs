@@ -182,13 +182,30 @@ impl Reprojection {
         self.originals.at(p)
     }
 
-    /// The transformation for coordinates of another file in `crs`. If its system is unknown, it is taken to be the
-    /// map's own.
+    /// The system of the file, if it is the plane of a drawing in another unit than metres. Then results are in this unit
+    /// too: nobody knows the plane on which the map is worked on.
+    pub fn plane_of_drawing(&self) -> Option<&Crs> {
+        self.input.as_ref().filter(|crs| !self.are_unmoved() && crs.is_local())
+    }
+
+    /// The system of another file, which states `crs`. If it states none, it is that of the map. It is so too if only one
+    /// of the two files names a system, and the other one states the same unit.
+    pub fn of_side<'a>(&'a self, crs: Option<&'a Crs>) -> Option<&'a Crs> {
+        match (crs, &self.input) {
+            (Some(crs), Some(own)) if crs.is_unnamed_plane() != own.is_unnamed_plane() && is_same_unit(crs, own) => {
+                Some(own)
+            }
+            (Some(crs), _) => Some(crs),
+            (None, own) => own.as_ref(),
+        }
+    }
+
+    /// The transformation for coordinates of another file, see [`Reprojection::of_side`].
     ///
     /// # Errors
     /// As [`Transform::between`].
     pub fn bring(&self, crs: Option<&Crs>) -> Result<ToWorking> {
-        let (from, to) = match (crs.or(self.input.as_ref()), &self.working) {
+        let (from, to) = match (self.of_side(crs), &self.working) {
             (Some(from), Some(to)) => (from, to),
             _ => return Ok(ToWorking { way: None, in_steps: self.in_steps, names: String::new() }),
         };
@@ -208,6 +225,9 @@ impl Reprojection {
         let (Some(input), Some(working)) = (&self.input, &self.working) else {
             return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
         };
+        if input.is_unnamed_plane() && !to.is_local() {
+            return Err(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput });
+        }
         let target = if to.horizontal().matches(&input.horizontal()) {
             Target::Input
         } else {
@@ -222,6 +242,12 @@ fn in_order(mut pairs: Vec<(Key, DVec2)>) -> Vec<(Key, DVec2)> {
     pairs.par_sort_unstable_by_key(|(k, p)| (*k, p.x.to_bits(), p.y.to_bits()));
     pairs.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
     pairs
+}
+
+/// Whether both systems have plane coordinates in the same unit.
+fn is_same_unit(a: &Crs, b: &Crs) -> bool {
+    let units = a.length_unit().zip(b.length_unit());
+    units.is_some_and(|(a, b)| (a.metres - b.metres).abs() <= 1e-9 * b.metres)
 }
 
 fn no_place(p: DVec2, from: &Crs, to: &Crs) -> Error {

@@ -111,7 +111,7 @@ impl Crs {
                 crs.ok_or("it must be an EPSG code such as EPSG:6668, a WKT or a PROJ string")?
             }
         };
-        if crs.kind().is_none() {
+        if crs.kind().is_none() && !(crs.is_local() && crs.length_unit().is_some()) {
             return Err("the built-in table does not list it as projected or in degrees; give its WKT".into());
         }
         Ok(crs)

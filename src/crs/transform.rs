@@ -23,10 +23,20 @@ const CORRECTIONS: usize = 3;
 /// A transformation from one system to another and back.
 #[derive(Clone)]
 pub struct Transform {
-    /// `None` if both are the same system.
-    ways: Option<Arc<[System; 2]>>,
+    way: Way,
     /// Whether datums are shifted by known parameters.
     is_shifted: bool,
+}
+
+/// What happens to coordinates.
+#[derive(Clone)]
+enum Way {
+    /// Nothing: both are the same system.
+    Same,
+    /// They are multiplied: both are the same plane in different units.
+    Scaled(f64),
+    /// They are projected.
+    Projected(Arc<[System; 2]>),
 }
 
 /// One of the two systems.
@@ -39,8 +49,13 @@ struct System {
 
 impl std::fmt::Debug for Transform {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let names = self.ways.as_ref().map(|sides| [sides[0].proj.projname(), sides[1].proj.projname()]);
-        f.debug_struct("Transform").field("projections", &names).finish()
+        let mut shown = f.debug_struct("Transform");
+        match &self.way {
+            Way::Same => &mut shown,
+            Way::Scaled(factor) => shown.field("factor", factor),
+            Way::Projected(sides) => shown.field("projections", &[sides[0].proj.projname(), sides[1].proj.projname()]),
+        }
+        .finish()
     }
 }
 
@@ -54,7 +69,11 @@ impl Transform {
     pub fn between(from: &Crs, to: &Crs) -> Result<Self> {
         let (from, to) = (from.horizontal(), to.horizontal());
         if from.matches(&to) && (from.epsg.is_some() || from.wkt().is_some()) {
-            return Ok(Self { ways: None, is_shifted: false });
+            return Ok(Self { way: Way::Same, is_shifted: false });
+        }
+        if let Some(factor) = from.units_of(&to) {
+            let way = if factor == 1.0 { Way::Same } else { Way::Scaled(factor) };
+            return Ok(Self { way, is_shifted: false });
         }
         let definitions = [Definition::of(&from)?, Definition::of(&to)?];
         let same_datum = definitions[0].datum.is_some() && definitions[0].datum == definitions[1].datum;
@@ -86,19 +105,30 @@ impl Transform {
             Ok(System { proj, angle: definition.angle })
         };
         let is_shifted = !same_datum && definitions.iter().any(|definition| definition.shift() == Shift::Known);
-        Ok(Self { ways: Some(Arc::new([side(&definitions[0], &from)?, side(&definitions[1], &to)?])), is_shifted })
+        let sides = Arc::new([side(&definitions[0], &from)?, side(&definitions[1], &to)?]);
+        Ok(Self { way: Way::Projected(sides), is_shifted })
     }
 
     /// Whether coordinates stay as they are.
     pub fn is_identity(&self) -> bool {
-        self.ways.is_none()
+        matches!(self.way, Way::Same)
+    }
+
+    /// The number by which coordinates are multiplied, if nothing else happens to them.
+    pub fn factor(&self) -> Option<f64> {
+        match self.way {
+            Way::Same => Some(1.0),
+            Way::Scaled(factor) => Some(factor),
+            Way::Projected(_) => None,
+        }
     }
 
     /// From the first system to the second, in their own units. `None` if the second has no such position.
     pub fn forward(&self, p: DVec2) -> Option<DVec2> {
-        match self.ways.as_deref() {
-            None => Some(p),
-            Some([from, to]) => convert(from, to, p),
+        match &self.way {
+            Way::Same => Some(p),
+            Way::Scaled(factor) => finite(p * *factor),
+            Way::Projected(sides) => convert(&sides[0], &sides[1], p),
         }
     }
 
@@ -109,7 +139,11 @@ impl Transform {
     /// of the other, so the shift back alone does not return to the same position: it misses by millimetres. The miss
     /// is taken off until nothing is left of it.
     pub fn inverse(&self, p: DVec2) -> Option<DVec2> {
-        let Some([from, to]) = self.ways.as_deref() else { return Some(p) };
+        let [from, to] = match &self.way {
+            Way::Same => return Some(p),
+            Way::Scaled(factor) => return finite(p / *factor),
+            Way::Projected(sides) => sides.as_ref(),
+        };
         let mut found = convert(to, from, p)?;
         if !self.is_shifted {
             return Some(found);
@@ -126,6 +160,10 @@ impl Transform {
     }
 }
 
+fn finite(p: DVec2) -> Option<DVec2> {
+    p.is_finite().then_some(p)
+}
+
 fn convert(from: &System, to: &System, p: DVec2) -> Option<DVec2> {
     if !p.is_finite() {
         return None;
@@ -138,7 +176,7 @@ fn convert(from: &System, to: &System, p: DVec2) -> Option<DVec2> {
     proj4rs::transform::transform(&from.proj, &to.proj, &mut place).ok()?;
     let q = DVec2::new(place.0, place.1);
     let q = to.angle.map_or(q, |unit| angles(q, unit));
-    q.is_finite().then_some(q)
+    finite(q)
 }
 
 fn radians(p: DVec2, unit: f64) -> DVec2 {

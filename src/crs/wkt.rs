@@ -190,6 +190,11 @@ impl Node {
         matches!(self.keyword.as_str(), "PROJCS" | "PROJCRS" | "PROJECTEDCRS")
     }
 
+    /// Whether this horizontal system has plane coordinates without a place on the Earth.
+    pub fn is_local(&self) -> bool {
+        matches!(self.keyword.as_str(), "LOCAL_CS" | "ENGCRS" | "ENGINEERINGCRS")
+    }
+
     /// Whether this horizontal system has degrees for coordinates.
     pub fn is_geographic(&self) -> bool {
         match self.keyword.as_str() {

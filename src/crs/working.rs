@@ -30,6 +30,7 @@ const JAPAN_REACH: f64 = 2.0;
 ///   (267xx) if the data are on these, otherwise of WGS 84 (EPSG:326xx, 327xx). European data on WGS 84 get the zone of
 ///   ETRS89. They were surveyed in ETRS89, and formats that know only WGS 84 hold it under that name. In their plane
 ///   system such data are then where they were.
+/// - For a plane without a place on the Earth, in another unit than metres: the same plane in metres.
 /// - In the remaining cases: a transverse Mercator projection about the middle of the data, on their own datum. These
 ///   are data that reach further than four degrees of longitude (two in Japan) from the zone's meridian, data beyond
 ///   the latitudes of UTM, and data on older datums without zones above.
@@ -47,6 +48,9 @@ where
         }
         Some(_) => {}
         None => {
+            if let Some(plane) = crs.local_in_metres() {
+                return Ok(plane);
+            }
             return Err(Error::Data(format!("{}: is not known to be projected or in degrees", label(crs))));
         }
     }

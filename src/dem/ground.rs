@@ -3,8 +3,9 @@
 use glam::DVec2;
 
 use super::height_map::Dem;
-use crate::base::Grid;
-use crate::crs::Crs;
+use crate::base::error::{Error, Result};
+use crate::base::{ElevationUnit, Grid};
+use crate::crs::{Crs, label};
 
 /// Metres on the ground per map unit, east and north.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,12 +53,39 @@ impl GroundScale {
 }
 
 impl Dem {
+    /// The height map with the unit of x and y that the caller names, if one is. A height map with a coordinate reference system
+    /// has its unit.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if its system states another unit.
+    pub fn with_plane_unit(self, unit: Option<ElevationUnit>) -> Result<Self> {
+        let Some(unit) = unit else { return Ok(self) };
+        let is_open = self.crs.as_ref().is_none_or(|crs| crs.kind().is_none() && crs.length_unit().is_none());
+        let own = self.crs.as_ref().and_then(Crs::length_unit);
+        if is_open {
+            return Ok(Self { crs: Some(Crs::of_plane_in(unit)), ..self });
+        }
+        match own.and_then(|own| ElevationUnit::of_size(own.metres)) == Some(unit) {
+            true => Ok(self),
+            false => Err(other_unit(unit, self.crs.as_ref())),
+        }
+    }
+
     /// Metres on the ground per map unit, east and north, in the middle row. `None` if the unit is not known.
     pub fn metres_per_unit(&self) -> Option<DVec2> {
         let crs = self.crs.as_ref()?;
         let is_known = crs.is_geographic() || crs.length_unit().is_some();
         is_known.then(|| GroundScale::of(self).row(self.grid.rows / 2))
     }
+}
+
+/// The error about a unit of x and y that contradicts the coordinate reference system.
+pub(crate) fn other_unit(unit: ElevationUnit, crs: Option<&Crs>) -> Error {
+    let name = crs.map_or_else(String::new, label);
+    Error::Parameter(format!(
+        "the coordinates cannot be in {}: their coordinate reference system, {name}, states another unit",
+        unit.name()
+    ))
 }
 
 /// Whether a height map without a coordinate reference system can only be in degrees, by its coordinates and cells.

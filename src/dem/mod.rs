@@ -11,6 +11,7 @@ mod rasterise;
 pub mod shade;
 pub mod smooth;
 
+pub(crate) use ground::other_unit;
 pub use ground::{GroundScale, looks_like_degrees};
 pub use height_map::Dem;
 pub(crate) use rasterise::{height, heights_at};

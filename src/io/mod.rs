@@ -322,7 +322,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         // Points are texts beside the lines of the layer before.
         for (group, file) in layers.chunk_by(|_, next| next.geometry == layer::Geometry::Points).zip(&files) {
             let path = out.sibling(file.file_name().unwrap_or_default());
-            dxf::write(&path, group).map_err(|e| out.with_final_name(e))?;
+            dxf::write(&path, group, crs).map_err(|e| out.with_final_name(e))?;
         }
         return Ok(files);
     }
@@ -332,7 +332,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
             VectorFormat::GeoJson => geojson::write(&path, layer, crs),
             VectorFormat::GeoPackage => gpkg::write(&path, std::slice::from_ref(layer), crs, None),
             VectorFormat::FlatGeobuf => flatgeobuf::write(&path, layer, crs),
-            VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer)),
+            VectorFormat::Dxf => dxf::write(&path, std::slice::from_ref(layer), crs),
             VectorFormat::Shapefile => shapefile::write(&path, layer, crs),
         };
         written.map_err(|e| out.with_final_name(e))?;

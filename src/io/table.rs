@@ -10,7 +10,7 @@ use glam::DVec2;
 use super::attributes::{is_elevation_name, is_kind_name, is_sigma_name, may_mark, unit_in_name};
 use crate::base::error::Finding;
 use crate::contour::UnitHint;
-use crate::crs::Crs;
+use crate::crs::{Crs, LengthUnit};
 
 /// What the caller requests from a reader.
 pub(super) struct Request<'a> {
@@ -164,6 +164,8 @@ pub(super) struct Table {
     pub crs: Option<Crs>,
     /// Why there is no coordinate reference system, if the reason is not only that the file names none.
     pub crs_problem: Option<String>,
+    /// The unit of x and y, if the file states it and names no coordinate reference system.
+    pub plane_unit: Option<LengthUnit>,
     /// What the format lets suppose about the unit of heights, if it is more than nothing.
     pub unit_hint: Option<UnitHint>,
     /// Geometries that were left out, with a count per kind.

@@ -6,13 +6,14 @@
 //! the triangles around each vertex form one fan, and the walls of a solid are a two-manifold.
 
 mod cut;
+mod drawing;
 mod validate;
 
 use geo::MultiPolygon;
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::base::error::{Error, Result};
-use crate::crs::Crs;
+use crate::crs::{Crs, LengthUnit};
 use crate::surface::Surface;
 use crate::tin::Tin;
 
@@ -26,7 +27,7 @@ pub struct MeshParams {
     pub base: Option<f64>,
 }
 
-/// Triangles in space: x east, y north (map units), z up (metres).
+/// Triangles in space: x east, y north, z up, in metres or in another unit on all three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// Origin of the vertices: origin plus vertex position gives map coordinates. It is in whole numbers, near the
@@ -38,10 +39,12 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Corners of the triangles, counter-clockwise seen from above. In a solid, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Height of the bottom, metres, if the mesh is a solid.
+    /// Height of the bottom, if the mesh is a solid.
     pub base: Option<f64>,
     /// The coordinate reference system, if known.
     pub crs: Option<Crs>,
+    /// The unit of all three axes, if it is not the metre.
+    pub unit: Option<LengthUnit>,
 }
 
 /// The triangles of a surface inside its frame, or the solid between them and a flat bottom. Of a `part` of the map, the
@@ -70,6 +73,7 @@ pub fn mesh(surface: &Surface, part: Option<&MultiPolygon<f64>>, params: &MeshPa
         triangles,
         base: params.base,
         crs: surface.map.crs.clone(),
+        unit: None,
     };
     let ground = mesh.triangles.len();
     if let Some(base) = params.base {

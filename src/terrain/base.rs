@@ -70,7 +70,7 @@ impl Input {
 
 impl Base {
     fn new(dem: Dem, file: &Path, reprojection: &Reprojection) -> Result<Self> {
-        let crs = dem.crs.clone().or_else(|| reprojection.input_crs().cloned());
+        let crs = reprojection.of_side(dem.crs.as_ref()).cloned();
         if looks_like_degrees(&dem.grid, crs.as_ref()) || is_degrees_by_itself(&dem, reprojection) {
             let message = "the coordinates look like degrees, but the file names no coordinate reference system; name it first, for \
                            example with 'gdal_translate -a_srs EPSG:6668'";

@@ -12,7 +12,7 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
-use crate::crs::{Crs, Transform};
+use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::compare::{height_at, heights_between};
 use crate::dem::{Dem, looks_like_degrees};
 use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
@@ -30,6 +30,8 @@ pub struct Side {
     pub unit: Option<ElevationUnit>,
     /// The part of the surface that is compared, if it is not the whole.
     part: Option<MultiPolygon<f64>>,
+    /// The conversion between the plane of the surface and the coordinates of its contours.
+    reprojection: Option<Reprojection>,
 }
 
 /// What the heights of a side come from.
@@ -99,6 +101,9 @@ impl Pair {
     /// # Errors
     /// If the grid's system cannot be converted to that of a side. The error names the side's file.
     pub fn on(a: Side, b: Side, (grid, crs): Nodes, progress: &dyn Progress) -> Result<Self> {
+        // A height map without a system is in the coordinates of the contours.
+        let crs =
+            crs.or_else(|| [&b, &a].into_iter().find_map(|side| side.reprojection.as_ref()?.input_crs().cloned()));
         let mut notes = vec![note(&a, &b, &grid)];
         if let Some(name) = crs.as_ref().and_then(Crs::name) {
             let nameless = [("A", &a), ("B", &b)].into_iter().filter(|(_, side)| side.crs().is_none());
@@ -113,7 +118,12 @@ impl Pair {
 
     /// The surface of a side, that of B first.
     pub fn surface(&self) -> Option<&Surface> {
-        [&self.b, &self.a].into_iter().find_map(Side::surface)
+        self.side_with_surface().map(|(_, surface)| surface)
+    }
+
+    /// The side that is a surface, B first.
+    pub(super) fn side_with_surface(&self) -> Option<(&Side, &Surface)> {
+        [&self.b, &self.a].into_iter().find_map(|side| Some((side, side.surface()?)))
     }
 
     /// Metres on the ground per unit of the grid's system, in x and y.
@@ -175,7 +185,14 @@ impl Side {
             crs: dem.crs.as_ref().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
-        Self { source, kind: Kind::Dem(dem), sigma: product.map(|(_, sigma)| sigma), unit: None, part: None }
+        Self {
+            source,
+            kind: Kind::Dem(dem),
+            sigma: product.map(|(_, sigma)| sigma),
+            unit: None,
+            part: None,
+            reprojection: None,
+        }
     }
 
     /// The surface of the contours in a file.
@@ -188,7 +205,8 @@ impl Side {
             crs: reprojection.input_crs().and_then(Crs::name),
             about: format!("surface ({}) of {count} contours, interval {interval} m", kind.name()),
         };
-        Self { source, kind: Kind::Surface(Box::new(surface)), sigma: None, unit: Some(unit), part }
+        let (kind, reprojection) = (Kind::Surface(Box::new(surface)), Some(reprojection));
+        Self { source, kind, sigma: None, unit: Some(unit), part, reprojection }
     }
 
     /// The surface, if the side is one.
@@ -215,9 +233,16 @@ impl Side {
         }
     }
 
+    /// The conversion from some system to that of the heights; `None` if coordinates are the same in both, or if one is not
+    /// known. `path` is named in the error.
+    pub(super) fn way_from(&self, crs: Option<&Crs>, path: &Path) -> Result<Option<Transform>> {
+        let crs = self.reprojection.as_ref().map_or(crs, |reprojection| reprojection.of_side(crs));
+        way(path, crs, self.crs())
+    }
+
     /// Heights at the cell centres of a grid in some system.
     fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Dem> {
-        let way = way(&self.source.file, crs, self.crs())?;
+        let way = self.way_from(crs, &self.source.file)?;
         let to_side = |p: DVec2| along(way.as_ref(), p);
         let values = match &self.kind {
             Kind::Dem(dem) if dem.grid == *grid && way.is_none() => dem.values.clone(),
@@ -239,7 +264,7 @@ impl Side {
 
     /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.
     pub(super) fn at(&self, path: &Path, checks: &SpotHeights) -> Result<Vec<f64>> {
-        let way = way(path, checks.crs.as_ref(), self.crs())?;
+        let way = self.way_from(checks.crs.as_ref(), path)?;
         let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
         Ok(match &self.kind {
             Kind::Dem(dem) => {

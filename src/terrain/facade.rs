@@ -31,6 +31,8 @@ pub struct Terrain {
     pub reprojection: Reprojection,
     /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
+    /// Whether x and y are taken as metres although heights are in feet and nothing states the unit of x and y.
+    pub(super) is_plane_guessed: bool,
     /// The part of the map that results cover, if it is not the whole.
     pub(super) part: Option<MultiPolygon<f64>>,
     /// The height map that gives the heights outside the frame.
@@ -97,8 +99,9 @@ impl Terrain {
             background.with_fade(options.base_fade.unwrap_or_else(|| options.tuning.join.fade * spacing()))
         });
         let findings_outside = if is_whole { 0 } else { drop_outside(&mut findings, &surface.frame.area) };
-        let (reprojection, unit) = (input.reprojection.clone(), input.unit);
-        Ok(Self { surface, findings, reprojection, unit, part, background, findings_outside, memory: options.memory })
+        let (reprojection, unit, memory) = (input.reprojection.clone(), input.unit, options.memory);
+        let is_plane_guessed = input.is_plane_guessed;
+        Ok(Self { surface, findings, reprojection, unit, is_plane_guessed, part, background, findings_outside, memory })
     }
 
     /// The contours of the input and new ones between them, a layer for each of the targets:
@@ -132,12 +135,22 @@ impl Terrain {
         Ok(layers.into_iter().next().unwrap_or_default())
     }
 
-    /// The surface as triangles in space, open or closed to a solid.
+    /// The surface as triangles in space, open or closed to a solid, in metres. [`Mesh::in_drawing`] gives the model of a
+    /// drawing in feet in feet.
     ///
     /// # Errors
-    /// As [`mesh`](fn@mesh).
+    /// As [`mesh`](fn@mesh). [`Error::PlaneUnitUnknown`] if heights are in feet and nothing states the unit of x and y.
     pub fn mesh(&self, params: &MeshParams) -> Result<Mesh> {
+        self.check_plane_unit()?;
         mesh(&self.surface, self.part.as_ref(), params)
+    }
+
+    /// [`Input::check_plane_unit`], for the terrain of an input.
+    ///
+    /// # Errors
+    /// [`Error::PlaneUnitUnknown`].
+    pub fn check_plane_unit(&self) -> Result<()> {
+        if self.is_plane_guessed { Err(Error::PlaneUnitUnknown) } else { Ok(()) }
     }
 
     /// The conversion from the working plane to the coordinates of the input, or to those of another system. Heights

@@ -64,7 +64,7 @@ impl Input {
             };
             let read = match sheets.as_mut_slice() {
                 [one] => Report { value: take(&mut one.map), findings: take(&mut one.findings) },
-                _ => joined(sheets)?,
+                _ => joined(sheets, options.plane_unit)?,
             };
             let input = Self::from_metres(read, unit, options);
             let input = input.map_err(|error| if let [file] = &files[..] { error.in_file(file) } else { error })?;

@@ -21,7 +21,8 @@ use crate::surface::{
 /// The cells that a height map is wanted at.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GridSpec {
-    /// Square cells of this size, units of the working coordinate reference system, on multiples of it over the frame.
+    /// Square cells of this size, units of the working coordinate reference system, on multiples of it over the frame. Over
+    /// the plane of a drawing in another unit than metres: units of the drawing, in its coordinates.
     Cell(f64),
     /// Square cells of this size in degrees, in the geographic system of the contours, on multiples of it over the
     /// frame.
@@ -76,7 +77,11 @@ impl GridSpec {
     pub(crate) fn over(&self, reprojection: &Reprojection) -> Result<Cells> {
         self.check()?;
         match self {
-            Self::Cell(size) => Ok(Cells { size: Size::Square(*size), apart: None }),
+            Self::Cell(size) => {
+                let of_drawing = reprojection.plane_of_drawing().zip(reprojection.working_crs());
+                let apart = of_drawing.map(|(crs, working)| Apart::of(crs, working)).transpose()?.flatten();
+                Ok(Cells { size: Size::Square(*size), apart })
+            }
             Self::Degrees(size) => {
                 let known = reprojection.input_crs().and_then(Crs::geographic).zip(reprojection.working_crs());
                 let (crs, working) = known.ok_or(Error::UnknownCrs { needed_for: CrsNeed::CellsInDegrees })?;
@@ -84,13 +89,14 @@ impl GridSpec {
             }
             Self::CellIn { size, crs } => {
                 let working = reprojection.input_crs().and(reprojection.working_crs());
+                let working = working.filter(|working| crs.is_local() || !working.is_unnamed_plane());
                 let working = working.ok_or(Error::UnknownCrs { needed_for: CrsNeed::OtherOutput })?;
                 Ok(Cells { size: Size::Square(*size), apart: Apart::of(crs, working)? })
             }
             Self::Cells { grid, crs, file } => {
                 let size = Size::Given(*grid);
                 // A raster without a system is assumed to be in that of the contours.
-                let known = crs.as_ref().or(reprojection.input_crs()).zip(reprojection.working_crs());
+                let known = reprojection.of_side(crs.as_ref()).zip(reprojection.working_crs());
                 let Some((crs, working)) = known else { return Ok(Cells { size, apart: None }) };
                 let apart = Apart::between(crs, working).map_err(|error| match file {
                     Some(file) => error.in_file(file),
@@ -200,7 +206,15 @@ impl Cells {
     /// What the smooth surface needs to know about the cells; `None` if its nodes cannot be at their centres.
     pub fn wanted(&self) -> Option<Wanted> {
         match (&self.apart, &self.size) {
-            (Some(_), _) => None,
+            (Some(Apart { way, .. }), size) => {
+                let metres = way.factor()?;
+                Some(match size {
+                    Size::Square(cell) => Wanted::Cell(cell * metres),
+                    Size::Given(Grid { corner, cell, cols, rows }) => {
+                        Wanted::Grid(Grid { corner: *corner * metres, cell: *cell * metres, cols: *cols, rows: *rows })
+                    }
+                })
+            }
             (None, Size::Square(cell)) => Some(Wanted::Cell(*cell)),
             (None, Size::Given(grid)) => Some(Wanted::Grid(*grid)),
         }

@@ -14,9 +14,9 @@ use glam::{DVec2, DVec3};
 use super::arrays;
 use super::base::Base;
 use super::part::Part;
-use super::plane::{named, on_plane};
+use super::plane::{Plane, named, on_plane, settle};
 use super::units::Elevations;
-use crate::base::error::{Finding, FindingKind, Report, Result};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, FeatureId};
 use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
 use crate::creases::CreaseLine;
@@ -37,6 +37,9 @@ pub struct InputOptions {
     /// of the vertical part of the coordinate reference system, each file's own; else, for spot heights and lakes, that
     /// of the contours; else metres.
     pub unit: Option<ElevationUnit>,
+    /// Unit of x and y of contours without a coordinate reference system. If `None`: that of the drawing (DXF), else metres.
+    /// Files beside the contours that name no system are in the same plane.
+    pub plane_unit: Option<ElevationUnit>,
     /// The coordinate reference system of the contours, if the file names none or a wrong one.
     pub crs: Option<Crs>,
     /// The projected system in metres to work in. If `None`: the contours' own or, for degrees and feet, the one that
@@ -83,6 +86,8 @@ pub struct Input {
     pub(super) files: Vec<PathBuf>,
     /// The unit that the elevations of the contours had.
     pub(super) unit: ElevationUnit,
+    /// Whether x and y are taken as metres although heights are in feet and nothing states the unit of x and y.
+    pub(super) is_plane_guessed: bool,
     /// The unit that the caller asks for.
     pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
@@ -139,9 +144,19 @@ impl Input {
     pub(super) fn from_metres(read: Report<ContourMap>, unit: ElevationUnit, options: &InputOptions) -> Result<Self> {
         let mut findings = Vec::new();
         let map = read.collect(&mut findings);
+        let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
         let (asked_unit, memory) = (options.unit, options.memory);
-        Ok(Self { map, findings, reprojection, unit, asked_unit, memory, ..Self::default() })
+        Ok(Self { map, findings, reprojection, unit, is_plane_guessed, asked_unit, memory, ..Self::default() })
+    }
+
+    /// Refuses a map whose heights are in feet and of which nothing states the unit of x and y. For what depends on the ratio
+    /// of heights to distances, such as slopes.
+    ///
+    /// # Errors
+    /// [`Error::PlaneUnitUnknown`].
+    pub fn check_plane_unit(&self) -> Result<()> {
+        if self.is_plane_guessed { Err(self.named_error(Error::PlaneUnitUnknown)) } else { Ok(()) }
     }
 
     /// The unit that the elevations of the contours had before they became metres.
@@ -359,11 +374,12 @@ fn unit_of(map: &ContourMap, options: &InputOptions, findings: &mut Vec<Finding>
     // A system that is named in place of the file's may say nothing about heights.
     let named = options.crs.as_ref();
     let stating = [named, map.crs.as_ref()].into_iter().flatten().find(|crs| crs.height_unit().is_some());
+    let plane = options.plane_unit.map(Crs::of_plane_in);
     let elevations = Elevations {
         what: "the elevations",
         asked: options.unit,
         otherwise: ElevationUnit::Metre,
-        crs: stating.or(named).or(map.crs.as_ref()),
+        crs: stating.or(named).or(map.crs.as_ref()).or(plane.as_ref()),
         hint: map.unit_hint.as_ref(),
     };
     let mut about_unit = Vec::new();

@@ -46,6 +46,7 @@ pub fn check_json(input: &Input, map: &ContourMap) -> Value {
     json!({
         "input": input.name(),
         "crs": reprojection.input_crs().and_then(Crs::name),
+        "plane_unit": reprojection.input_crs().and_then(Crs::length_unit).map(|unit| unit.name),
         "lines": map.contours.len(),
         "vertices": map.vertex_count(),
         "levels": { "lowest": levels.first(), "highest": levels.last(), "count": levels.len() },

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use super::compare::{Kind, Pair, along, way};
+use super::compare::{Kind, Pair, along};
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{Grid, parallel};
@@ -31,9 +31,9 @@ pub struct MeasureOptions {
 /// As [`compare`](fn@compare).
 pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -> Result<Comparison> {
     let (a, b) = (&pair.a_heights, &pair.b_heights);
-    let distances = match pair.surface() {
-        Some(surface) => {
-            let way = way(&pair.b.source.file, b.crs.as_ref(), surface.map.crs.as_ref())?;
+    let distances = match pair.side_with_surface() {
+        Some((side, surface)) => {
+            let way = side.way_from(b.crs.as_ref(), &pair.b.source.file)?;
             let to_map = |p: DVec2| along(way.as_ref(), p);
             let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
             let contours = &surface.map.contours;
@@ -80,7 +80,7 @@ fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
         (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
         _ => return Ok(None),
     };
-    let way = way(&side.source.file, dem.crs.as_ref(), side.crs())?;
+    let way = side.way_from(dem.crs.as_ref(), &side.source.file)?;
     let triangles = match &way {
         None => locate(&surface.tin, &dem.grid, progress),
         Some(way) => step(progress, "looking for bands", || triangles_at(&surface.tin, &dem.grid, way)),

@@ -47,10 +47,19 @@ impl Input {
     /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
     pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
         let area = self.reprojection.bring(crs)?.boundary(area)?;
-        let part = Part::new(area, &self.map)?;
+        let part = Part::new(area, &self.map).map_err(|error| self.in_drawing(error))?;
         part.cut(&mut self.map);
         self.part = Some(part);
         Ok(())
+    }
+
+    /// The error with the coordinates of the drawing, if the input is one in another unit than metres.
+    fn in_drawing(&self, error: Error) -> Error {
+        let there = |corners: [DVec2; 2]| corners.map(|corner| self.reprojection.in_input(corner).unwrap_or(corner));
+        match (error, self.reprojection.plane_of_drawing()) {
+            (Error::PartOutside { part, map }, Some(_)) => Error::PartOutside { part: there(part), map: there(map) },
+            (error, _) => error,
+        }
     }
 
     /// [`Input::set_part`] for an upright box: least x, least y, greatest x, greatest y.

@@ -311,10 +311,15 @@ impl Input {
 
     /// The result; its error names the file of the contours.
     fn named<T>(&self, result: Result<T>) -> Result<T> {
-        result.map_err(|error| match self.files.as_slice() {
+        result.map_err(|error| self.named_error(error))
+    }
+
+    /// An error that names the file of the contours.
+    pub(super) fn named_error(&self, error: Error) -> Error {
+        match self.files.as_slice() {
             [file] => error.in_file(file),
             _ => error,
-        })
+        }
     }
 }
 

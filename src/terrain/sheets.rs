@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::contour::ContourMap;
-use crate::crs::{Crs, Transform, label};
+use crate::crs::{Crs, LengthUnit, Transform, label};
 
 /// The map of one file, with its elevations in metres.
 pub(super) struct Sheet {
@@ -25,13 +25,18 @@ pub(super) struct Sheet {
 /// one. The lines of sheets in another system are transformed, with a finding. Sheets that name none are taken to be in
 /// that system.
 ///
+/// If no sheet names a system, drawings are brought to one unit of x and y, unless the caller asks for a unit.
+///
 /// Features get the number of their file, from 1. Findings get its name.
 ///
 /// # Errors
-/// As [`Transform::between`]. [`Error::NoPlace`] if a vertex has no place in the system of the others.
-pub(super) fn joined(sheets: Vec<Sheet>) -> Result<Report<ContourMap>> {
+/// As [`Transform::between`]. [`Error::PlaneUnit`] for a drawing in a unit in which no map is drawn. [`Error::NoPlace`] if a vertex has no place in the system of the others.
+pub(super) fn joined(mut sheets: Vec<Sheet>, asked: Option<ElevationUnit>) -> Result<Report<ContourMap>> {
     let mut findings = Vec::new();
     let mut map = ContourMap { crs: sheets.iter().find_map(|sheet| sheet.map.crs.clone()), ..ContourMap::default() };
+    if map.crs.is_none() && asked.is_none() {
+        map.plane_unit = same_unit(&mut sheets)?;
+    }
     for (number, mut sheet) in (1..).zip(sheets) {
         let name = sheet.file.display().to_string();
         if let Some(common) = &map.crs {
@@ -65,6 +70,41 @@ pub(super) fn joined(sheets: Vec<Sheet>) -> Result<Report<ContourMap>> {
         map.depressions.extend(depressions.into_iter().map(|(feature, mark)| (feature.in_file(number), mark)));
     }
     Ok(Report { value: map, findings })
+}
+
+/// Brings drawings without a coordinate reference system to one unit of x and y, which is returned: that of the first sheet that
+/// states one. Sheets that state none are taken to be in it.
+fn same_unit(sheets: &mut [Sheet]) -> Result<Option<LengthUnit>> {
+    let Some(common) = sheets.iter().find_map(|sheet| sheet.map.plane_unit.clone()) else { return Ok(None) };
+    for sheet in sheets {
+        let message = match &sheet.map.plane_unit {
+            Some(own) if ElevationUnit::of_size(own.metres).is_none() => {
+                return Err(Error::PlaneUnit { unit: own.name.clone() }.in_file(&sheet.file));
+            }
+            Some(own) if own.metres == common.metres => continue,
+            Some(own) => {
+                let (unit, factor) = (own.name.clone(), own.metres / common.metres);
+                scale(&mut sheet.map, factor);
+                sheet.findings.iter_mut().for_each(|finding| finding.place = finding.place.map(|p| p * factor));
+                format!(
+                    "the unit of the drawing is the {unit}; x and y were turned into the unit of the others, the {}",
+                    common.name
+                )
+            }
+            None if common.metres == 1.0 => continue,
+            None => {
+                format!("nothing states the unit of x and y; it is taken to be that of the others, the {}", common.name)
+            }
+        };
+        sheet.findings.push(Finding::general(FindingKind::OtherCrs, message));
+    }
+    Ok(Some(common))
+}
+
+/// Multiplies x and y.
+fn scale(map: &mut ContourMap, factor: f64) {
+    map.contours.iter_mut().flat_map(|line| &mut line.points).for_each(|p| *p *= factor);
+    map.spots.iter_mut().for_each(|spot| *spot = (spot.truncate() * factor).extend(spot.z));
 }
 
 /// Transforms the places of a sheet.

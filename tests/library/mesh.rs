@@ -190,6 +190,11 @@ fn read_glb(bytes: &[u8]) -> Read {
         assert_eq!(told, wanted.to_array());
     }
     let z_up = |v: Vec3| Vec3::new(v.x, -v.z, v.y);
+    // Programs drop those of the asset, or of the node.
+    for extras in [&json["scenes"][0]["extras"], &json["nodes"][0]["extras"]] {
+        assert_eq!(extras, &json["asset"]["extras"]);
+        assert_eq!(extras["unit"], "metre");
+    }
     let offset: Vec<f64> =
         json["asset"]["extras"]["offset"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     Read {

@@ -124,6 +124,8 @@ kinds! {
     ZeroElevation = "zero-elevation", Error, "elevations that are 0 or stand for no data";
     /// The unit of elevations is not certain: the signs of it contradict each other, or the unit in use.
     UnitDoubt = "unit-doubt", Warning, "elevations whose unit is not certain";
+    /// The unit of x and y is not certain: elevations are in feet and nothing states it, or two statements contradict each other.
+    PlaneUnit = "plane-unit", Warning, "coordinates whose unit is not certain";
     /// Some elevations are in feet and some in metres.
     MixedUnits = "mixed-units", Error, "metres and feet mixed";
     /// A line's elevation contradicts the lines around it.

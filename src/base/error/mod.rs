@@ -103,6 +103,21 @@ pub enum Error {
     /// The coordinates look like degrees, and no coordinate reference system is named.
     #[error("the coordinates look like degrees, and the file does not say in which coordinate reference system")]
     LooksLikeDegrees,
+    /// A drawing says that it is in a unit in which no map is drawn, and nothing else states the unit of its coordinates.
+    #[error(
+        "the drawing says that its unit is the {unit} ($INSUNITS), in which maps are not drawn; many programs write that \
+         whatever the unit is. State the unit of x and y; scale a drawing that is really in this unit to metres first"
+    )]
+    PlaneUnit {
+        /// Name of the unit, singular.
+        unit: String,
+    },
+    /// Heights are in feet, and nothing states the unit of x and y. A slope or a model would be a guess.
+    #[error(
+        "the elevations are in feet, and nothing states the unit of x and y: slopes and models would be 3.28 times too flat if \
+         these are feet too. State the unit of x and y, or the coordinate reference system"
+    )]
+    PlaneUnitUnknown,
     /// The working system is not a projected system in metres.
     #[error("{name} is no projected system in metres")]
     NotProjectedInMetres {

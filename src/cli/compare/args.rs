@@ -31,11 +31,11 @@ pub struct CompareArgs {
     pub b: VectorSource,
     /// Stated accuracy of the reference, as a standard deviation [m]; it decides which differences are significant
     /// [default: that of a product of 基盤地図情報]
-    #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "METRES", help_heading = "Input", hide_short_help = true)]
     pub sigma: Option<f64>,
     /// Contour interval at whose levels height maps are searched for terraces [m] [default: that of the contours,
     /// otherwise usual intervals are tried]
-    #[arg(long, value_name = "METRES", help_heading = "Input", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(long, value_name = "METRES", help_heading = "Input", hide_short_help = true)]
     pub interval: Option<f64>,
     /// Also write the differences A − B: GeoTIFF (.tif), OpenEXR (.exr), 16-bit PNG (.png) and others
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]

@@ -3,12 +3,13 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Parser, error::ErrorKind};
+use clap::{CommandFactory, Parser, error::ErrorKind};
 use tokosen::base::error::{Error, Result};
 
 use super::file::RunFile;
 use super::inputs::input;
 use crate::cli::failure::Failure;
+use crate::cli::negative::joined;
 use crate::cli::{Cli, Common};
 
 /// Repeat a run that --save-run saved: the same verb with the same arguments
@@ -68,8 +69,8 @@ pub fn repeated(arguments: &[OsString]) -> std::result::Result<Repeated, Failure
         Error::Data(message) => Error::file(&path, message),
         error => error,
     })?);
-    let arguments = std::iter::once("tokosen").chain(saved.arguments.iter().map(String::as_str));
-    let cli = Cli::try_parse_from(arguments).map_err(|error| unfit(&error))?;
+    let arguments = std::iter::once("tokosen").chain(saved.arguments.iter().map(String::as_str)).map(OsString::from);
+    let cli = Cli::try_parse_from(joined(Cli::command(), arguments)).map_err(|error| unfit(&error))?;
     let common = merged(common, &cli.common);
     Ok(Repeated { cli: Cli { common, ..cli }, saved, warnings })
 }

@@ -74,7 +74,9 @@ fn head<'a>(input: &Preview<'a>, plan: &Plan, room: usize, setter: &Typesetter) 
         (Some(one), None) | (None, Some(one)) => Some(format!("Contours every {one} m")),
         (None, None) => None,
     };
-    let crs = match (degrees(input), input.dem.crs.as_ref().and_then(legend::crs_label)) {
+    let of_drawing = drawing(input).and_then(Reprojection::plane_of_drawing).and_then(legend::crs_label);
+    let plane = || input.dem.crs.as_ref().and_then(legend::crs_label);
+    let crs = match (degrees(input), of_drawing.or_else(plane)) {
         (Some((crs, _)), Some(plane)) => legend::crs_label(crs).map(|name| format!("{name}, drawn on {plane}")),
         (_, plane) => plane,
     };
@@ -96,13 +98,23 @@ fn degrees<'a>(input: &Preview<'a>) -> Option<(&'a Crs, &'a Reprojection)> {
     is_on_plane.then_some((crs, reprojection))
 }
 
-/// The coordinates along the edges of the map: degrees if the input is in degrees, else those of the plane.
+/// The conversion to the coordinates of a drawing in another unit than metres, for a picture on the plane in metres.
+fn drawing<'a>(input: &Preview<'a>) -> Option<&'a Reprojection> {
+    let is_on_plane = |known: &&Reprojection| known.working_crs() == input.dem.crs.as_ref();
+    input.reprojection.filter(|known| known.plane_of_drawing().is_some()).filter(is_on_plane)
+}
+
+/// The coordinates along the edges of the map: degrees if the input is in degrees, those of a drawing if it
+/// is one in another unit than metres, else those of the plane.
 fn coordinates(input: &Preview<'_>) -> Ticks {
     let grid = input.dem.grid;
     let size = DVec2::new(grid.cols as f64, grid.rows as f64);
     let on_plane = |p: DVec2| grid.corner + DVec2::new(p.x, -p.y) * grid.cell;
     if let Some((_, reprojection)) = degrees(input) {
         return ticks(size, Notation::Degrees, |p| reprojection.in_input(on_plane(p)));
+    }
+    if let Some(reprojection) = drawing(input) {
+        return ticks(size, Notation::Plain, |p| reprojection.in_input(on_plane(p)));
     }
     let notation = match &input.dem.crs {
         Some(crs) if crs.is_geographic() => Notation::Degrees,

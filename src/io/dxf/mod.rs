@@ -16,6 +16,7 @@ mod names;
 mod output;
 mod read;
 mod tables;
+mod unit;
 mod write;
 
 pub(super) use read::read;

@@ -6,8 +6,8 @@ use super::entity::{Entity, HAS_HEIGHTS, IS_MESH, Plane, Polyline};
 use super::groups::GroupReader;
 use super::layers::Layers;
 use super::names::{LayerFilter, TextEncoding};
+use super::unit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::contour::UnitHint;
 use crate::io::table::{Feature, Purpose, Request, Spot, Table, Value};
 use crate::io::text;
 
@@ -247,32 +247,7 @@ impl<'a> Drawing<'a> {
             );
             self.table.findings.push(Finding::general(FindingKind::SkippedFeature, message));
         }
-        let mut problem = "a DXF does not name its coordinate reference system".to_owned();
-        if let Some(unit) = self.unit.and_then(foreign_unit) {
-            problem.push_str(&format!("; its unit is said to be {unit}"));
-            if unit.ends_with("feet") {
-                let says = format!("the drawing says that its unit is {unit}");
-                self.table.unit_hint = Some(UnitHint { says, is_feet: true });
-            } else {
-                problem.push_str(", and heights are taken as metres");
-            }
-        }
-        self.table.crs_problem = Some(problem);
+        unit::note(&mut self.table, self.unit);
         Ok(self.table)
     }
-}
-
-/// The name of a unit, by its code in the header. `None` if the code is unknown or the unit is the metre.
-fn foreign_unit(code: i64) -> Option<&'static str> {
-    Some(match code {
-        1 => "inches",
-        2 => "feet",
-        3 => "miles",
-        4 => "millimetres",
-        5 => "centimetres",
-        7 => "kilometres",
-        10 => "yards",
-        21 => "US survey feet",
-        _ => return None,
-    })
 }

@@ -12,7 +12,9 @@ use glam::{DVec2, DVec3};
 
 use super::output::GroupWriter;
 use super::tables::{self, MODEL_SPACE};
+use super::unit;
 use crate::base::error::{Error, Result};
+use crate::crs::Crs;
 use crate::io::layer::{Bounds, Cell, Geometry, LABELS_LAYER, Layer, NO_BOUNDS, Outer, Row, Shape, joined};
 use crate::io::maker::MADE_BY;
 
@@ -21,8 +23,8 @@ const FIRST_HANDLE: u64 = 0x100;
 /// The code of a comment.
 const COMMENT: i32 = 999;
 
-/// Writes one file.
-pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>]) -> Result<()> {
+/// Writes one file. Of the system of the coordinates, the header states the unit.
+pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>], crs: Option<&Crs>) -> Result<()> {
     let rows = || layers.iter().flat_map(|layer| layer.rows.iter().map(move |row| (layer, row)));
     let names: Vec<String> = rows().map(|(layer, row)| layer_name(layer, row)).collect();
     let mut looks: BTreeMap<&str, bool> = BTreeMap::new();
@@ -32,10 +34,11 @@ pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>]) -> Result<()> {
     let handles = looks.len() as u64 + rows().map(|(_, row)| handles_of(row)).sum::<u64>();
     let bounds = rows().fold(NO_BOUNDS, |bounds, (_, row)| joined(bounds, row.shape.bounds()));
     let bounds = if names.is_empty() { [0.0, 1.0, 0.0, 1.0] } else { bounds };
+    let drawn = crs.and_then(Crs::length_unit);
     let run = || -> Written<()> {
         let mut out = GroupWriter::create(path, FIRST_HANDLE)?;
         out.put(COMMENT, MADE_BY)?;
-        write_header(&mut out, FIRST_HANDLE + handles + 1, bounds)?;
+        write_header(&mut out, FIRST_HANDLE + handles + 1, unit::code_of(drawn.as_ref()), bounds)?;
         tables::write(&mut out, &looks, bounds)?;
         out.pairs(&[(0, "SECTION"), (2, "ENTITIES")])?;
         for (name, (layer, row)) in names.iter().zip(rows()) {
@@ -52,12 +55,20 @@ pub(in crate::io) fn write(path: &Path, layers: &[Layer<'_>]) -> Result<()> {
     run().map_err(|e| Error::io("write", path, e))
 }
 
-fn write_header(out: &mut GroupWriter, next_handle: u64, [min_x, max_x, min_y, max_y]: Bounds) -> Written<()> {
+fn write_header(
+    out: &mut GroupWriter,
+    next_handle: u64,
+    (unit, is_metric): (i64, bool),
+    [min_x, max_x, min_y, max_y]: Bounds,
+) -> Written<()> {
     out.pairs(&[(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015")])?;
     out.pairs(&[(9, "$DWGCODEPAGE"), (3, "ANSI_1252"), (9, "$HANDSEED")])?;
     out.put(5, format_args!("{next_handle:X}"))?;
-    // The unit is the metre, in the metric system.
-    out.pairs(&[(9, "$INSUNITS"), (70, "6"), (9, "$MEASUREMENT"), (70, "1"), (9, "$EXTMIN")])?;
+    out.pairs(&[(9, "$INSUNITS")])?;
+    out.put(70, unit)?;
+    out.pairs(&[(9, "$MEASUREMENT")])?;
+    out.put(70, u8::from(is_metric))?;
+    out.pairs(&[(9, "$EXTMIN")])?;
     out.numbers(10, &[min_x, min_y, 0.0])?;
     out.pairs(&[(9, "$EXTMAX")])?;
     out.numbers(10, &[max_x, max_y, 0.0])?;

@@ -93,7 +93,8 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
     }
     findings.extend(spot_findings);
-    let map = ContourMap { contours, spots, depressions, crs: table.crs, unit_hint, ..ContourMap::default() };
+    let (crs, plane_unit) = (table.crs, table.plane_unit);
+    let map = ContourMap { contours, spots, depressions, crs, plane_unit, unit_hint, ..ContourMap::default() };
     Ok(Report { value: map, findings })
 }
 

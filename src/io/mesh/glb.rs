@@ -5,7 +5,7 @@
 use std::io::{Result, Write};
 
 use glam::{DVec3, Vec3};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::crs_name::crs_name;
 use crate::mesh::Mesh;
@@ -43,6 +43,15 @@ fn y_up(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 
+/// Where the model is: the offset, and the coordinate reference system if it is known.
+fn placement(mesh: &Mesh) -> Value {
+    let mut placement = json!({ "offset": mesh.origin.to_array(), "unit": mesh.unit_name() });
+    if let Some(name) = crs_name(mesh) {
+        placement["crs"] = name.into();
+    }
+    placement
+}
+
 /// The JSON chunk. `None` if the file's length does not fit into 32 bits.
 pub(super) fn header(mesh: &Mesh) -> Option<Header> {
     let (count, corners) = (mesh.vertices.len() as u64, 3 * mesh.triangles.len() as u64);
@@ -50,15 +59,13 @@ pub(super) fn header(mesh: &Mesh) -> Option<Header> {
     let binary = u32::try_from(2 * vectors + indices).ok()?;
     let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     let (lo, hi) = mesh.vertices.iter().map(|&v| position(v)).fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
+    // Blender and trimesh drop those of the asset. Both keep those of the scene, and Blender those of the node.
+    let placement = placement(mesh);
     let text = json!({
-        "asset": {
-            "version": "2.0",
-            "generator": "tokosen",
-            "extras": { "offset": mesh.origin.to_array(), "crs": crs_name(mesh) },
-        },
+        "asset": { "version": "2.0", "generator": "tokosen", "extras": placement },
         "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0, "name": "terrain" }],
+        "scenes": [{ "nodes": [0], "extras": placement }],
+        "nodes": [{ "mesh": 0, "name": "terrain", "extras": placement }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "NORMAL": 1 }, "indices": 2, "material": 0 }] }],
         "materials": [{
             "pbrMetallicRoughness": { "baseColorFactor": [0.72, 0.68, 0.58, 1.0], "metallicFactor": 0.0 },

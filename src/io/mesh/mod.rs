@@ -4,7 +4,9 @@
 //! |---|---|---|
 //! | `.ply` | z up | double precision, offset and reference system as comments |
 //! | `.obj` | z up | decimal, exact; offset and reference system as comments |
-//! | `.glb` | y up, z south, as glTF has it | single precision, offset and reference system in `asset.extras` |
+//! | `.glb` | y up, z south, as glTF has it | single precision, offset and reference system in the `extras` of scene, node and asset |
+//!
+//! Positions of `.ply` and `.obj` are in the unit of the mesh, those of `.glb` always in metres, which glTF prescribes.
 //!
 //! Positions are relative to the mesh's origin (the offset). Otherwise viewers that compute in single precision show
 //! jitter. Rounding to single precision may flatten the narrowest triangles of a `.glb`; [`flattened`] counts them. The
@@ -18,6 +20,8 @@ mod ply;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+
+use glam::DVec3;
 
 use crate::base::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -36,6 +40,8 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
         "ply" => create(path, |out| ply::write(out, mesh)),
         "obj" => create(path, |out| obj::write(out, mesh)),
         "glb" => {
+            let in_metres = mesh.in_metres();
+            let mesh = in_metres.as_ref().unwrap_or(mesh);
             let header =
                 glb::header(mesh).ok_or_else(|| Error::file(path, "the mesh is too large for glTF: use .ply"))?;
             create(path, |out| glb::write(out, mesh, &header))
@@ -55,6 +61,21 @@ pub fn write_mesh(path: &Path, mesh: &Mesh) -> Result<()> {
 pub fn flattened(path: &Path, mesh: &Mesh) -> usize {
     let is_single = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     if is_single { glb::flattened(mesh) } else { 0 }
+}
+
+/// How the coordinates of the map come from the positions in a file, as a formula for people. Many programs drop the offset and
+/// the unit that the file states.
+pub fn placement(path: &Path, mesh: &Mesh) -> String {
+    let is_y_up = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+    let in_metres = if is_y_up { mesh.in_metres() } else { None };
+    let mesh = in_metres.as_ref().unwrap_or(mesh);
+    let DVec3 { x, y, z } = mesh.origin;
+    let crs = crs_name::crs_name(mesh).map_or(String::new(), |name| format!("; {name}"));
+    let unit = mesh.unit_name();
+    match is_y_up {
+        true => format!("east = x + {x}, north = {y} - z, height = y + {z}, in the {unit}{crs}"),
+        false => format!("east = x + {x}, north = y + {y}, height = z + {z}, in the {unit}{crs}"),
+    }
 }
 
 /// Creates `path` and lets `fill` write to it through a buffer.

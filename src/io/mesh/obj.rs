@@ -8,6 +8,9 @@ use crate::mesh::Mesh;
 /// Writes the comments, the vertices, the normals and the faces. Faces count vertices from one.
 pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {
     writeln!(out, "# tokosen\n# offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z)?;
+    if mesh.unit.is_some() {
+        writeln!(out, "# unit {}", mesh.unit_name())?;
+    }
     if let Some(crs) = crs_name(mesh) {
         writeln!(out, "# crs {crs}")?;
     }

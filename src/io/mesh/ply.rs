@@ -9,6 +9,9 @@ use crate::mesh::Mesh;
 pub(super) fn write(out: &mut impl Write, mesh: &Mesh) -> Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment tokosen")?;
     writeln!(out, "comment offset {} {} {}", mesh.origin.x, mesh.origin.y, mesh.origin.z)?;
+    if mesh.unit.is_some() {
+        writeln!(out, "comment unit {}", mesh.unit_name())?;
+    }
     if let Some(crs) = crs_name(mesh) {
         writeln!(out, "comment crs {crs}")?;
     }

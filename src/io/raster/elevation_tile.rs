@@ -79,7 +79,8 @@ impl ColourCode {
         }
     }
 
-    fn formula(self) -> &'static str {
+    /// How colours become heights, in words.
+    pub fn formula(self) -> &'static str {
         match self {
             Self::Gsi => {
                 "x = 65536 red + 256 green + blue; height in metres = 0.01 x for x < 8388608, 0.01 (x - 16777216) for \

@@ -38,8 +38,8 @@ mod xyz;
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
+use crate::base::{ElevationUnit, Grid};
 use crate::dem::Dem;
 use elevation_tile::ColourCode;
 use output::check;
@@ -134,6 +134,24 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
     check(path, dem)?;
     let values = Values { quantity: params.quantity, heights: params.unit };
     write(path, &in_file(dem, values), values)
+}
+
+/// What a file says in texts that many programs drop, as sentences for people: how numbers become heights, and where the cells
+/// are. None for formats whose numbers are the heights and whose place programs read.
+pub fn reading(path: &Path, dem: &Dem, params: &RasterParams) -> Vec<String> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let values = Values { quantity: params.quantity, heights: params.unit };
+    let formula = match (extension.as_str(), params.png) {
+        ("png", PngEncoding::Gray16) => png::formula(&in_file(dem, values), values),
+        ("png", PngEncoding::Gsi) => ColourCode::Gsi.formula().to_owned(),
+        ("png", PngEncoding::Terrarium) => ColourCode::Terrarium.formula().to_owned(),
+        ("png", PngEncoding::Mapbox) => ColourCode::Mapbox.formula().to_owned(),
+        ("exr", _) => format!("{} = value of the first channel", values.words()),
+        _ => return Vec::new(),
+    };
+    let Grid { corner, cell, .. } = dem.grid;
+    let place = format!("upper left corner {} {}, cells of {} x {}", corner.x, corner.y, cell.x, cell.y);
+    vec![formula, place]
 }
 
 /// A raster as a file holds it: values in their unit there, a system that does not contradict it.

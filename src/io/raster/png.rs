@@ -42,6 +42,11 @@ pub(super) fn write(path: &Path, dem: &Dem, values: Values) -> Result<()> {
     pam::write_world(path, "pgw", dem)
 }
 
+/// How the values of the file become those of the map, in words.
+pub(super) fn formula(dem: &Dem, values: Values) -> String {
+    Coding::of(&dem.values).formula(values)
+}
+
 pub(super) fn filled(error: EncodingError) -> Filled {
     match error {
         EncodingError::IoError(error) => Filled::Io(error),

@@ -156,7 +156,11 @@ impl Terrain {
     /// A 3-D model; a solid if the height of its bottom is given.
     #[pyo3(signature = (base, progress))]
     fn mesh(&self, py: Python<'_>, base: Option<f64>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Model> {
-        work(py, progress, |_| self.terrain.mesh(&MeshParams { base })).map(Model)
+        work(py, progress, |_| {
+            let mesh = self.terrain.mesh(&MeshParams { base })?;
+            Ok(mesh.in_drawing(&self.terrain.reprojection).unwrap_or(mesh))
+        })
+        .map(Model)
     }
 
     /// The pits that are left in the smooth surface or, if cells are given, in the height map of these cells.

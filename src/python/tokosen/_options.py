@@ -22,6 +22,8 @@ class InputOptions(TypedDict, total=False):
     """The layer of a GeoPackage with several."""
     unit: Unit | None
     """The unit of elevations. If None: that of the vertical part of the CRS, else metres."""
+    plane_unit: Unit | None
+    """The unit of x and y of contours without a CRS. If None: that of the drawing (DXF), else metres."""
     crs: Any
     """The CRS of the contours, if they name none or a wrong one."""
     work_crs: Any
@@ -161,6 +163,7 @@ _DEFAULTS: dict[str, Any] = {
     "elevation": None,
     "layer": None,
     "unit": None,
+    "plane_unit": None,
     "crs": None,
     "work_crs": None,
     "snap": 0.01,

@@ -198,8 +198,9 @@ class Terrain:
     ) -> Dem:
         """The height map at the centres of cells, metres; with standard errors if the terrain was built with `uncertainty`.
 
-        `cell` is the size of cells in units of the working CRS or of `to_crs`, `cell_degrees` in degrees. `like` is a raster whose
-        cells are taken: a path, a Dem, a DataArray, or (values, transform, crs).
+        `cell` is the size of cells in units of the working CRS or of `to_crs`, or of contours without a CRS that are in feet;
+        `cell_degrees` is in degrees. `like` is a raster whose cells are taken: a path, a Dem, a DataArray, or (values, transform,
+        crs).
 
         >>> tokosen.Terrain(tokosen.example(), uncertainty=True).dem(cell=10).error.shape
         (58, 55)

@@ -70,6 +70,18 @@ UNIT = choice(
     [("", "That of the layer, otherwise metres"), ("m", "Metres"), ("ft", "International feet"), ("us-ft", "US survey feet")],
     advanced=True,
 )
+PLANE_UNIT = choice(
+    "--plane-unit",
+    "Unit of x and y of contours without a coordinate reference system",
+    [
+        ("", "That of the drawing, otherwise metres"),
+        ("m", "Metres"),
+        ("ft", "International feet"),
+        ("us-ft", "US survey feet"),
+    ],
+    advanced=True,
+    help="The result comes back in this unit. Contours with a coordinate reference system have its unit.",
+)
 WORK_CRS = crs(
     "--work-crs",
     "Projected system to work in",
@@ -271,7 +283,7 @@ DIAGNOSTICS = vector_output(
     "lakes and spot heights contradict the contours.",
 )
 
-CLEANING = [UNIT, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
+CLEANING = [UNIT, PLANE_UNIT, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
 PART = [EXTENT, CLIP]
 # What shapes the surface, first the lines and areas of a map.
 TERRAIN = [

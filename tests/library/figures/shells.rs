@@ -13,7 +13,7 @@ fn surface(name: &str, kind: SurfaceKind) -> Surface {
 }
 
 fn shell(surface: &Surface) -> Mesh {
-    mesh(surface, &MeshParams::default()).unwrap()
+    mesh(surface, None, &MeshParams::default()).unwrap()
 }
 
 /// A point in space by the bits of its map coordinates and height.

@@ -62,6 +62,7 @@ The repaired contours are an output of their own.
         shared.EXCLUDE,
         shared.STREAM_TOLERANCE,
         shared.UNIT,
+        shared.PLANE_UNIT,
         shared.WORK_CRS,
         shared.SNAP,
         shared.TO_CRS,

@@ -26,7 +26,8 @@ system in metres, or in the one that you choose.
             "Cell size",
             proposed=10,
             unless=["LIKE", "CELL_DEGREES"],
-            help="In metres. If you choose the coordinate reference system of the result, the number is in its units.",
+            help="In metres. If you choose the coordinate reference system of the result, the number is in its units. For contours "
+            "without a coordinate reference system that are in feet, it is in feet.",
         ),
         shared.LIKE,
         *shared.TERRAIN,

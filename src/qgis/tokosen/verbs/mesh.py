@@ -13,7 +13,8 @@ class Mesh(Verb):
 Makes a 3-D model (triangle mesh) from contour lines: PLY, Wavefront OBJ or binary glTF. The contours are edges of the \
 triangles.
 
-The model is in metres, relative to an offset that the file states. With a height of the bottom, it is a closed solid for \
+The model is in metres, relative to an offset that the file states and the log shows. The model of a drawing in feet without \
+a coordinate reference system is in feet; a .glb is always in metres. With a height of the bottom, it is a closed solid for \
 3-D printing.
 """
     options = [
