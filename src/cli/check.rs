@@ -71,6 +71,8 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     preparation.check()?;
     let staged = args.open(console)?;
     let mut input = args.map.read(console)?;
+    let sea = args.water.sea_in_metres(args.to_unit.unit());
+    sea.into_iter().for_each(|level| input.expect_level(level));
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
@@ -80,7 +82,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     args.streams.add_to(&mut input)?;
     args.break_lines.add_to(&mut input)?;
     let options = Options {
-        sea: args.water.sea_in_metres(args.to_unit.unit()),
+        sea,
         stream_tolerance: args.streams.stream_tolerance,
         ..Options::default()
     };

@@ -77,7 +77,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let diagnostics = args.diagnostics.open()?;
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
-    let mut input = job.read_part(&args.part)?;
+    let mut input = job.read_part(&args.part, args.surface.water.sea_in_metres(args.to_unit.unit()))?;
     args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),

@@ -114,7 +114,7 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
-    let mut input = job.read_part(&args.part)?;
+    let mut input = job.read_part(&args.part, args.surface.water.sea_in_metres(unit))?;
     input.findings.append(&mut findings);
     let back = args.levels.to_crs.way(&input.reprojection, unit)?;
     let options = Options {

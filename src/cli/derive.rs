@@ -269,7 +269,7 @@ impl DeriveArgs {
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let mut input = self.input.read_part(Some(&self.part), console)?;
+        let mut input = self.input.read_part(Some(&self.part), self.surface.water.sea, console)?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         self.base.add_to(&mut input, console)?;

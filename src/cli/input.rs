@@ -34,16 +34,17 @@ impl InputArgs {
         first_given(self.map.flags().chain(own))
     }
 
-    /// Reads and prepares the map.
-    pub fn read(&self, console: &Console) -> Result<Input, Failure> {
-        self.read_part(None, console)
+    /// Reads and prepares the map. `sea` is the level of the sea in metres, if one is named.
+    pub fn read(&self, sea: Option<f64>, console: &Console) -> Result<Input, Failure> {
+        self.read_part(None, sea, console)
     }
 
-    /// Reads and prepares a part of the map, if one is given.
-    pub fn read_part(&self, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
+    /// Reads and prepares a part of the map, if one is given. `sea` as in [`InputArgs::read`].
+    pub fn read_part(&self, part: Option<&PartArgs>, sea: Option<f64>, console: &Console) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
+        sea.into_iter().for_each(|level| input.expect_level(level));
         part.map(|part| part.add_to(&mut input)).transpose()?;
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));

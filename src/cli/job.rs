@@ -50,14 +50,14 @@ impl<'a> Job<'a> {
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
-    /// Reads and prepares the contours.
-    pub fn read(&self) -> Result<Input, Failure> {
-        self.args.read(self.console)
+    /// Reads and prepares the contours. `sea` is the level of the sea in metres, if one is named.
+    pub fn read(&self, sea: Option<f64>) -> Result<Input, Failure> {
+        self.args.read(sea, self.console)
     }
 
-    /// Reads and prepares a part of the contours, if one is given.
-    pub fn read_part(&self, part: &PartArgs) -> Result<Input, Failure> {
-        self.args.read_part(Some(part), self.console)
+    /// Reads and prepares a part of the contours, if one is given. `sea` as in [`Job::read`].
+    pub fn read_part(&self, part: &PartArgs, sea: Option<f64>) -> Result<Input, Failure> {
+        self.args.read_part(Some(part), sea, self.console)
     }
 
     /// Builds the surface between them.

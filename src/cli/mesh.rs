@@ -54,7 +54,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     let job = Job::start(&args.input, args.surface.files(), [args.output.as_path()], args.preview.as_deref(), console)?;
     let staged = StagedOutput::create(&args.output)?;
 
-    let mut input = job.read()?;
+    let mut input = job.read(args.surface.water.sea)?;
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;

@@ -60,7 +60,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read()?;
+    let mut input = job.read(args.water.sea_in_metres(unit))?;
     args.frame.add_to(&mut input)?;
     args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;

@@ -145,6 +145,8 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     let either: Vec<_> = points.iter().chain(&polygons).copied().collect();
     let (wanted, what) = match request.purpose {
         Purpose::Streams if lines.is_empty() => (&polygons, "lines or polygons"),
+        // Contours may be stored as polygons.
+        Purpose::Contours if lines.is_empty() && !polygons.is_empty() => (&polygons, "polygons"),
         Purpose::Contours | Purpose::Streams | Purpose::Lines | Purpose::BreakLines => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
         Purpose::Area | Purpose::Water => (&polygons, "polygons"),

@@ -24,6 +24,7 @@ pub struct Given {
     pub elevation: Option<String>,
     pub layer: Option<String>,
     pub unit: Option<String>,
+    pub depths: bool,
     pub crs: Option<String>,
     pub work_crs: Option<String>,
     pub snap: f64,

@@ -68,6 +68,7 @@ fn built_of(
     progress: &dyn Progress,
 ) -> tokosen::Result<tokosen::Terrain> {
     recipe.part(input)?;
+    options.sea.into_iter().for_each(|sea| input.expect_level(sea));
     input.prepare(&options.preparation, progress)?;
     recipe.base(input, progress)?;
     recipe.surface(input)?;

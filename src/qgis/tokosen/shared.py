@@ -70,6 +70,7 @@ UNIT = choice(
     [("", "That of the layer, otherwise metres"), ("m", "Metres"), ("ft", "International feet"), ("us-ft", "US survey feet")],
     advanced=True,
 )
+DEPTHS = yes("--depths", "Read depths as negative elevations", advanced=True)
 WORK_CRS = crs(
     "--work-crs",
     "Projected system to work in",
@@ -267,7 +268,7 @@ DIAGNOSTICS = vector_output(
     "lakes and spot heights contradict the contours.",
 )
 
-CLEANING = [UNIT, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
+CLEANING = [UNIT, DEPTHS, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
 PART = [EXTENT, CLIP]
 # What shapes the surface, first the lines and areas of a map.
 TERRAIN = [
