@@ -262,32 +262,39 @@ pub(super) fn middle(line: &Contour) -> Option<DVec2> {
     line.points.get(line.points.len() / 2).copied().filter(|p| p.is_finite())
 }
 
-/// The extent of a map, to recognise its neat line.
+/// The sheets of a map, to recognise their neat lines. Each file is a sheet.
 struct NeatLines<'a> {
     map: &'a ContourMap,
-    diagonal: f64,
-    /// The shorter side of the map.
-    side: f64,
+    /// The extent of each.
+    sheets: BTreeMap<Option<u32>, [DVec2; 2]>,
 }
 
 impl<'a> NeatLines<'a> {
     fn new(map: &'a ContourMap) -> Self {
-        let points = || map.contours.iter().flat_map(|line| &line.points).filter(|p| p.is_finite());
-        let low = points().fold(DVec2::INFINITY, |low, p| low.min(*p));
-        let size = points().fold(DVec2::NEG_INFINITY, |high, p| high.max(*p)) - low;
-        Self { map, diagonal: size.length(), side: size.min_element() }
+        let mut sheets = BTreeMap::new();
+        for line in &map.contours {
+            let [low, high] = sheets.entry(line.feature.file()).or_insert([DVec2::INFINITY, DVec2::NEG_INFINITY]);
+            for p in line.points.iter().filter(|p| p.is_finite()) {
+                (*low, *high) = (low.min(*p), high.max(*p));
+            }
+        }
+        Self { map, sheets }
     }
 
-    /// Why a line is the neat line of the map, or a side of it; `None` if it is not.
+    /// Why a line is the neat line of its sheet, or a side of it; `None` if it is not.
     fn fault(&self, line: &Contour) -> Option<String> {
-        if !(self.diagonal.is_finite() && line.length() > LONG * self.side) {
+        let file = line.feature.file();
+        let [low, high] = self.sheets.get(&file)?;
+        let (diagonal, side) = (low.distance(*high), (high - low).min_element());
+        if !(diagonal.is_finite() && line.length() > LONG * side) {
             return None;
         }
-        let corners = corners(&line.points, STRAIGHT * self.diagonal)?;
+        let corners = corners(&line.points, STRAIGHT * diagonal)?;
         let sides: Vec<[DVec2; 2]> = corners.windows(2).map(|w| [w[0], w[1]]).collect();
-        let others = || self.map.contours.iter().filter(|other| !is_doubtful(other.elevation));
+        let is_other = |other: &&Contour| other.feature.file() == file && !is_doubtful(other.elevation);
+        let others = || self.map.contours.iter().filter(is_other);
         // On one side of every side: within a frame, or beyond a single edge of it.
-        let slack = STRAIGHT * self.diagonal;
+        let slack = STRAIGHT * diagonal;
         let depth = |p: DVec2, [a, b]: [DVec2; 2]| (b - a).normalize_or_zero().perp_dot(p - a);
         let all = |sign: f64| {
             let is_inside = |p: &DVec2| !p.is_finite() || sides.iter().all(|side| sign * depth(*p, *side) >= -slack);
@@ -296,7 +303,7 @@ impl<'a> NeatLines<'a> {
         if !(all(1.0) || all(-1.0)) {
             return None;
         }
-        let is_near = |p: DVec2| sides.iter().any(|[a, b]| distance(p, *a, *b) <= NEAR * self.diagonal);
+        let is_near = |p: DVec2| sides.iter().any(|[a, b]| distance(p, *a, *b) <= NEAR * diagonal);
         let mut ending = BTreeSet::new();
         for other in others().filter(|other| !other.is_closed()) {
             if [other.points.first(), other.points.last()].into_iter().flatten().any(|p| is_near(*p)) {
@@ -304,7 +311,8 @@ impl<'a> NeatLines<'a> {
             }
         }
         let levels = ending.len();
-        (levels >= ENDING).then(|| format!("contours of {levels} levels end along it, so it is the neat line of the map"))
+        (levels >= ENDING)
+            .then(|| format!("contours of {levels} levels end along it, so it is the neat line of the map"))
     }
 }
 
@@ -319,9 +327,8 @@ fn corners(points: &[DVec2], tolerance: f64) -> Option<Vec<DVec2>> {
         return is_straight(points).then(|| vec![first, last]);
     }
     let ring = &points[..points.len() - 1];
-    let farthest = |from: DVec2| {
-        (0..ring.len()).max_by(|&i, &j| ring[i].distance(from).total_cmp(&ring[j].distance(from)))
-    };
+    let farthest =
+        |from: DVec2| (0..ring.len()).max_by(|&i, &j| ring[i].distance(from).total_cmp(&ring[j].distance(from)));
     // Two opposite corners, then the one farthest from their diagonal on each side.
     let a = farthest(ring.iter().fold(DVec2::ZERO, |sum, p| sum + *p) / ring.len().max(1) as f64)?;
     let c = farthest(ring[a])?;

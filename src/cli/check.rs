@@ -81,11 +81,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;
     args.break_lines.add_to(&mut input)?;
-    let options = Options {
-        sea,
-        stream_tolerance: args.streams.stream_tolerance,
-        ..Options::default()
-    };
+    let options = Options { sea, stream_tolerance: args.streams.stream_tolerance, ..Options::default() };
     let judged = input.judge(&options, console);
     let judged = judged.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));

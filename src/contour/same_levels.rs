@@ -1,7 +1,7 @@
 //! Levels that differ by less than a millimetre: rounding made several of one.
 
-use super::map::ContourMap;
 use super::levels::distinct_levels;
+use super::map::ContourMap;
 use crate::base::ElevationUnit;
 use crate::base::decimal::shortest_between;
 use crate::base::error::{Finding, FindingKind};
@@ -52,7 +52,8 @@ fn groups(levels: &[f64]) -> Vec<[f64; 2]> {
         let to = from + levels[from..].partition_point(|z| z - levels[from] <= SAME);
         let [low, high] = [levels[from], levels[to - 1]];
         let reach = APART * (high - low);
-        let is_alone = (from == 0 || low - levels[from - 1] >= reach) && levels.get(to).is_none_or(|z| z - high >= reach);
+        let is_alone =
+            (from == 0 || low - levels[from - 1] >= reach) && levels.get(to).is_none_or(|z| z - high >= reach);
         if high > low && is_alone {
             groups.push([low, high]);
         }
@@ -86,7 +87,9 @@ mod tests {
 
     #[test]
     fn real_levels_stay() {
-        for levels in [&[100.0, 105.0, 110.0][..], &[12.19, 12.192, 12.5], &[0.0, 0.001, 0.002, 0.003], &[0.0, 0.000_5, 0.02]] {
+        for levels in
+            [&[100.0, 105.0, 110.0][..], &[12.19, 12.192, 12.5], &[0.0, 0.001, 0.002, 0.003], &[0.0, 0.000_5, 0.02]]
+        {
             assert_eq!(united(levels, ElevationUnit::Metre), (levels.to_vec(), false));
         }
         assert_eq!(united(&[], ElevationUnit::Metre), (vec![], false));

@@ -2,6 +2,7 @@
 //! depression contours. The names themselves are in [`elevation_names`](super::elevation_names).
 
 use super::elevation_names::{BANDS, DEPTHS, ELEVATIONS, MILLIMETRES, OPEN};
+use super::unit_words::LengthWord;
 
 /// Endings that mean metres. Names with feet are not used by themselves: the user must select such a field.
 const METRE_ENDINGS: &[&str] = &["_m", "_metre", "_metres", "_meter", "_meters", "(m)", "[m]"];
@@ -11,12 +12,35 @@ const FEET_WORDS: &[&str] = &["feet", "foot", "usft", "ftus", "ft"];
 
 /// Words for units of length in the names of attributes, in lower case and without gaps.
 const UNIT_NAMES: &[&str] = &[
-    "unitofmeasure", "uom", "units", "unit", "unite", "unité", "einheit", "unidades", "unidad", "unidade", "unita",
-    "unità", "enhet", "enhed", "eenheid", "jednotka", "jednostka", "yksikkö", "yksikko", "birim", "satuan", "単位", "单位", "단위",
+    "unitofmeasure",
+    "uom",
+    "units",
+    "unit",
+    "unite",
+    "unité",
+    "einheit",
+    "unidades",
+    "unidad",
+    "unidade",
+    "unita",
+    "unità",
+    "enhet",
+    "enhed",
+    "eenheid",
+    "jednotka",
+    "jednostka",
+    "yksikkö",
+    "yksikko",
+    "birim",
+    "satuan",
+    "単位",
+    "单位",
+    "단위",
 ];
 
 /// Words beside them that mean elevations.
-const VERTICAL: &[&str] = &["vert", "vertical", "v", "value", "values", "measure", "cnt", "altimetric", "contourinterval"];
+const VERTICAL: &[&str] =
+    &["vert", "vertical", "v", "value", "values", "measure", "cnt", "altimetric", "contourinterval"];
 
 /// The attribute for units of the contours of the USGS. Shapefiles cut its name.
 const USGS_UNITS: &str = "contourunits";
@@ -72,6 +96,21 @@ fn is_in(list: &[(&str, &str)], name: &str) -> bool {
     let name = name.trim().to_lowercase();
     let bare = METRE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).map_or(name.as_str(), str::trim_end);
     list.iter().any(|(known, _)| *known == bare)
+}
+
+/// The smaller unit that the name of an attribute with elevations or depths ends with, such as `height_cm`.
+pub(super) fn small_unit_in_name(name: &str) -> Option<LengthWord> {
+    let name = name.trim().to_lowercase();
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let (last, others) = words.split_last()?;
+    let unit = match *last {
+        "mm" => LengthWord::Millimetre,
+        "cm" => LengthWord::Centimetre,
+        "dm" => LengthWord::Decimetre,
+        _ => return None,
+    };
+    let is_known = |word: &&str| [ELEVATIONS, DEPTHS].into_iter().flatten().any(|(known, _)| known == word);
+    others.iter().any(is_known).then_some(unit)
 }
 
 /// For the name of an attribute in whole millimetres: the greatest number that can be metres.
@@ -228,6 +267,14 @@ mod tests {
     }
 
     #[test]
+    fn names_tell_smaller_units() {
+        assert_eq!(small_unit_in_name("elev_cm"), Some(LengthWord::Centimetre));
+        assert_eq!(small_unit_in_name("Height (mm)"), Some(LengthWord::Millimetre));
+        assert_eq!(small_unit_in_name("depth dm"), Some(LengthWord::Decimetre));
+        assert!(["elev_m", "width_mm", "cm", "elev"].iter().all(|name| small_unit_in_name(name).is_none()));
+    }
+
+    #[test]
     fn names_of_units_and_what_they_are_about() {
         use UnitColumn::{General, OfElevations, Own};
         for (name, source, about) in [
@@ -256,7 +303,13 @@ mod tests {
 
     #[test]
     fn names_of_bands_belong_together() {
-        for (lower, upper) in [("ELEV_MIN", "elev_max"), ("ContourMin", "contourmax"), ("from", "to"), ("zmin", "zmax"), ("min_elev", "max_elev")] {
+        for (lower, upper) in [
+            ("ELEV_MIN", "elev_max"),
+            ("ContourMin", "contourmax"),
+            ("from", "to"),
+            ("zmin", "zmax"),
+            ("min_elev", "max_elev"),
+        ] {
             assert!(upper_of(lower).any(|name| name == upper), "{lower}");
         }
         assert_eq!(upper_of("elev").count(), 0);

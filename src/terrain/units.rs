@@ -63,7 +63,9 @@ impl Elevations<'_> {
                 let text = format!("{says}, but {rival}; {what} are taken as {}", unit.name());
                 Some((FindingKind::UnitDoubt, text))
             }
-            None => unit.is_foot().then(|| (FindingKind::HeightUnit, format!("{says}; {what} were turned into metres"))),
+            None => {
+                unit.is_foot().then(|| (FindingKind::HeightUnit, format!("{says}; {what} were turned into metres")))
+            }
         };
         (unit, finding)
     }
@@ -121,7 +123,8 @@ mod tests {
         let says = |is_feet| UnitHint { says: "the field \"x\" seems to hold another unit".into(), is_feet };
         let hint = hint.map(says);
         let mut findings = Vec::new();
-        let elevations = Elevations { what: "the elevations", asked, otherwise, crs: Some(crs), stated: None, hint: hint.as_ref() };
+        let elevations =
+            Elevations { what: "the elevations", asked, otherwise, crs: Some(crs), stated: None, hint: hint.as_ref() };
         let unit = elevations.unit(&mut findings);
         (unit, findings.into_iter().map(|finding| (finding.kind, finding.message)).collect())
     }

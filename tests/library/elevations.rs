@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Finding, FindingKind};
+use tokosen::base::{ElevationUnit, FeatureId};
 use tokosen::crs::Crs;
 use tokosen::io::layer::{Cell, Column, Geometry, Kind, Layer, Row, Shape};
 use tokosen::io::{ReadOptions, StagedOutput, read_contours, write_layers};
@@ -99,7 +99,7 @@ fn a_frame_without_an_elevation_changes_nothing() {
             let (clean, input) = (prepared(&sound, repair), prepared(&framed, repair));
             assert_eq!(input.map.contours, clean.map.contours, "{z} {repair:?}");
             assert_eq!(kinds(&input.findings), [FindingKind::ZeroElevation], "{z} {repair:?}");
-            assert_eq!(input.findings[0].features, [10.into()]);
+            assert_eq!(input.findings[0].features, [FeatureId::from(10)]);
             assert!(input.findings[0].message.contains("was left out"), "{}", input.findings[0]);
         }
     }
@@ -193,7 +193,8 @@ fn a_unit_beside_the_elevation_is_used() {
 
 #[test]
 fn units_that_differ_from_line_to_line_are_converted() {
-    let rows = [(328.083_989_501_312_3, json!("ft")), (110.0, json!("m")), (12_000.0, json!("cm")), (130_000.0, json!("mm"))];
+    let rows =
+        [(328.083_989_501_312_3, json!("ft")), (110.0, json!("m")), (12_000.0, json!("cm")), (130_000.0, json!("mm"))];
     let mixed = rings(rows.clone().map(|(z, unit)| json!({"elev": z, "uom": unit})));
     let (found_levels, found_kinds) = found(&mixed);
     let rounded: Vec<f64> = found_levels.iter().map(|z| (z * 1e6).round() / 1e6).collect();
@@ -209,6 +210,10 @@ fn units_that_differ_from_line_to_line_are_converted() {
     let finland = |step: i32| rings((1..5).map(|k| json!({"korkeusarvo": step * k})));
     assert_eq!(found(&finland(2500)), (vec![2.5, 5.0, 7.5, 10.0], vec![FindingKind::HeightUnit]));
     assert_eq!(found(&finland(5)), (vec![5.0, 10.0, 15.0, 20.0], vec![]));
+    // The name of the field that the caller names.
+    let named = InputOptions { elevation_field: Some("elev_dm".into()), ..InputOptions::default() };
+    let input = read(&rings((1..4).map(|k| json!({"elev_dm": 50 * k}))), &named).unwrap();
+    assert_eq!((levels(&input), kinds(&input.findings)), (vec![5.0, 10.0, 15.0], vec![FindingKind::HeightUnit]));
     // A number for no data has no unit.
     let with_gap = [of("elev", 5000), rings([json!({"elev": -9999, "uom": "mm"})])].concat();
     assert_eq!(levels(&prepared(&with_gap, Repair::Safe)), [5.0, 10.0, 15.0, 20.0]);
@@ -324,14 +329,16 @@ fn polygons_at_one_elevation_are_contours_in_every_format() {
 fn polygons_beside_lines() {
     let polygon = |radius: f64, properties: Value| feature("Polygon", json!([ring(radius)]), properties);
     let lines = rings([json!({"elev": 100}), json!({"elev": 105})]);
-    let mixed = [lines.clone(), (0..3).map(|k| polygon(200.0 - 50.0 * f64::from(k), json!({"elev": 110 + 5 * k}))).collect()];
+    let mixed =
+        [lines.clone(), (0..3).map(|k| polygon(200.0 - 50.0 * f64::from(k), json!({"elev": 110 + 5 * k}))).collect()];
     assert_eq!(found(&mixed.concat()), (vec![100.0, 105.0, 110.0, 115.0, 120.0], vec![FindingKind::PolygonContour]));
     // Polygons of something else, of several parts, and areas that share their edges.
     let wood = [lines.clone(), vec![polygon(70.0, json!({"kind": "wood"}))]].concat();
     assert_eq!(found(&wood), (vec![100.0, 105.0], vec![FindingKind::SkippedFeature]));
     let parts = feature("MultiPolygon", json!([[ring(20.0)], [ring(30.0), ring(10.0)]]), json!({"elev": 110}));
     assert_eq!(found(&[lines.clone(), vec![parts]].concat()).0.len(), 5);
-    let band = |outer: f64, inner: f64, z: f64| feature("Polygon", json!([ring(outer), ring(inner)]), json!({"elev": z}));
+    let band =
+        |outer: f64, inner: f64, z: f64| feature("Polygon", json!([ring(outer), ring(inner)]), json!({"elev": z}));
     let bands = [lines, vec![band(200.0, 150.0, 110.0), band(150.0, 100.0, 115.0), band(100.0, 50.0, 120.0)]].concat();
     assert_eq!(found(&bands), (vec![100.0, 105.0], vec![FindingKind::SkippedFeature]));
     // z of a polygon.
@@ -357,10 +364,10 @@ fn elevations_as_text_are_read_where_they_are_certain() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("texts.shp");
     let places: Vec<Vec<DVec2>> = [300.0, 200.0].map(places).to_vec();
-    let rows = places.iter().zip(["100,0", "105,0"]).map(|(points, text)| Row {
-        shape: Shape::Contour(points, 0.0),
-        cells: vec![Cell::Text(text.into())],
-    });
+    let rows = places
+        .iter()
+        .zip(["100,0", "105,0"])
+        .map(|(points, text)| Row { shape: Shape::Contour(points, 0.0), cells: vec![Cell::Text(text.into())] });
     write_rows(&path, Geometry::Lines, TEXT, rows.collect());
     assert_eq!(levels(&Input::read(&path).unwrap()), [100.0, 105.0]);
 }
@@ -387,7 +394,8 @@ fn rounding_makes_no_new_levels() {
         let points: Vec<Value> = places.map(|(k, [x, y])| json!([x, y, z + noise * (k as f64).sin()])).collect();
         feature("LineString", json!(points), json!({}))
     };
-    let (noisy_levels, told) = found(&[noisy(300.0, 100.0, 0.001), noisy(200.0, 105.0, 0.0005), noisy(100.0, 110.0, 0.0)]);
+    let (noisy_levels, told) =
+        found(&[noisy(300.0, 100.0, 0.001), noisy(200.0, 105.0, 0.0005), noisy(100.0, 110.0, 0.0)]);
     assert_eq!((noisy_levels, told), (vec![100.0, 105.0, 110.0], vec![FindingKind::SameLevel]));
     let (sloping, told) = found(&[noisy(300.0, 100.0, 0.1), noisy(200.0, 105.0, 0.0)]);
     assert_eq!((sloping, told), (vec![105.0], vec![FindingKind::MissingElevation]));
@@ -396,10 +404,31 @@ fn rounding_makes_no_new_levels() {
 #[test]
 fn names_of_national_maps_are_known() {
     for name in [
-        "ELV", "KOT", "TINGGI", "NIVEL", "QUOTE", "COTA", "CURVA", "ALTURA", "KORARV", "hoehe", "VALKNT", "CV_LIV_Q", "hojdvarde",
-        "PROP_VALUE", "등고수치", "Высота", "ALTITUD", "KOTA_M", "augstums",
+        "ELV",
+        "KOT",
+        "TINGGI",
+        "NIVEL",
+        "QUOTE",
+        "COTA",
+        "CURVA",
+        "ALTURA",
+        "KORARV",
+        "hoehe",
+        "VALKNT",
+        "CV_LIV_Q",
+        "hojdvarde",
+        "PROP_VALUE",
+        "등고수치",
+        "Высота",
+        "ALTITUD",
+        "KOTA_M",
+        "augstums",
     ] {
-        assert_eq!(found(&rings([json!({name: 100, "id": 7}), json!({name: 105, "id": 8})])).0, [100.0, 105.0], "{name}");
+        assert_eq!(
+            found(&rings([json!({name: 100, "id": 7}), json!({name: 105, "id": 8})])).0,
+            [100.0, 105.0],
+            "{name}"
+        );
     }
     // Of names that may mean something else, an elevation with a plain name or in z comes first.
     let open = rings([json!({"CURVA": 1, "COTA": 100}), json!({"CURVA": 2, "COTA": 105})]);

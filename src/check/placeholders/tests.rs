@@ -57,7 +57,10 @@ fn numbers_for_no_data_are_left_out_whatever_their_share() {
     // More lines without an elevation than with one, and only one level beside them.
     let many = [slope(&[300.0, 320.0]), slope(&[-9999.0; 5])].concat();
     assert_eq!(out(many, &[], &[]).0, [-9999.0; 5]);
-    assert_eq!(out([slope(&[300.0]), vec![frame(-9999.0, 9.0)]].concat(), &[-9999.0], &[]), (vec![-9999.0], vec![-9999.0]));
+    assert_eq!(
+        out([slope(&[300.0]), vec![frame(-9999.0, 9.0)]].concat(), &[-9999.0], &[]),
+        (vec![-9999.0], vec![-9999.0])
+    );
     // In feet that became metres.
     let feet = crate::base::ElevationUnit::Foot.metres(-9999.0);
     assert_eq!(out([slope(&levels(300.0, 6.096, 9)), vec![frame(feet, 9.0)]].concat(), &[], &[]).0, [feet]);
@@ -93,6 +96,16 @@ fn the_neat_line_of_a_low_map_is_no_coast() {
     let mut map = [low(), vec![Contour { points: dense.collect(), ..frame(0.0, 0.0) }]].concat();
     map.iter_mut().for_each(|line| line.points = turned(std::mem::take(&mut line.points)));
     assert_eq!(out(map, &[], &[]).0, [0.0]);
+    // Two sheets beside each other, each with its frame.
+    let sheet = |file: u32, east: f64| {
+        let moved = |line: Contour| Contour {
+            points: line.points.iter().map(|p| *p + DVec2::new(east, 0.0)).collect(),
+            feature: line.feature.in_file(file),
+            ..line
+        };
+        [low(), vec![frame(0.0, 5.0)]].concat().into_iter().map(moved).collect::<Vec<_>>()
+    };
+    assert_eq!(out([sheet(1, 0.0), sheet(2, 1000.0)].concat(), &[], &[]).0, [0.0, 0.0]);
     // A straight shore below, a square island, and a line at 0 through the middle are judged by the ground.
     let mut shore = low();
     shore.push(line(0.0, &[(0.0, -40.0), (1000.0, -40.0)]));

@@ -61,7 +61,10 @@ pub(super) fn choose(items: &[Item<'_>], fields: &[Field], asked: Asked<'_>) -> 
             (true, true) => ZCoordinate::Varies,
         };
         let depth = with_numbers(is_depth_name).first().map(|&(_, field)| {
-            format!("; {:?} seems to hold depths, which are read as negative elevations if asked for", fields[field].name)
+            format!(
+                "; {:?} seems to hold depths, which are read as negative elevations if asked for",
+                fields[field].name
+            )
         });
         let fields = format!("{}{}", field_list(fields), depth.unwrap_or_default());
         return Err(Error::NoElevationField { z, fields });

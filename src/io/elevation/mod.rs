@@ -55,7 +55,7 @@ enum Outcome {
 /// The contours and spot heights of a table.
 pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) -> Result<Report<ContourMap>> {
     let asked = Asked { field: options.elevation_field.as_deref(), depths: options.depths };
-    let mut findings = take_findings(&mut table);
+    let mut findings = file_findings(&mut table);
     read_texts(&mut table, asked.field).map_err(|error| error.in_file(path))?;
     let mut outlines = Outlines::find(&table);
     let items = outlines.first_items(&table);
@@ -63,7 +63,8 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
         let (found, why) = (table.found_words(), outlines.why_not());
         return Err(Error::file(path, format!("there is no line in it{found}{why}")));
     }
-    let source = choose(&items, &table.fields, asked).map_err(|error| error.in_file(path))?;
+    let chosen = choose(&items, &table.fields, asked);
+    let source = chosen.map_err(|error| outlines.without_elevations(&table, error).in_file(path))?;
     outlines.judge(&table, |item| match elevation(source, &table.fields, item) {
         Outcome::Known(z) => Some(z),
         Outcome::Missing(_) | Outcome::Invalid(_) => None,
@@ -75,12 +76,15 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
     }
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     let sign = Sign::of(source, &table.fields, asked, &items);
+    findings.extend(outlines.findings());
+    findings.extend(left_out_findings(&table));
     findings.extend(sign.finding.clone());
 
     let spots_before = findings.len();
     let spot_source = spot_source(&table, asked, &mut findings);
     let spot_items = spot_items(&table);
-    let groups = [Some(Group { items: &items, source }), spot_source.map(|source| Group { items: &spot_items, source })];
+    let groups =
+        [Some(Group { items: &items, source }), spot_source.map(|source| Group { items: &spot_items, source })];
     let units = Units::of(groups.into_iter().flatten(), &table.fields, options.unit);
     drop(items);
     drop(spot_items);
@@ -95,7 +99,6 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
     let mut first_reason = None;
     let mut invalid = InvalidValues::default();
     let mut uneven = Uneven::default();
-    findings.extend(outlines.findings());
     let statement = units.of_source(source, &table.fields);
     for feature in table.features {
         for Line { points, z, is_ring, .. } in feature.lines {
@@ -133,7 +136,8 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
     findings.extend(units.findings);
     findings.extend(spot_findings);
     let stated_unit = units.stated;
-    let map = ContourMap { contours, spots, depressions, crs: table.crs, unit_hint, stated_unit, ..ContourMap::default() };
+    let map =
+        ContourMap { contours, spots, depressions, crs: table.crs, unit_hint, stated_unit, ..ContourMap::default() };
     Ok(Report { value: map, findings })
 }
 
@@ -465,18 +469,29 @@ fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings:
 
 /// The findings of the reader, and those that all formats share.
 fn take_findings(table: &mut Table) -> Vec<Finding> {
+    let mut findings = file_findings(table);
+    findings.extend(left_out_findings(table));
+    findings
+}
+
+/// The findings of the reader, and that about the coordinate reference system.
+fn file_findings(table: &mut Table) -> Vec<Finding> {
     let mut findings = std::mem::take(&mut table.findings);
     let problem = table.crs_problem.take();
     let missing = || problem.unwrap_or_else(|| "the file does not name its coordinate reference system".to_owned());
     findings.extend(crs_finding(table.crs.as_ref(), missing));
-    for (kind, count) in &table.left_out {
+    findings
+}
+
+/// The findings about geometries that are left out.
+fn left_out_findings(table: &Table) -> impl Iterator<Item = Finding> {
+    table.left_out.iter().map(|(kind, count)| {
         let message = match kind.as_str() {
             NO_GEOMETRY => format!("{count} features without geometry left out"),
             kind => format!("{count} geometries of type {kind} left out: only lines and points are read"),
         };
-        findings.push(Finding::general(FindingKind::SkippedFeature, message));
-    }
-    findings
+        Finding::general(FindingKind::SkippedFeature, message)
+    })
 }
 
 #[cfg(test)]

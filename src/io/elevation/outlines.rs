@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::{Item, item};
 use crate::base::bits::bits;
-use crate::base::error::{Finding, FindingKind};
+use crate::base::error::{Error, Finding, FindingKind};
 use crate::io::attributes::upper_of;
 use crate::io::table::{Feature, Line, Table};
 
@@ -19,6 +19,8 @@ const SHARED: f64 = 0.1;
 pub(super) struct Outlines {
     /// Number of features with polygons.
     count: usize,
+    /// Whether there is no other line.
+    are_all: bool,
     /// Why none of them is a contour.
     fault: Option<String>,
     /// The features whose polygons are contours.
@@ -30,13 +32,25 @@ impl Outlines {
     pub fn find(table: &Table) -> Self {
         let count = table.features.iter().filter(|feature| feature.lines.iter().any(|line| line.is_ring)).count();
         let fault = if count > 0 { bands(table) } else { None };
-        Self { count, fault, contours: BTreeSet::new() }
+        let are_all = !table.features.iter().flat_map(|feature| &feature.lines).any(|line| !line.is_ring);
+        Self { count, are_all, fault, contours: BTreeSet::new() }
     }
 
     /// The lines by which the source of the elevations is chosen. These are polygons only where there is nothing else.
     pub fn first_items<'a>(&self, table: &'a Table) -> Vec<Item<'a>> {
-        let lines = items_of(table, |_, line| !line.is_ring);
-        if lines.is_empty() && self.fault.is_none() { items_of(table, |_, _| true) } else { lines }
+        let wants_rings = self.are_all && self.fault.is_none();
+        items_of(table, |_, line| wants_rings || !line.is_ring)
+    }
+
+    /// An error about the choice of a source. Where there are polygons alone, it says that they are no contours.
+    pub fn without_elevations(&self, table: &Table, error: Error) -> Error {
+        match error {
+            Error::NoElevationField { .. } if self.are_all => {
+                let (found, why) = (table.found_words(), self.why_not());
+                Error::Data(format!("there is no line in it{found}{why}"))
+            }
+            error => error,
+        }
     }
 
     /// All lines that are contours, with those of polygons after [`Outlines::judge`].
@@ -53,9 +67,15 @@ impl Outlines {
         for feature in &table.features {
             let rings = || feature.lines.iter().filter(|line| line.is_ring);
             let of = |line: &Line| level(&item(feature.number, &feature.values, line.z));
-            if let Some(first) = rings().next().and_then(of).filter(|_| rings().all(|line| of(line).is_some())) {
+            // Where a feature has lines too, these are the contours.
+            let is_level = feature.lines.iter().all(|line| line.is_ring && of(line).is_some());
+            if let Some(first) = rings().next().and_then(of).filter(|_| is_level) {
                 levels.insert(feature.number, first);
             }
+        }
+        if self.are_all && 2 * levels.len() <= self.count {
+            self.fault = Some("most of its polygons have no elevation".to_owned());
+            return;
         }
         if share_edges(table, &levels) {
             self.fault = Some("they are areas between levels: those of different elevations share edges".to_owned());
@@ -88,7 +108,7 @@ impl Outlines {
         }
         let others = self.count - used;
         if others > 0 {
-            let why = self.fault.as_deref().unwrap_or("they have no elevation, so they are no contours");
+            let why = self.fault.as_deref().unwrap_or("they have no elevation of their own, so they are no contours");
             let message = format!("{others} geometries of type Polygon left out: {why}");
             findings.push(Finding::general(FindingKind::SkippedFeature, message));
         }

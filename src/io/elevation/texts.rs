@@ -10,12 +10,46 @@ use crate::io::unit_words::LengthWord;
 
 /// Words before a number that say that it is an elevation, in lower case.
 const PREFIXES: &[&str] = &[
-    "elevation", "elev", "el", "ele", "height", "hgt", "ht", "h", "z", "altitude", "alt", "cote", "cota", "quota", "kote",
-    "kota", "höhe", "hoehe", "標高", "高さ", "高程",
+    "elevation",
+    "elev",
+    "el",
+    "ele",
+    "height",
+    "hgt",
+    "ht",
+    "h",
+    "z",
+    "altitude",
+    "alt",
+    "cote",
+    "cota",
+    "quota",
+    "kote",
+    "kota",
+    "höhe",
+    "hoehe",
+    "標高",
+    "高さ",
+    "高程",
 ];
 /// Words behind a unit that say that it is an elevation, in lower case, without dots and spaces.
 const SUFFIXES: &[&str] = &[
-    "abovesealevel", "asl", "amsl", "msl", "ünn", "nn", "nhn", "ünhn", "üm", "üdm", "üadria", "snm", "slm", "nm", "npm", "npt",
+    "abovesealevel",
+    "asl",
+    "amsl",
+    "msl",
+    "ünn",
+    "nn",
+    "nhn",
+    "ünhn",
+    "üm",
+    "üdm",
+    "üadria",
+    "snm",
+    "slm",
+    "nm",
+    "npm",
+    "npt",
 ];
 /// Larger numbers are no elevations on land, metres or feet. A comma before them is one before decimals.
 const MOST: f64 = 30_000.0;
@@ -51,7 +85,9 @@ pub(super) fn read_texts(table: &mut Table, named: Option<&str>) -> Result<()> {
         })?;
         for (of, value) in table.features.iter_mut().flat_map(|feature| &mut feature.values) {
             let Value::Text(text) = value else { continue };
-            if *of == field && let Some(read) = style.value(text) {
+            if *of == field
+                && let Some(read) = style.value(text)
+            {
                 *value = read;
             }
         }
@@ -203,8 +239,14 @@ mod tests {
     #[test]
     fn what_is_certain_is_read() {
         assert_eq!(numbers(&["100,0", "105,0", "1210,5"]), [100.0, 105.0, 1210.5]);
-        assert_eq!(numbers(&["EL 100", "EL. 105", "el=110.5", "H:-3", "標高１２０"]), [100.0, 105.0, 110.5, -3.0, 120.0]);
-        assert_eq!(numbers(&["1 250", "1'250", "1\u{a0}250,5", "+80", "\u{2212}4"]), [1250.0, 1250.0, 1250.5, 80.0, -4.0]);
+        assert_eq!(
+            numbers(&["EL 100", "EL. 105", "el=110.5", "H:-3", "標高１２０"]),
+            [100.0, 105.0, 110.5, -3.0, 120.0]
+        );
+        assert_eq!(
+            numbers(&["1 250", "1'250", "1\u{a0}250,5", "+80", "\u{2212}4"]),
+            [1250.0, 1250.0, 1250.5, 80.0, -4.0]
+        );
         assert_eq!(numbers(&["1,234.5", "1,000", "980"]), [1234.5, 1000.0, 980.0]);
         assert_eq!(numbers(&["1.234,5", "1.000", "980"]), [1234.5, 1000.0, 980.0]);
         assert_eq!(numbers(&["100,000", "105,000"]), [100.0, 105.0]);
@@ -217,12 +259,17 @@ mod tests {
         use LengthWord::{Foot, Metre};
         let all = ["100 m", "100m", "328 ft", "328'", "120 m ü. M.", "120 m a.s.l.", "130msnm", "140"];
         let units: Vec<_> = read(&all).unwrap().into_iter().map(|value| value.unwrap().1).collect();
-        assert_eq!(units, [Some(Metre), Some(Metre), Some(Foot), Some(Foot), Some(Metre), Some(Metre), Some(Metre), None]);
+        assert_eq!(
+            units,
+            [Some(Metre), Some(Metre), Some(Foot), Some(Foot), Some(Metre), Some(Metre), Some(Metre), None]
+        );
     }
 
     #[test]
     fn what_is_not_certain_stays() {
-        for text in ["index", "n/a", "100-120", "100 (index)", "about 100", "1,00,0", "12:30", "0x10", "1e2 m", "m", "", "-"] {
+        for text in
+            ["index", "n/a", "100-120", "100 (index)", "about 100", "1,00,0", "12:30", "0x10", "1e2 m", "m", "", "-"]
+        {
             assert_eq!(read(&[text]).unwrap(), [None], "{text}");
         }
         assert_eq!(read(&["1,000", "1,020"]).unwrap_err(), "1,000");

@@ -10,7 +10,7 @@ use super::{Item, Outcome, constant_z, elevation, value};
 use crate::base::ElevationUnit;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::StatedUnit;
-use crate::io::attributes::{has_usgs_codes, most_metres, unit_column};
+use crate::io::attributes::{has_usgs_codes, most_metres, small_unit_in_name, unit_column};
 use crate::io::table::{Field, Value};
 use crate::io::unit_words::LengthWord;
 
@@ -24,8 +24,8 @@ pub(super) struct Group<'a> {
 #[derive(Default)]
 pub(super) struct Units {
     rule: Rule,
-    /// Sources whose numbers can only be whole millimetres.
-    in_millimetres: Vec<ElevationSource>,
+    /// Sources whose names give the unit.
+    by_name: Vec<(ElevationSource, LengthWord)>,
     /// What the file states about the unit that elevations are in after reading.
     pub stated: Option<StatedUnit>,
     pub findings: Vec<Finding>,
@@ -56,25 +56,21 @@ pub(super) struct Statement<'a> {
     source: ElevationSource,
     fields: &'a [Field],
     column: Option<usize>,
-    /// Whether numbers of the source can only be whole millimetres.
-    in_millimetres: bool,
+    /// The unit that the name of the source gives.
+    by_name: Option<LengthWord>,
 }
 
 impl Units {
     /// The units of some groups of one table. `asked` is the unit that the caller asks for; it comes first.
-    pub fn of<'a>(
-        groups: impl IntoIterator<Item = Group<'a>>,
-        fields: &[Field],
-        asked: Option<ElevationUnit>,
-    ) -> Self {
+    pub fn of<'a>(groups: impl IntoIterator<Item = Group<'a>>, fields: &[Field], asked: Option<ElevationUnit>) -> Self {
         let mut counts: BTreeMap<LengthWord, usize> = BTreeMap::new();
         let (mut unstated, mut unknown) = (0_usize, BTreeMap::<String, usize>::new());
         let mut by = None;
-        let mut in_millimetres = Vec::new();
+        let mut by_name = Vec::new();
         for Group { items, source } in groups {
             let mut statement = Statement::of(source, fields);
-            statement.in_millimetres = statement.must_be_millimetres(items);
-            in_millimetres.extend(statement.in_millimetres.then_some(source));
+            statement.by_name = statement.unit_of_name(items);
+            by_name.extend(statement.by_name.map(|unit| (source, unit)));
             for item in items.iter().filter(|item| statement.height(item).is_some()) {
                 match statement.unit(item) {
                     Unit::Unstated => unstated += 1,
@@ -92,7 +88,10 @@ impl Units {
         let example = unknown.keys().next().cloned();
         if counts.is_empty() {
             let example = example.unwrap_or_default();
-            add(FindingKind::UnitDoubt, format!("{by} holds {example}, which is no unit known here, so the unit is not certain"));
+            add(
+                FindingKind::UnitDoubt,
+                format!("{by} holds {example}, which is no unit known here, so the unit is not certain"),
+            );
             return Self { findings, ..Self::default() };
         }
         let only = counts.keys().next().filter(|_| counts.len() == 1).and_then(|unit| unit.elevation_unit());
@@ -107,12 +106,18 @@ impl Units {
             (_, Some(_)) => Rule::Keep,
         };
         match (rule, only, asked) {
-            (Rule::Each, ..) => add(FindingKind::HeightUnit, format!("{states}; each elevation was turned into metres")),
+            (Rule::Each, ..) => {
+                add(FindingKind::HeightUnit, format!("{states}; each elevation was turned into metres"))
+            }
             (Rule::Keep, None, Some(asked)) => {
-                add(FindingKind::UnitDoubt, format!("{states}; the elevations are taken as {} all the same", asked.name()));
+                add(
+                    FindingKind::UnitDoubt,
+                    format!("{states}; the elevations are taken as {} all the same", asked.name()),
+                );
             }
             (Rule::One, Some(unit), _) if unstated > 0 && unit.is_foot() => {
-                let message = format!("{states}, and {unstated} elevations have no unit; they are taken as {}", unit.name());
+                let message =
+                    format!("{states}, and {unstated} elevations have no unit; they are taken as {}", unit.name());
                 add(FindingKind::UnitDoubt, message);
             }
             _ => {}
@@ -121,12 +126,13 @@ impl Units {
             Rule::Each => Some(StatedUnit { says: states, unit: ElevationUnit::Metre }),
             Rule::One | Rule::Keep => only.map(|unit| StatedUnit { says: states, unit }),
         };
-        Self { rule, in_millimetres, stated, findings }
+        Self { rule, by_name, stated, findings }
     }
 
     /// How the elevations from a source are read.
     pub fn of_source<'a>(&self, source: ElevationSource, fields: &'a [Field]) -> Statement<'a> {
-        Statement { in_millimetres: self.in_millimetres.contains(&source), ..Statement::of(source, fields) }
+        let by_name = self.by_name.iter().find(|(of, _)| *of == source).map(|(_, unit)| *unit);
+        Statement { by_name, ..Statement::of(source, fields) }
     }
 
     /// The elevation of an item, in the unit of the map.
@@ -173,14 +179,17 @@ impl<'a> Statement<'a> {
         let columns = (0..fields.len()).filter(|&field| source != ElevationSource::Field(field));
         let about = columns.filter_map(|field| Some((unit_column(&fields[field].name, own)?, field)));
         let column = about.max_by_key(|&(about, field)| (about, std::cmp::Reverse(field))).map(|(_, field)| field);
-        Self { source, fields, column, in_millimetres: false }
+        Self { source, fields, column, by_name: None }
     }
 
-    /// Whether the numbers of these items can only be whole millimetres, by the name of the source and by their size.
-    fn must_be_millimetres(&self, items: &[Item<'_>]) -> bool {
-        let most = most_metres(name_of(self.source, self.fields)).filter(|_| self.column.is_none());
+    /// The unit that the name of the source gives, if no attribute beside it does: `height_cm`, or one whose numbers can
+    /// only be millimetres by their size.
+    fn unit_of_name(&self, items: &[Item<'_>]) -> Option<LengthWord> {
+        let name = name_of(self.source, self.fields);
         let heights = || items.iter().filter_map(|item| self.height(item)).filter(|z| !stands_for_no_data(*z));
-        most.is_some_and(|most| heights().any(|z| z.abs() > most))
+        let is_too_high = |most: &f64| heights().any(|z| z.abs() > *most);
+        let millimetres = || most_metres(name).filter(is_too_high).map(|_| LengthWord::Millimetre);
+        if self.column.is_some() { None } else { small_unit_in_name(name).or_else(millimetres) }
     }
 
     /// The number of an item in the source.
@@ -197,8 +206,8 @@ impl<'a> Statement<'a> {
         {
             return Unit::Known(*unit);
         }
-        if self.in_millimetres {
-            return Unit::Known(LengthWord::Millimetre);
+        if let Some(unit) = self.by_name {
+            return Unit::Known(unit);
         }
         let Some(column) = self.column else { return Unit::Unstated };
         let code = |code: f64| match has_usgs_codes(&self.fields[column].name) {
