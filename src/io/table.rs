@@ -105,6 +105,8 @@ pub(super) struct Feature {
     /// Values of kept fields, by the field's index in [`Table::fields`].
     pub values: Vec<(usize, Value)>,
     pub lines: Vec<Line>,
+    /// The type of the polygons whose rings are among the lines.
+    pub outline: Option<&'static str>,
     pub spots: Vec<Spot>,
     pub polygons: Vec<Rings>,
     /// Least and greatest z of all vertices of polygons; both NaN if one vertex has none.
@@ -126,8 +128,9 @@ impl Feature {
         self.lines.push(Line { points, z: range, heights, is_ring: false });
     }
 
-    /// Adds a ring of a polygon as a closed line. `z` as in [`Feature::push_line`].
-    pub fn push_ring(&mut self, mut points: Vec<DVec2>, z: &[f64]) {
+    /// Adds a ring of a polygon, or of a geometry of the type `kind`, as a closed line. `z` as in [`Feature::push_line`].
+    pub fn push_ring(&mut self, kind: &'static str, mut points: Vec<DVec2>, z: &[f64]) {
+        self.outline = Some(kind);
         if points.first() != points.last() {
             points.extend(points.first().copied());
         }
@@ -282,14 +285,24 @@ impl Table {
         }
     }
 
+    /// Number of features with polygons whose rings are lines, by the type of the geometry.
+    pub fn outlines(&self) -> BTreeMap<&'static str, usize> {
+        let mut counts = BTreeMap::new();
+        self.features
+            .iter()
+            .filter_map(|feature| feature.outline)
+            .for_each(|kind| *counts.entry(kind).or_default() += 1);
+        counts
+    }
+
     /// The end of a message that lists what else the file contains. Empty if there is nothing.
     pub fn found_words(&self) -> String {
         let mut found: Vec<String> = self.left_out.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let count = |of: fn(&Feature) -> usize| self.features.iter().map(of).sum::<usize>();
         let lines = count(|f| f.lines.iter().filter(|line| !line.is_ring).count());
-        let polygons = count(|f| usize::from(f.lines.iter().any(|line| line.is_ring)));
+        let outlines = self.outlines();
         let spots = count(|f| f.spots.len());
-        found.extend((polygons > 0).then(|| format!("{polygons} Polygon")));
+        found.extend(outlines.into_iter().map(|(kind, count)| format!("{count} {kind}")));
         found.extend((lines > 0).then(|| format!("{lines} lines")));
         found.extend((spots > 0).then(|| format!("{spots} points")));
         if found.is_empty() { String::new() } else { format!(" (found: {})", found.join(", ")) }

@@ -264,7 +264,7 @@ fn leave_out_placeholders(checks: &mut SpotHeights, findings: &mut Vec<Finding>)
     let heights: Vec<f64> = checks.points.iter().map(|point| point.z).collect();
     let mut is_out = placeholder_heights(&heights).into_iter();
     let SpotHeights { points, sigmas, .. } = checks;
-    let mut sigmas_left = sigmas.drain(..).collect::<Vec<_>>().into_iter();
+    let mut sigmas_left = take(sigmas).into_iter();
     points.retain(|point| {
         let sigma = sigmas_left.next();
         if is_out.next() == Some(true) {

@@ -19,6 +19,8 @@ const SHARED: f64 = 0.1;
 pub(super) struct Outlines {
     /// Number of features with polygons.
     count: usize,
+    /// Those that are no contours, by the type of the geometry.
+    others: BTreeMap<&'static str, usize>,
     /// Whether there is no other line.
     are_all: bool,
     /// Why none of them is a contour.
@@ -30,10 +32,11 @@ pub(super) struct Outlines {
 impl Outlines {
     /// The polygons of a table, before it is known where the elevations are.
     pub fn find(table: &Table) -> Self {
-        let count = table.features.iter().filter(|feature| feature.lines.iter().any(|line| line.is_ring)).count();
+        let others = table.outlines();
+        let count = others.values().sum();
         let fault = if count > 0 { bands(table) } else { None };
         let are_all = !table.features.iter().flat_map(|feature| &feature.lines).any(|line| !line.is_ring);
-        Self { count, are_all, fault, contours: BTreeSet::new() }
+        Self { count, others, are_all, fault, contours: BTreeSet::new() }
     }
 
     /// The lines by which the source of the elevations is chosen. These are polygons only where there is nothing else.
@@ -81,6 +84,11 @@ impl Outlines {
             self.fault = Some("they are areas between levels: those of different elevations share edges".to_owned());
             return;
         }
+        for feature in table.features.iter().filter(|feature| levels.contains_key(&feature.number)) {
+            if let Some(count) = feature.outline.and_then(|kind| self.others.get_mut(kind)) {
+                *count -= 1;
+            }
+        }
         self.contours = levels.into_keys().collect();
     }
 
@@ -106,10 +114,9 @@ impl Outlines {
             let message = format!("{used} polygons were read as contours: each outline is at one elevation");
             findings.push(Finding::general(FindingKind::PolygonContour, message));
         }
-        let others = self.count - used;
-        if others > 0 {
-            let why = self.fault.as_deref().unwrap_or("they have no elevation of their own, so they are no contours");
-            let message = format!("{others} geometries of type Polygon left out: {why}");
+        let why = self.fault.as_deref().unwrap_or("they have no elevation of their own, so they are no contours");
+        for (kind, count) in self.others.iter().filter(|(_, count)| **count > 0) {
+            let message = format!("{count} geometries of type {kind} left out: {why}");
             findings.push(Finding::general(FindingKind::SkippedFeature, message));
         }
         findings

@@ -58,7 +58,7 @@ pub(super) fn read(
             if table.wants_rings {
                 for part in parts(geometry, points.len())? {
                     let z = z.get(part.clone()).unwrap_or_default();
-                    feature.push_ring(points[part].to_vec(), z);
+                    feature.push_ring("Polygon", points[part].to_vec(), z);
                 }
                 return Ok(());
             }

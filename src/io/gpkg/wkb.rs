@@ -143,7 +143,7 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
                 if (table.wants_polygons || table.wants_rings) && count > 0 {
                     let (points, z) = split(positions, width, has_z, little);
                     if table.wants_rings {
-                        feature.push_ring(points, &z);
+                        feature.push_ring("Polygon", points, &z);
                         continue;
                     }
                     feature.note_polygon_z(&z);

@@ -147,7 +147,7 @@ fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
 fn push_rings<P>(rings: &[PolygonRing<P>], place: fn(&P) -> DVec2, z: Option<fn(&P) -> f64>, feature: &mut Feature) {
     for ring in rings {
         let z: Vec<f64> = z.map(|z| ring.points().iter().map(z).collect()).unwrap_or_default();
-        feature.push_ring(ring.points().iter().map(place).collect(), &z);
+        feature.push_ring("Polygon", ring.points().iter().map(place).collect(), &z);
     }
 }
 
