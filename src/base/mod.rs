@@ -2,6 +2,7 @@
 //! small data structures.
 
 pub(crate) mod bits;
+pub(crate) mod decimal;
 pub mod error;
 mod feature;
 mod grid;

@@ -15,6 +15,7 @@ mod ground;
 mod labels;
 mod lakes;
 mod lines;
+mod placeholders;
 mod sea;
 mod widths;
 
@@ -24,6 +25,7 @@ pub(crate) use depressions::contradicted_marks;
 pub(crate) use ground::Ground;
 pub(crate) use lakes::possible_lakes;
 pub use lines::{LineParams, examine, merged};
+pub use placeholders::{Placeholders, placeholder_heights, placeholders};
 pub(crate) use sea::possible_sea;
 
 use self::graph::Graph;

@@ -79,6 +79,8 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     let mut input = args.map.read(console)?;
     args.frame.add_to(&mut input)?;
     args.part.add_to(&mut input)?;
+    let sea = args.water.sea_in_metres(args.to_unit.unit());
+    sea.into_iter().for_each(|level| input.expect_level(level));
     let cleaned = input.clean(&preparation, console);
     cleaned.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     let back = args.to_crs.way(&input.reprojection, args.to_unit.unit())?;
@@ -87,11 +89,7 @@ pub fn run(args: &CheckArgs, console: &Console) -> Result<(), Failure> {
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;
     args.break_lines.add_to(&mut input)?;
-    let options = Options {
-        sea: args.water.sea_in_metres(args.to_unit.unit()),
-        stream_tolerance: args.streams.stream_tolerance,
-        ..Options::default()
-    };
+    let options = Options { sea, stream_tolerance: args.streams.stream_tolerance, ..Options::default() };
     let judged = input.judge(&options, console);
     let judged = judged.map_err(|error| summary::after_findings(error, &input.findings, console))?;
     input.findings.sort_by(|a, b| (b.kind.severity(), a.kind).cmp(&(a.kind.severity(), b.kind)));

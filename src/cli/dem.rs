@@ -78,7 +78,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let diagnostics = args.diagnostics.open()?;
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
-    let mut input = job.read(&args.surface.frame, &args.part)?;
+    let sea = args.surface.water.sea_in_metres(args.to_unit.unit());
+    let mut input = job.read(&args.surface.frame, &args.part, sea)?;
     args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),

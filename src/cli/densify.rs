@@ -108,7 +108,8 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
-    let mut input = job.read(&args.surface.frame, &args.part)?;
+    let sea = args.surface.water.sea_in_metres(unit);
+    let mut input = job.read(&args.surface.frame, &args.part, sea)?;
     input.findings.append(&mut findings);
     let back = args.levels.to_crs.way(&input.reprojection, unit)?;
     let options = Options {

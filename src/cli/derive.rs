@@ -275,7 +275,7 @@ impl DeriveArgs {
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let mut input = self.input.read(&self.surface.frame, Some(&self.part), console)?;
+        let mut input = self.input.read(&self.surface.frame, Some(&self.part), self.surface.water.sea, console)?;
         input.check_plane_unit().map_err(|error| summary::after_findings(error, &input.findings, console))?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));

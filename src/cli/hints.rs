@@ -50,6 +50,10 @@ pub fn for_kind_of(finding: &Finding) -> Option<String> {
              reference system"
                 .into(),
         ),
+        FindingKind::Depths => Some("--depths reads depths as negative elevations; -a names the field".into()),
+        FindingKind::ZeroElevation if finding.elevations == [0.0] => {
+            Some("--coast 0 or --sea 0 keeps contours at 0 that are a coast".into())
+        }
         FindingKind::MayBeLake => Some("--water FILE gives lakes, which are level".into()),
         FindingKind::StreamBeside | FindingKind::StreamCut => {
             Some("--stream-tolerance DISTANCE moves streams further; --diagnostics shows them".into())

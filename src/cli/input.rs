@@ -40,11 +40,19 @@ impl InputArgs {
         first_given(self.map.flags().chain(own).filter(|(_, flag)| Some(*flag) != but))
     }
 
-    /// Reads and prepares the map inside its frame, or a part of it, if one is given.
-    pub fn read(&self, frame: &FrameArgs, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
+    /// Reads and prepares the map inside its frame, or a part of it, if one is given. `sea` is the level of the sea in metres,
+    /// if one is named.
+    pub fn read(
+        &self,
+        frame: &FrameArgs,
+        part: Option<&PartArgs>,
+        sea: Option<f64>,
+        console: &Console,
+    ) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
+        sea.into_iter().for_each(|level| input.expect_level(level));
         frame.add_to(&mut input)?;
         part.map(|part| part.add_to(&mut input)).transpose()?;
         let prepared = input.prepare(&params, console);

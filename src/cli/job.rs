@@ -51,9 +51,10 @@ impl<'a> Job<'a> {
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
-    /// Reads and prepares the contours inside their frame, or a part of them, if one is given.
-    pub fn read(&self, frame: &FrameArgs, part: &PartArgs) -> Result<Input, Failure> {
-        self.args.read(frame, Some(part), self.console)
+    /// Reads and prepares the contours inside their frame, or a part of them, if one is given. `sea` is the level of the sea in
+    /// metres, if one is named.
+    pub fn read(&self, frame: &FrameArgs, part: &PartArgs, sea: Option<f64>) -> Result<Input, Failure> {
+        self.args.read(frame, Some(part), sea, self.console)
     }
 
     /// Builds the surface between them.

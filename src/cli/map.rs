@@ -50,14 +50,19 @@ pub struct MapArgs {
     /// that are the coast. The sea becomes level; the contours show which side is land
     #[arg(long, value_name = "FILE|LEVEL", value_parser = CoastArg::parser())]
     pub coast: Option<CoastArg>,
-    /// Unit of the elevations of contours, spot heights and lakes [default: that of the vertical part of each file's
-    /// CRS, such as NAVD88 height (ftUS); else that of the contours; else metres]
+    /// Unit of the elevations of contours, spot heights and lakes [default: that which an attribute such as units or uom
+    /// states beside them; else that of the vertical part of each file's CRS, such as NAVD88 height (ftUS); else that of the
+    /// contours; else metres]
     #[arg(long, value_enum, hide_short_help = true)]
     pub unit: Option<UnitArg>,
     /// Unit of x and y of contours without a CRS, and of files beside them without one [default: that of the drawing
     /// ($INSUNITS of a DXF); else metres]. The work is done in metres; lines, height maps and models come back in this unit
     #[arg(long, value_enum, hide_short_help = true)]
     pub plane_unit: Option<UnitArg>,
+    /// Read depths as negative elevations: the numbers of the attribute of --elevation-field, or else of attributes with
+    /// names such as depth, VALDCO or 水深. Other elevations stay as they are
+    #[arg(long, hide_short_help = true)]
+    pub depths: bool,
     /// Coordinate reference system of the contours, if the file names none or a wrong one: EPSG:6668, or a WKT
     #[arg(long, value_name = "CRS", value_parser = plane::crs)]
     pub crs: Option<Crs>,
@@ -159,6 +164,7 @@ impl MapArgs {
             (self.coast.is_some(), "--coast"),
             (self.unit.is_some(), "--unit"),
             (self.plane_unit.is_some(), "--plane-unit"),
+            (self.depths, "--depths"),
             (self.crs.is_some(), "--crs"),
             (self.work_crs.is_some(), "--work-crs"),
             (self.snap != SNAP, "--snap"),
@@ -187,6 +193,7 @@ impl MapArgs {
             layer: self.layer.clone(),
             unit: self.unit.map(UnitArg::unit),
             plane_unit: self.plane_unit.map(UnitArg::unit),
+            depths: self.depths,
             crs: self.crs.clone(),
             work_crs: self.work_crs.clone(),
             memory: memory::available(),

@@ -63,7 +63,7 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     )?;
     let staged = StagedOutput::create(&args.output)?;
 
-    let mut input = job.read(&args.surface.frame, &args.part)?;
+    let mut input = job.read(&args.surface.frame, &args.part, args.surface.water.sea)?;
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;

@@ -64,7 +64,7 @@ pub fn run(args: &RegionsArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read(&args.frame, &args.part)?;
+    let mut input = job.read(&args.frame, &args.part, args.water.sea_in_metres(unit))?;
     args.water.add_to(&mut input)?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
     let (subdivision, part) = job.subdivide(&mut input, &args.water, unit)?;

@@ -88,7 +88,7 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read(&args.frame, &args.part)?;
+    let mut input = job.read(&args.frame, &args.part, args.water.sea_in_metres(unit))?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;

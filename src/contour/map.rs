@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DVec2, DVec3};
 
 use super::spots::SoftSpot;
+use super::stated_unit::StatedUnit;
 use super::unit_hint::UnitHint;
 use crate::base::{ElevationUnit, FeatureId};
 use crate::crs::{Crs, LengthUnit};
@@ -58,6 +59,8 @@ pub struct ContourMap {
     pub plane_unit: Option<LengthUnit>,
     /// What the input lets suppose about the unit of the elevations, if it is more than nothing.
     pub unit_hint: Option<UnitHint>,
+    /// What the input states about that unit beside the elevations.
+    pub stated_unit: Option<StatedUnit>,
 }
 
 impl ContourMap {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::stated_unit::StatedUnit;
 use super::unit_hint::UnitHint;
 use crate::crs::Crs;
 
@@ -25,4 +26,6 @@ pub struct SpotHeights {
     pub crs: Option<Crs>,
     /// What the file lets suppose about the unit of the heights, if it is more than nothing.
     pub unit_hint: Option<UnitHint>,
+    /// What the file states about that unit beside the heights.
+    pub stated_unit: Option<StatedUnit>,
 }

@@ -2,13 +2,19 @@
 
 use std::path::Path;
 
-use super::elevation::coast_heights;
+use super::ReadOptions;
+use super::elevation::{Heights, coast_heights};
 use super::table::{NO_GEOMETRY, Table};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::contour::CoastLine;
+use crate::contour::{CoastLine, StatedUnit};
 
 /// The lines of a table, and the rings of its polygons, in the order of the file. What cannot be a coast is a finding.
-pub(super) fn coast(path: &Path, mut table: Table) -> Result<Report<Vec<CoastLine>>> {
+/// Also gives the unit that the file states for their levels.
+pub(super) fn coast(
+    path: &Path,
+    mut table: Table,
+    options: &ReadOptions,
+) -> Result<Report<(Vec<CoastLine>, Option<StatedUnit>)>> {
     let mut findings = std::mem::take(&mut table.findings);
     let spots = table.features.iter().map(|feature| feature.spots.len() as u64).sum();
     let left_out = table
@@ -26,7 +32,8 @@ pub(super) fn coast(path: &Path, mut table: Table) -> Result<Report<Vec<CoastLin
             format!("there is no line and no polygon in it{found}; a coast is one or the other"),
         ));
     }
-    let heights = coast_heights(path, &table)?;
+    let Heights { of: heights, stated_unit, findings: mut about_heights } = coast_heights(path, &mut table, options)?;
+    findings.append(&mut about_heights);
     let mut lines = Vec::new();
     for feature in table.features {
         let level = heights.get(&feature.number).copied();
@@ -39,5 +46,5 @@ pub(super) fn coast(path: &Path, mut table: Table) -> Result<Report<Vec<CoastLin
         });
         lines.extend(own.chain(rings).map(|points| CoastLine { points, level, feature: feature.number.into() }));
     }
-    Ok(Report { value: lines, findings })
+    Ok(Report { value: (lines, stated_unit), findings })
 }

@@ -101,7 +101,7 @@ pub(super) fn break_lines(path: &Path, table: Table) -> Result<Report<Vec<Crease
 fn bend(kind: &Value) -> Option<Bend> {
     match kind {
         Value::Null => Some(Bend::Either),
-        Value::Number(_) => None,
+        Value::Number(_) | Value::Measured(..) => None,
         Value::Text(text) => match text.trim().to_lowercase().as_str() {
             "" | "edge" => Some(Bend::Either),
             "ridge" => Some(Bend::Ridge),
@@ -132,7 +132,7 @@ fn for_each_line(
     }
     for feature in table.features {
         let id = FeatureId::from(feature.number);
-        for Line { points, z, heights } in feature.lines {
+        for Line { points, z, heights, is_ring } in feature.lines {
             let count = points.len();
             let level = z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z);
             let height = |k: usize| heights.get(k).copied().or(level);
@@ -148,7 +148,7 @@ fn for_each_line(
             if vertices.len() > 1 {
                 let points = vertices.iter().map(|(p, _)| *p).collect();
                 let heights = vertices.iter().filter_map(|(_, z)| *z).collect();
-                visit(id, &feature.values, Line { points, z, heights });
+                visit(id, &feature.values, Line { points, z, heights, is_ring });
             } else {
                 let message = format!("the {one} is a point; it is left out");
                 let finding = Finding::new(left_out, vertices.first().map(|(p, _)| *p), message);

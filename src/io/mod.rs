@@ -17,6 +17,7 @@ mod crs_finding;
 mod depression;
 mod dxf;
 mod elevation;
+mod elevation_names;
 mod flatgeobuf;
 mod format;
 mod geojson;
@@ -35,6 +36,7 @@ mod staged;
 mod table;
 mod text;
 mod text_points;
+mod unit_words;
 mod vector_source;
 mod water;
 
@@ -42,8 +44,9 @@ use std::path::{Path, PathBuf};
 
 use geo::MultiPolygon;
 
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Report, Result};
-use crate::contour::{CliffLine, CoastLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights};
+use crate::contour::{CliffLine, CoastLine, ContourLayer, ContourMap, Excluded, Lake, SpotHeights, StatedUnit};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, FromWorking};
 use crate::drain::Sink;
@@ -73,12 +76,19 @@ pub struct ReadOptions {
     pub memory: Option<u64>,
     /// Features in memory, which are read instead of the file. The path is then their name in messages.
     pub features: Option<InMemory>,
+    /// The unit that the caller will take the elevations to be in. Then units that the file states beside them do not count.
+    pub unit: Option<ElevationUnit>,
+    /// Whether the named attribute, or else attributes with names of depths, hold depths. They are read as negative
+    /// elevations.
+    pub depths: bool,
 }
 
 /// Reads contour lines, and the spot heights that come with them.
 ///
-/// A line of several parts becomes one contour per part. Features that cannot be used are left out, each with a
-/// finding. A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]). Their contours are cut at the
+/// A line of several parts becomes one contour per part, and so does each ring of a polygon that is at one elevation. Polygons
+/// between two levels are no contours. Features that cannot be used are left out, each with a finding. A unit that an
+/// attribute states for the elevations is in the map ([`ContourMap::stated_unit`]); where units differ, elevations are in
+/// metres. A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]). Their contours are cut at the
 /// edges of grid squares; the ends meet there, and [`clean`](fn@crate::clean::clean) joins them. From a DXF, polylines,
 /// lines and points are read. Arcs in polylines become chords that stay within 0.01 units. Blocks are not expanded.
 ///
@@ -87,7 +97,7 @@ pub struct ReadOptions {
 /// some layers lie at 0 and the caller names no layer.
 pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<ContourMap>> {
     let table = read_table(path, options, Purpose::Contours)?;
-    elevation::contour_map(path, table, options.elevation_field.as_deref())
+    elevation::contour_map(path, table, options)
 }
 
 /// Reads points of known height, from a vector file or from text with columns (`.csv`, `.tsv`, `.txt`, `.xyz`). Text
@@ -97,7 +107,7 @@ pub fn read_contours(path: &Path, options: &ReadOptions) -> Result<Report<Contou
 /// The file cannot be read, has no points, or does not make clear where the heights are.
 pub fn read_spot_heights(path: &Path, options: &ReadOptions) -> Result<Report<SpotHeights>> {
     let table = read_table(path, options, Purpose::Spots)?;
-    elevation::spot_heights(path, table, options.elevation_field.as_deref())
+    elevation::spot_heights(path, table, options)
 }
 
 /// Reads the area inside the polygons of a boundary file. Also gives the coordinate reference system if the file names
@@ -140,11 +150,24 @@ pub fn read_excluded(path: &Path, options: &ReadOptions) -> Result<(Vec<Excluded
 /// # Errors
 /// As [`read_area`], and if the file does not make clear where the heights are.
 pub fn read_water(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<Lake>, Option<Crs>)>> {
+    let Report { value: Stated { value, crs, .. }, findings } = read_water_stated(path, options)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// What a file holds, with its coordinate reference system and the unit that it states for heights.
+pub(crate) struct Stated<T> {
+    pub value: T,
+    pub crs: Option<Crs>,
+    pub unit: Option<StatedUnit>,
+}
+
+/// [`read_water`] with the unit that the file states for the heights.
+pub(crate) fn read_water_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<Lake>>>> {
     let mut table = read_table(path, options, Purpose::Water)?;
     let crs = table.crs.take();
-    let findings = std::mem::take(&mut table.findings);
-    let lakes = water::lakes(path, table, options.elevation_field.as_deref())?;
-    Ok(Report { value: (lakes, crs), findings })
+    let mut findings = std::mem::take(&mut table.findings);
+    let (value, unit) = water::lakes(path, table, options)?.collect(&mut findings);
+    Ok(Report { value: Stated { value, crs, unit }, findings })
 }
 
 /// Reads rivers and streams: lines, and polygons of river areas. Also gives the coordinate reference system if the file
@@ -196,10 +219,16 @@ pub fn read_break_lines(path: &Path, options: &ReadOptions) -> Result<Report<(Ve
 /// # Errors
 /// The file cannot be read, has neither lines nor polygons, or does not make clear where the levels are.
 pub fn read_coast(path: &Path, options: &ReadOptions) -> Result<Report<(Vec<CoastLine>, Option<Crs>)>> {
+    let Report { value: Stated { value, crs, .. }, findings } = read_coast_stated(path, options)?;
+    Ok(Report { value: (value, crs), findings })
+}
+
+/// [`read_coast`] with the unit that the file states for the levels.
+pub(crate) fn read_coast_stated(path: &Path, options: &ReadOptions) -> Result<Report<Stated<Vec<CoastLine>>>> {
     let mut table = read_table(path, options, Purpose::Coast)?;
     let crs = table.crs.take();
-    let Report { value, findings } = coast::coast(path, table)?;
-    Ok(Report { value: (value, crs), findings })
+    let Report { value: (value, unit), findings } = coast::coast(path, table, options)?;
+    Ok(Report { value: Stated { value, crs, unit }, findings })
 }
 
 /// Reads places where water may stay: points and polygons. Also gives the coordinate reference system if the file names

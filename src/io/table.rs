@@ -7,7 +7,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
-use super::attributes::{is_elevation_name, is_kind_name, is_sigma_name, may_mark, unit_in_name};
+use super::attributes::{
+    is_depth_name, is_elevation_name, is_kind_name, is_open_name, is_sigma_name, may_give_unit, may_mark, unit_in_name,
+};
+use super::unit_words::LengthWord;
 use crate::base::error::Finding;
 use crate::contour::UnitHint;
 use crate::crs::{Crs, LengthUnit};
@@ -61,6 +64,8 @@ pub(super) struct Field {
 pub(super) enum Value {
     Null,
     Number(f64),
+    /// A number with a unit behind it, from a text.
+    Measured(f64, LengthWord),
     Text(String),
 }
 
@@ -69,6 +74,7 @@ impl std::fmt::Display for Value {
         match self {
             Self::Null => f.write_str("nothing"),
             Self::Number(number) => write!(f, "{number}"),
+            Self::Measured(number, unit) => write!(f, "{number} {}", unit.name()),
             Self::Text(text) => write!(f, "{text:?}"),
         }
     }
@@ -81,6 +87,8 @@ pub(super) struct Line {
     pub z: Option<[f64; 2]>,
     /// z of each vertex if they differ; otherwise empty.
     pub heights: Vec<f64>,
+    /// Whether it is a ring of a polygon.
+    pub is_ring: bool,
 }
 
 /// A point of the file.
@@ -97,6 +105,8 @@ pub(super) struct Feature {
     /// Values of kept fields, by the field's index in [`Table::fields`].
     pub values: Vec<(usize, Value)>,
     pub lines: Vec<Line>,
+    /// The type of the polygons whose rings are among the lines.
+    pub outline: Option<&'static str>,
     pub spots: Vec<Spot>,
     pub polygons: Vec<Rings>,
     /// Least and greatest z of all vertices of polygons; both NaN if one vertex has none.
@@ -115,7 +125,19 @@ impl Feature {
         points.shrink_to_fit();
         let range = widened(None, z);
         let heights = if range.is_some_and(|[lo, hi]| lo != hi) { z.to_vec() } else { Vec::new() };
-        self.lines.push(Line { points, z: range, heights });
+        self.lines.push(Line { points, z: range, heights, is_ring: false });
+    }
+
+    /// Adds a ring of a polygon, or of a geometry of the type `kind`, as a closed line. `z` as in [`Feature::push_line`].
+    pub fn push_ring(&mut self, kind: &'static str, mut points: Vec<DVec2>, z: &[f64]) {
+        self.outline = Some(kind);
+        if points.first() != points.last() {
+            points.extend(points.first().copied());
+        }
+        let range = widened(None, z);
+        if !points.is_empty() {
+            self.lines.push(Line { points, z: range, heights: Vec::new(), is_ring: true });
+        }
     }
 
     /// Bytes of memory in a table, without those of texts. A feature without geometry is not kept.
@@ -156,8 +178,12 @@ pub(super) struct Table {
     wants_kinds: bool,
     /// Whether attributes that may hold a standard error are kept.
     wants_sigmas: bool,
+    /// Whether attributes are kept that may give the unit of elevations.
+    wants_units: bool,
     /// Whether polygons are kept.
     pub wants_polygons: bool,
+    /// Whether rings of polygons are kept as lines.
+    pub wants_rings: bool,
     /// Whether areas are cut at the edges of grid squares. Then areas that share an edge are one.
     pub in_pieces: bool,
     pub features: Vec<Feature>,
@@ -188,6 +214,11 @@ impl Table {
                 request.purpose,
                 Purpose::Area | Purpose::Water | Purpose::Coast | Purpose::Streams | Purpose::Sinks
             ),
+            wants_rings: request.purpose == Purpose::Contours,
+            wants_units: matches!(
+                request.purpose,
+                Purpose::Contours | Purpose::Spots | Purpose::Water | Purpose::Coast
+            ),
             ..Self::default()
         }
     }
@@ -201,7 +232,10 @@ impl Table {
         let kept = marks
             || (self.wants_kinds && is_kind_name(name))
             || (self.wants_sigmas && is_sigma_name(name))
+            || (self.wants_units && may_give_unit(name))
             || is_elevation_name(name)
+            || is_open_name(name)
+            || is_depth_name(name)
             || unit_in_name(name).is_some()
             || self.named.as_ref().is_some_and(|named| *named == name.to_lowercase());
         self.fields.push(Field { name: name.to_owned(), example: None, kept });
@@ -253,11 +287,24 @@ impl Table {
         }
     }
 
+    /// Number of features with polygons whose rings are lines, by the type of the geometry.
+    pub fn outlines(&self) -> BTreeMap<&'static str, usize> {
+        let mut counts = BTreeMap::new();
+        self.features
+            .iter()
+            .filter_map(|feature| feature.outline)
+            .for_each(|kind| *counts.entry(kind).or_default() += 1);
+        counts
+    }
+
     /// The end of a message that lists what else the file contains. Empty if there is nothing.
     pub fn found_words(&self) -> String {
         let mut found: Vec<String> = self.left_out.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let count = |of: fn(&Feature) -> usize| self.features.iter().map(of).sum::<usize>();
-        let (lines, spots) = (count(|f| f.lines.len()), count(|f| f.spots.len()));
+        let lines = count(|f| f.lines.iter().filter(|line| !line.is_ring).count());
+        let outlines = self.outlines();
+        let spots = count(|f| f.spots.len());
+        found.extend(outlines.into_iter().map(|(kind, count)| format!("{count} {kind}")));
         found.extend((lines > 0).then(|| format!("{lines} lines")));
         found.extend((spots > 0).then(|| format!("{spots} points")));
         if found.is_empty() { String::new() } else { format!(" (found: {})", found.join(", ")) }

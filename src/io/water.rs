@@ -2,16 +2,23 @@
 
 use std::path::Path;
 
+use super::ReadOptions;
 use super::area::{check_polygons, single_polygons, united_polygons};
-use super::elevation::polygon_heights;
+use super::elevation::{Heights, polygon_heights};
 use super::table::Table;
-use crate::base::error::Result;
-use crate::contour::Lake;
+use crate::base::error::{Report, Result};
+use crate::contour::{Lake, StatedUnit};
 
 /// The polygons of a table as lakes, in the order of the file.
-pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Vec<Lake>> {
+///
+/// Also gives the unit that the file states for their heights.
+pub(super) fn lakes(
+    path: &Path,
+    mut table: Table,
+    options: &ReadOptions,
+) -> Result<Report<(Vec<Lake>, Option<StatedUnit>)>> {
     check_polygons(path, &table, "water")?;
-    let heights = polygon_heights(path, &table, named)?;
+    let Heights { of: heights, stated_unit, findings } = polygon_heights(path, &mut table, options)?;
     let members = if table.in_pieces {
         united_polygons(path, table, |a, b| heights.get(&a) == heights.get(&b))?
     } else {
@@ -22,5 +29,5 @@ pub(super) fn lakes(path: &Path, table: Table, named: Option<&str>) -> Result<Ve
         polygon: m.polygon,
         feature: m.feature.into(),
     };
-    Ok(members.into_iter().map(lake).collect())
+    Ok(Report { value: (members.into_iter().map(lake).collect(), stated_unit), findings })
 }

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::input::Input;
+use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{CoastLine, Contour};
 use crate::crs::Crs;
@@ -20,11 +21,21 @@ impl Input {
     /// # Errors
     /// If their system cannot be converted to the working one.
     pub fn add_coast(&mut self, lines: impl IntoIterator<Item = CoastLine>, crs: Option<&Crs>) -> Result<()> {
+        self.add_coast_in(self.unit, lines, crs)
+    }
+
+    /// [`Input::add_coast`] with levels in a unit.
+    pub(super) fn add_coast_in(
+        &mut self,
+        unit: ElevationUnit,
+        lines: impl IntoIterator<Item = CoastLine>,
+        crs: Option<&Crs>,
+    ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         // The number of their file comes after those of the contours.
         let file = self.files.len().max(1) as u32 + 1;
         for line in lines {
-            let elevation = self.unit.metres(line.level.unwrap_or(0.0));
+            let elevation = unit.metres(line.level.unwrap_or(0.0));
             let feature = line.feature.in_file(file);
             let points = line.points.iter().map(|p| Ok(to_working.point(p.extend(0.0))?.truncate()));
             match points.collect::<Result<Vec<DVec2>>>() {

@@ -60,6 +60,7 @@ impl Terrain {
     /// As [`Terrain::build`].
     pub fn build_with(input: &mut Input, options: &Options, progress: &dyn Progress) -> Result<Self> {
         if !input.is_prepared {
+            options.sea.into_iter().for_each(|sea| input.expect_level(sea));
             input.prepare(&options.preparation, progress)?;
         }
         let cells = options.cells(&input.reprojection)?;

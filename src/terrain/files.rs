@@ -5,20 +5,21 @@ use std::path::{Path, PathBuf};
 
 use super::compare::{Pair, Side};
 use super::grid::GridSpec;
-use super::input::{Input, InputOptions, in_metres};
+use super::input::{Input, InputOptions, Signs, in_metres};
 use super::measure::add_check_points;
 use super::sheets::{Sheet, joined};
 use super::units::Elevations;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::progress::{Progress, step};
+use crate::check::placeholder_heights;
 use crate::contour::SpotHeights;
 use crate::crs::Crs;
 use crate::dem::compare::Comparison;
 use crate::io::raster::{DemFile, read_dem, read_grid};
 use crate::io::{
-    ReadOptions, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast, read_contours,
-    read_excluded, read_sinks, read_spot_heights, read_streams, read_water,
+    ReadOptions, Stated, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast_stated,
+    read_contours, read_excluded, read_sinks, read_spot_heights, read_streams, read_water_stated,
 };
 
 impl Input {
@@ -50,8 +51,9 @@ impl Input {
     pub fn read_all(sources: &[VectorSource], options: &InputOptions, progress: &dyn Progress) -> Result<Self> {
         let sheet = |source: &VectorSource| {
             let layer = source.layer.clone().or_else(|| options.layer.clone());
-            let InputOptions { elevation_field, memory, .. } = options.clone();
-            let reading = ReadOptions { elevation_field, layer, memory, features: source.features.clone() };
+            let InputOptions { elevation_field, memory, unit, depths, .. } = options.clone();
+            let features = source.features.clone();
+            let reading = ReadOptions { elevation_field, layer, memory, features, unit, depths };
             let (read, unit) = in_metres(read_contours(&source.path, &reading)?, options);
             let Report { value: map, findings } = read;
             Ok(Sheet { file: source.path.clone(), map, findings, unit })
@@ -82,11 +84,12 @@ impl Input {
         let path = &source.path;
         step(progress, "reading", || {
             let mut about = Vec::new();
-            let SpotHeights { points, sigmas, crs, unit_hint } =
+            let SpotHeights { points, sigmas, crs, unit_hint, stated_unit } =
                 read_spot_heights(path, &self.reading(source))?.collect(&mut about);
             self.take_findings(about, crs.as_ref()).map_err(|error| error.in_file(path))?;
             let spots = points.into_iter().zip(sigmas.into_iter().map(|own| own.or(sigma)));
-            let added = self.add_spots_with(spots, crs.as_ref(), unit_hint.as_ref());
+            let signs = Signs { stated: stated_unit.as_ref(), hint: unit_hint.as_ref() };
+            let added = self.add_spots_with(spots, crs.as_ref(), signs);
             added.map_err(|error| error.in_file(path))
         })
     }
@@ -94,11 +97,13 @@ impl Input {
     /// Reads lakes from a file and adds them.
     ///
     /// # Errors
-    /// As [`read_water`] and [`Input::add_lakes`]; the error names the file.
+    /// As [`read_water`](crate::io::read_water) and [`Input::add_lakes`]; the error names the file.
     pub fn read_lakes(&mut self, source: &VectorSource) -> Result<()> {
         let path = &source.path;
-        let (lakes, crs) = read_water(path, &self.reading(source))?.collect(&mut self.findings);
-        self.add_lakes(lakes, crs.as_ref()).map_err(|error| error.in_file(path))
+        let Stated { value: lakes, crs, unit } =
+            read_water_stated(path, &self.reading(source))?.collect(&mut self.findings);
+        let signs = Signs { stated: unit.as_ref(), hint: None };
+        self.add_lakes_with(lakes, crs.as_ref(), signs).map_err(|error| error.in_file(path))
     }
 
     /// Reads lines of rivers and streams, and river areas, from a file and adds them.
@@ -170,11 +175,16 @@ impl Input {
     /// Reads the coast from a file, lines or polygons of land or sea, and adds it.
     ///
     /// # Errors
-    /// As [`read_coast`] and [`Input::add_coast`]; the error names the file.
+    /// As [`read_coast`](crate::io::read_coast) and [`Input::add_coast`]; the error names the file.
     pub fn read_coast(&mut self, source: &VectorSource) -> Result<()> {
         let path = &source.path;
-        let (lines, crs) = read_coast(path, &self.reading(source))?.collect(&mut self.findings);
-        self.add_coast(lines, crs.as_ref()).map_err(|error| error.in_file(path))
+        let Stated { value: lines, crs, unit } =
+            read_coast_stated(path, &self.reading(source))?.collect(&mut self.findings);
+        let unit = match &unit {
+            Some(_) => self.unit_beside("the levels of the coast", None, Signs { stated: unit.as_ref(), hint: None }),
+            None => self.unit,
+        };
+        self.add_coast_in(unit, lines, crs.as_ref()).map_err(|error| error.in_file(path))
     }
 
     /// Reads places where water may stay from a file, points and polygons, and adds them.
@@ -221,7 +231,8 @@ impl Input {
     /// How further files are read.
     fn reading(&self, source: &VectorSource) -> ReadOptions {
         let VectorSource { layer, features, .. } = source.clone();
-        ReadOptions { layer, features, memory: self.memory, ..ReadOptions::default() }
+        let Self { memory, asked_unit: unit, depths, .. } = *self;
+        ReadOptions { layer, features, memory, unit, depths, ..ReadOptions::default() }
     }
 }
 
@@ -248,6 +259,25 @@ impl Side {
     }
 }
 
+/// Leaves out check points whose heights stand for no data.
+fn leave_out_placeholders(checks: &mut SpotHeights, findings: &mut Vec<Finding>) {
+    let heights: Vec<f64> = checks.points.iter().map(|point| point.z).collect();
+    let mut is_out = placeholder_heights(&heights).into_iter();
+    let SpotHeights { points, sigmas, .. } = checks;
+    let mut sigmas_left = take(sigmas).into_iter();
+    points.retain(|point| {
+        let sigma = sigmas_left.next();
+        if is_out.next() == Some(true) {
+            let message = format!("the check point {} m was left out: its height stands for no data", point.z);
+            let finding = Finding::new(FindingKind::ZeroElevation, Some(point.truncate()), message);
+            findings.push(finding.of_elevations([point.z]));
+            return false;
+        }
+        sigmas.extend(sigma);
+        true
+    });
+}
+
 /// Adds the figures at the check points of a file. Their heights are in `unit`; if it is `None`: in that of the vertical
 /// part of their coordinate reference system, else in that of the contours of the pair, else in metres. Findings about
 /// the points are added to `findings`. `memory` is the memory that reading may take, bytes; no limit if `None`.
@@ -263,12 +293,14 @@ pub fn read_check_points(
 ) -> Result<()> {
     let path = &source.path;
     let VectorSource { layer, features, .. } = source.clone();
-    let reading = ReadOptions { layer, features, memory, ..ReadOptions::default() };
+    let reading = ReadOptions { layer, features, memory, unit, ..ReadOptions::default() };
     let mut checks = read_spot_heights(path, &reading)?.collect(findings);
     let crs = checks.crs.as_ref().filter(|crs| crs.height_unit().is_some());
     let hint = checks.unit_hint.as_ref();
-    let heights = Elevations { what: "the check points", asked: unit, otherwise: pair.unit(), crs, hint };
+    let stated = checks.stated_unit.as_ref();
+    let heights = Elevations { what: "the check points", asked: unit, otherwise: pair.unit(), crs, stated, hint };
     let unit = heights.unit(findings);
     checks.points.iter_mut().for_each(|point| point.z = unit.metres(point.z));
+    leave_out_placeholders(&mut checks, findings);
     add_check_points(found, pair, &checks, path)
 }

@@ -18,7 +18,7 @@ use super::plane::{Plane, named, on_plane, settle};
 use super::units::Elevations;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, FeatureId};
-use crate::contour::{ContourMap, Lake, SoftSpot, UnitHint};
+use crate::contour::{ContourMap, Lake, SoftSpot, StatedUnit, UnitHint, unite_levels};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
 use crate::drain::{Sink, SinkShape};
@@ -33,13 +33,16 @@ pub struct InputOptions {
     pub elevation_field: Option<String>,
     /// The layer of a file with several, by its name.
     pub layer: Option<String>,
-    /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres. If `None`: that
-    /// of the vertical part of the coordinate reference system, each file's own; else, for spot heights and lakes, that
-    /// of the contours; else metres.
+    /// Unit of the elevations of contours, spot heights and lakes. Inside the program they are metres. If `None`: the unit
+    /// that an attribute of the file states beside them; else that of the vertical part of the coordinate reference
+    /// system, each file's own; else, for spot heights and lakes, that of the contours; else metres.
     pub unit: Option<ElevationUnit>,
     /// Unit of x and y of contours without a coordinate reference system. If `None`: that of the drawing (DXF), else metres.
     /// Files beside the contours that name no system are in the same plane.
     pub plane_unit: Option<ElevationUnit>,
+    /// Whether the named attribute, or else attributes with names of depths, hold depths. They are read as negative
+    /// elevations.
+    pub depths: bool,
     /// The coordinate reference system of the contours, if the file names none or a wrong one.
     pub crs: Option<Crs>,
     /// The projected system in metres to work in. If `None`: the contours' own or, for degrees and feet, the one that
@@ -92,6 +95,10 @@ pub struct Input {
     pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
     pub(super) memory: Option<u64>,
+    /// Whether depths are read as negative elevations.
+    pub(super) depths: bool,
+    /// Levels that are real, whatever they look like; metres.
+    pub(super) known_levels: Vec<f64>,
     /// The part of the map that is asked for.
     pub(super) part: Option<Part>,
     /// The height map that gives the heights outside the frame.
@@ -104,6 +111,15 @@ pub struct Input {
     pub(super) at_cliffs: BTreeSet<FeatureId>,
     pub(super) is_prepared: bool,
     pub(super) is_strict: bool,
+}
+
+/// What a file says about the unit of its heights.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Signs<'a> {
+    /// What it states beside them.
+    pub stated: Option<&'a StatedUnit>,
+    /// What it lets suppose.
+    pub hint: Option<&'a UnitHint>,
 }
 
 impl Input {
@@ -143,11 +159,12 @@ impl Input {
     /// Takes a map with its elevations in metres; they were in `unit`.
     pub(super) fn from_metres(read: Report<ContourMap>, unit: ElevationUnit, options: &InputOptions) -> Result<Self> {
         let mut findings = Vec::new();
-        let map = read.collect(&mut findings);
+        let mut map = read.collect(&mut findings);
+        findings.extend(unite_levels(&mut map, unit));
         let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
-        let (asked_unit, memory) = (options.unit, options.memory);
-        Ok(Self { map, findings, reprojection, unit, is_plane_guessed, asked_unit, memory, ..Self::default() })
+        let InputOptions { unit: asked_unit, memory, depths, .. } = *options;
+        Ok(Self { map, findings, reprojection, unit, is_plane_guessed, asked_unit, memory, depths, ..Self::default() })
     }
 
     /// Refuses a map whose heights are in feet and of which nothing states the unit of x and y. For what depends on the ratio
@@ -157,6 +174,12 @@ impl Input {
     /// [`Error::PlaneUnitUnknown`].
     pub fn check_plane_unit(&self) -> Result<()> {
         if self.is_plane_guessed { Err(self.named_error(Error::PlaneUnitUnknown)) } else { Ok(()) }
+    }
+
+    /// Names a level that contours have, in metres, such as that of the sea. Without it, contours at 0 m are left out where
+    /// no other level lies near them. Call it before [`Input::prepare`].
+    pub fn expect_level(&mut self, level: f64) {
+        self.known_levels.push(level);
     }
 
     /// The unit that the elevations of the contours had before they became metres.
@@ -184,7 +207,7 @@ impl Input {
     /// # Errors
     /// If their system cannot be converted to the working one, or a point has no place on the working plane.
     pub fn add_spots(&mut self, spots: impl IntoIterator<Item = DVec3>, crs: Option<&Crs>) -> Result<()> {
-        self.add_spots_with(spots.into_iter().map(|spot| (spot, None)), crs, None)
+        self.add_spots_with(spots.into_iter().map(|spot| (spot, None)), crs, Signs::default())
     }
 
     /// Adds spot heights with standard errors. The surface comes near them. As [`Input::add_spots`]; standard errors are
@@ -193,18 +216,18 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn add_soft_spots(&mut self, spots: impl IntoIterator<Item = SoftSpot>, crs: Option<&Crs>) -> Result<()> {
-        self.add_spots_with(spots.into_iter().map(|spot| (spot.place, Some(spot.sigma))), crs, None)
+        self.add_spots_with(spots.into_iter().map(|spot| (spot.place, Some(spot.sigma))), crs, Signs::default())
     }
 
-    /// [`Input::add_spots`] with what their file lets suppose about the unit.
+    /// [`Input::add_spots`] with what their file says about the unit.
     pub(super) fn add_spots_with(
         &mut self,
         spots: impl IntoIterator<Item = (DVec3, Option<f64>)>,
         crs: Option<&Crs>,
-        hint: Option<&UnitHint>,
+        signs: Signs<'_>,
     ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
-        let unit = self.unit_beside("the spot heights", crs, hint);
+        let unit = self.unit_beside("the spot heights", crs, signs);
         let before = [self.map.spots.len(), self.map.soft_spots.len()];
         for (spot, sigma) in spots {
             let place = to_working.point(spot.truncate().extend(unit.metres(spot.z)))?;
@@ -221,10 +244,11 @@ impl Input {
     }
 
     /// The unit of heights that come with the contours.
-    fn unit_beside(&mut self, what: &str, crs: Option<&Crs>, hint: Option<&UnitHint>) -> ElevationUnit {
+    pub(super) fn unit_beside(&mut self, what: &str, crs: Option<&Crs>, signs: Signs<'_>) -> ElevationUnit {
         // A plane in feet was told of for the contours.
         let crs = crs.filter(|crs| crs.height_unit().is_some());
-        let heights = Elevations { what, asked: self.asked_unit, otherwise: self.unit, crs, hint };
+        let Signs { stated, hint } = signs;
+        let heights = Elevations { what, asked: self.asked_unit, otherwise: self.unit, crs, stated, hint };
         heights.unit(&mut self.findings)
     }
 
@@ -234,10 +258,20 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn add_lakes(&mut self, lakes: impl IntoIterator<Item = Lake>, crs: Option<&Crs>) -> Result<()> {
+        self.add_lakes_with(lakes, crs, Signs::default())
+    }
+
+    /// [`Input::add_lakes`] with what their file says about the unit.
+    pub(super) fn add_lakes_with(
+        &mut self,
+        lakes: impl IntoIterator<Item = Lake>,
+        crs: Option<&Crs>,
+        signs: Signs<'_>,
+    ) -> Result<()> {
         let to_working = self.reprojection.bring(crs)?;
         let mut lakes = lakes.into_iter().peekable();
         let unit = match lakes.peek() {
-            Some(_) => self.unit_beside("the heights of the lakes", crs, None),
+            Some(_) => self.unit_beside("the heights of the lakes", crs, signs),
             None => self.unit,
         };
         for lake in lakes {
@@ -300,7 +334,7 @@ impl Input {
         let to_working = self.reprojection.bring(crs)?;
         let mut lines = lines.into_iter().peekable();
         let unit = match lines.peek() {
-            Some(_) => self.unit_beside("the heights of the break lines", crs, None),
+            Some(_) => self.unit_beside("the heights of the break lines", crs, Signs::default()),
             None => self.unit,
         };
         for line in lines {
@@ -380,6 +414,7 @@ fn unit_of(map: &ContourMap, options: &InputOptions, findings: &mut Vec<Finding>
         asked: options.unit,
         otherwise: ElevationUnit::Metre,
         crs: stating.or(named).or(map.crs.as_ref()).or(plane.as_ref()),
+        stated: map.stated_unit.as_ref(),
         hint: map.unit_hint.as_ref(),
     };
     let mut about_unit = Vec::new();

@@ -24,6 +24,7 @@ mod options;
 mod outline;
 mod part;
 mod plane;
+mod plausible;
 mod prepare;
 #[cfg(feature = "io")]
 mod sheets;

@@ -5,10 +5,11 @@ use geo::MultiPolygon;
 use super::input::Input;
 use super::options::Options;
 use super::part::{Part, drop_outside};
+use super::plausible;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result, Severity};
 use crate::base::memory;
 use crate::base::progress::{Progress, step};
-use crate::check::{LineParams, correct, examine, first_causes, merged};
+use crate::check::{LineParams, correct, examine, first_causes, merged, placeholders};
 use crate::clean::{CleanParams, clean};
 use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
@@ -163,17 +164,24 @@ impl Input {
         Ok(())
     }
 
-    /// Cleans the lines. With [`Repair::All`], sudden changes of elevation along a line and stray vertices are
+    /// Leaves out lines and spot heights whose elevation stands for no data, however far the lines are repaired: they have no
+    /// elevation. Then cleans the lines. With [`Repair::All`], sudden changes of elevation along a line and stray vertices are
     /// corrected first.
     fn clean_lines(&mut self, params: &Preparation, progress: &dyn Progress) -> Result<()> {
         let (near, line_params) = (params.near(), LineParams { snap: params.snap });
         let mut map = std::mem::take(&mut self.map);
+        let known_levels: Vec<f64> = self.coast.iter().chain(&self.known_levels).copied().collect();
+        self.findings.append(&mut placeholders(&map, &known_levels).leave_out(&mut map));
+        let mut implausible = plausible::findings(&map);
+        implausible.retain(|finding| !self.depths || finding.elevations.iter().any(|z| *z > 0.0));
+        self.findings.append(&mut implausible);
         let (examined, cleaned) = step(progress, "cleaning", || {
             let mut judged = examine(&map, &line_params);
             if params.repair == Repair::All && !judged.corrections.is_empty() {
                 map = correct(std::mem::take(&mut map), &judged.corrections).collect(&mut self.findings);
                 judged = examine(&map, &line_params);
             }
+            judged.findings.retain(|finding| finding.kind != FindingKind::ZeroElevation);
             (judged.findings, clean(map, &near))
         });
         match cleaned {

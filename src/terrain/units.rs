@@ -2,7 +2,7 @@
 
 use crate::base::ElevationUnit;
 use crate::base::error::{Finding, FindingKind};
-use crate::contour::UnitHint;
+use crate::contour::{StatedUnit, UnitHint};
 use crate::crs::{Crs, LengthUnit};
 
 /// The elevations of a file, and what is known about their unit.
@@ -15,19 +15,59 @@ pub(super) struct Elevations<'a> {
     pub otherwise: ElevationUnit,
     /// The coordinate reference system, with a vertical part if it states the unit.
     pub crs: Option<&'a Crs>,
+    /// What the file states beside the elevations.
+    pub stated: Option<&'a StatedUnit>,
     /// What the file lets suppose.
     pub hint: Option<&'a UnitHint>,
 }
 
 impl Elevations<'_> {
-    /// Their unit. The caller's unit comes first, then that of the vertical part of the system. What contradicts the
-    /// unit is a finding, and so is a unit other than metres that nobody asked for.
+    /// Their unit. The caller's unit comes first, then what the file states beside the elevations, then the vertical part
+    /// of the system. What contradicts the unit is a finding, and so is a unit other than metres that nobody asked for.
     pub fn unit(&self, findings: &mut Vec<Finding>) -> ElevationUnit {
         let own = self.crs.and_then(Crs::height_unit);
-        let stated = own.as_ref().and_then(|own| ElevationUnit::of_size(own.metres));
-        let unit = self.asked.or(stated).unwrap_or(self.otherwise);
-        findings.extend(self.finding(own.as_ref(), stated, unit).map(|(kind, text)| Finding::general(kind, text)));
+        let of_crs = own.as_ref().and_then(|own| ElevationUnit::of_size(own.metres));
+        let (unit, finding) = match self.stated {
+            Some(stated) => self.beside(stated, of_crs),
+            None => {
+                let unit = self.asked.or(of_crs).unwrap_or(self.otherwise);
+                (unit, self.finding(own.as_ref(), of_crs, unit))
+            }
+        };
+        findings.extend(finding.map(|(kind, text)| Finding::general(kind, text)));
         unit
+    }
+
+    /// The unit of elevations for which the file states one, and what is to be said about it.
+    fn beside(
+        &self,
+        stated: &StatedUnit,
+        of_crs: Option<ElevationUnit>,
+    ) -> (ElevationUnit, Option<(FindingKind, String)>) {
+        let (what, says) = (self.what, &stated.says);
+        // Files say feet for either foot.
+        let agrees = |other: ElevationUnit| {
+            other == stated.unit || (stated.unit == ElevationUnit::Foot && other == ElevationUnit::UsSurveyFoot)
+        };
+        if let Some(asked) = self.asked {
+            let text = format!("{says}; {what} are taken as {} all the same", asked.name());
+            return (asked, (!agrees(asked)).then_some((FindingKind::UnitDoubt, text)));
+        }
+        let unit = of_crs.filter(|of_crs| agrees(*of_crs)).unwrap_or(stated.unit);
+        let rival = match (of_crs.filter(|of_crs| !agrees(*of_crs)), self.hint.filter(|hint| hint.contradicts(unit))) {
+            (Some(of_crs), _) => Some(format!("the coordinate reference system states heights in {}", of_crs.name())),
+            (None, hint) => hint.map(|hint| hint.says.clone()),
+        };
+        let finding = match rival {
+            Some(rival) => {
+                let text = format!("{says}, but {rival}; {what} are taken as {}", unit.name());
+                Some((FindingKind::UnitDoubt, text))
+            }
+            None => {
+                unit.is_foot().then(|| (FindingKind::HeightUnit, format!("{says}; {what} were turned into metres")))
+            }
+        };
+        (unit, finding)
     }
 
     fn finding(
@@ -83,7 +123,8 @@ mod tests {
         let says = |is_feet| UnitHint { says: "the field \"x\" seems to hold another unit".into(), is_feet };
         let hint = hint.map(says);
         let mut findings = Vec::new();
-        let elevations = Elevations { what: "the elevations", asked, otherwise, crs: Some(crs), hint: hint.as_ref() };
+        let elevations =
+            Elevations { what: "the elevations", asked, otherwise, crs: Some(crs), stated: None, hint: hint.as_ref() };
         let unit = elevations.unit(&mut findings);
         (unit, findings.into_iter().map(|finding| (finding.kind, finding.message)).collect())
     }
@@ -135,6 +176,47 @@ mod tests {
         }
         assert_eq!(unit(None, &Crs::from_epsg(PLANE_IN_FEET), Some(false), Metre), (Metre, vec![]));
         assert_eq!(unit(None, &Crs::from_epsg(PLANE_IN_FEET), None, Foot), (Foot, vec![]));
+    }
+
+    /// The unit with a statement of feet or metres, and the kinds of the findings with their sentences.
+    fn beside(
+        asked: Option<ElevationUnit>,
+        crs: &Crs,
+        stated: ElevationUnit,
+        hint: Option<bool>,
+    ) -> (ElevationUnit, Vec<(FindingKind, String)>) {
+        let stated = StatedUnit { says: format!("the field \"u\" states {}", stated.name()), unit: stated };
+        let hint = hint.map(|is_feet| UnitHint { says: "the field \"x\" seems to hold another unit".into(), is_feet });
+        let mut findings = Vec::new();
+        let elevations = Elevations {
+            what: "the elevations",
+            asked,
+            otherwise: Metre,
+            crs: Some(crs),
+            stated: Some(&stated),
+            hint: hint.as_ref(),
+        };
+        let unit = elevations.unit(&mut findings);
+        (unit, findings.into_iter().map(|finding| (finding.kind, finding.message)).collect())
+    }
+
+    #[test]
+    fn what_the_file_states_beside_elevations_is_used() {
+        let utm = Crs::from_epsg(32612);
+        let text = "the field \"u\" states feet; the elevations were turned into metres".to_owned();
+        assert_eq!(beside(None, &utm, Foot, None), (Foot, vec![(FindingKind::HeightUnit, text)]));
+        assert_eq!(beside(None, &utm, Metre, None), (Metre, vec![]));
+        assert_eq!(beside(None, &Crs::from_epsg(PLANE_IN_FEET), Metre, None), (Metre, vec![]));
+        assert_eq!(beside(Some(UsSurveyFoot), &utm, Foot, None), (UsSurveyFoot, vec![]));
+        // Contradictions: by the system, by the name of the field, by the caller.
+        let doubts = |found: (ElevationUnit, Vec<(FindingKind, String)>)| {
+            assert!(found.1.len() == 1 && found.1[0].0 == FindingKind::UnitDoubt, "{found:?}");
+            found.0
+        };
+        assert_eq!(doubts(beside(None, &Crs::from_epsg(FEET), Metre, None)), Metre);
+        assert_eq!(doubts(beside(None, &utm, Metre, Some(true))), Metre);
+        assert_eq!(doubts(beside(Some(Metre), &utm, Foot, None)), Metre);
+        assert_eq!(doubts(beside(Some(Foot), &utm, Metre, None)), Foot);
     }
 
     #[test]

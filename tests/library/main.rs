@@ -9,6 +9,7 @@ mod area_files;
 mod break_lines;
 mod cliffs;
 mod degenerate;
+mod elevations;
 mod faults;
 mod figures;
 mod floors;

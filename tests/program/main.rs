@@ -12,6 +12,7 @@ mod contour;
 mod coordinates;
 mod derive;
 mod drain;
+mod elevations;
 mod everyday;
 mod exclude;
 mod existing_outputs;

@@ -122,6 +122,14 @@ kinds! {
     OffInterval = "off-interval", Note, "levels off the vertical interval";
     /// An elevation of 0 where the ground is not at 0, or a number that stands for "no data".
     ZeroElevation = "zero-elevation", Error, "elevations that are 0 or stand for no data";
+    /// Levels, or heights along a line, that differ by rounding only. They were taken as one level.
+    SameLevel = "same-level", Note, "levels that differ by rounding only";
+    /// Polygons that are at one elevation. Their outlines were read as contours.
+    PolygonContour = "polygon-contour", Note, "polygons read as contours";
+    /// The name of an attribute says that it holds depths, and they are taken as heights, or the other way round.
+    Depths = "depths", Warning, "elevations that may be depths";
+    /// An elevation above the highest mountain, or far below the sea on land.
+    ImplausibleElevation = "implausible-elevation", Warning, "elevations that no ground on land has";
     /// The unit of elevations is not certain: the signs of it contradict each other, or the unit in use.
     UnitDoubt = "unit-doubt", Warning, "elevations whose unit is not certain";
     /// The unit of x and y is not certain: elevations are in feet and nothing states it, or two statements contradict each other.

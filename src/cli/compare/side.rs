@@ -74,7 +74,8 @@ fn side_of_contours(
     // The surface must not be built with the points that check it.
     let path = source.path.clone();
     let map = MapArgs { contours: vec![source], points: None, ..args.input.map.clone() };
-    let mut input = InputArgs { map, ..args.input.clone() }.read(&args.surface.frame, None, console)?;
+    let mut input =
+        InputArgs { map, ..args.input.clone() }.read(&args.surface.frame, None, args.surface.water.sea, console)?;
     if let Some((_, crs @ None)) = nodes {
         *crs = input.reprojection.input_crs().cloned();
     }

@@ -4,29 +4,37 @@
 //! choice is not clear, the result is an error that lists the attributes. A wrong guess would give a wrong map without
 //! any message.
 
+mod choose;
+mod depths;
+mod outlines;
+mod texts;
 mod unit_hint;
+mod units;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::attributes::{is_elevation_name, is_sigma_name};
+use self::choose::{Asked, ElevationSource, choose, count_numbers, find_field, number};
+use self::depths::Sign;
+use self::outlines::Outlines;
+use self::texts::read_texts;
+use self::units::{Group, Units};
+use super::ReadOptions;
+use super::attributes::{is_elevation_name, is_sigma_name, unit_in_name};
 use super::crs_finding::crs_finding;
 use super::depression;
 use super::table::{Field, Line, NO_GEOMETRY, Spot, Table, Value};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result, ZCoordinate};
-use crate::contour::{Contour, ContourMap, SpotHeights};
+use crate::base::decimal::shortest_between;
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
+use crate::contour::{Contour, ContourMap, SpotHeights, StatedUnit};
 
 /// Attributes are often rounded to centimetres. Elevations that differ by no more than this are equal, metres.
 const SAME_ELEVATION: f64 = 0.01;
 
-/// The source of the elevations.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum ElevationSource {
-    Field(usize),
-    Z,
-}
+/// Heights along a line that differ by no more are one level: a millimetre up or down, and a micrometre for rounding.
+const SAME_HEIGHT: f64 = 2.001e-3;
 
 /// A line or point that needs an elevation.
 struct Item<'a> {
@@ -45,32 +53,64 @@ enum Outcome {
 }
 
 /// The contours and spot heights of a table.
-pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) -> Result<Report<ContourMap>> {
-    let mut findings = take_findings(&mut table);
-    let mut items = Vec::new();
-    for feature in &table.features {
-        items.extend(feature.lines.iter().map(|line| item(feature.number, &feature.values, line.z)));
-    }
+pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) -> Result<Report<ContourMap>> {
+    let asked = Asked { field: options.elevation_field.as_deref(), depths: options.depths };
+    let mut findings = file_findings(&mut table);
+    read_texts(&mut table, asked.field).map_err(|error| error.in_file(path))?;
+    let mut outlines = Outlines::find(&table);
+    let items = outlines.first_items(&table);
     if items.is_empty() {
-        return Err(Error::file(path, format!("there is no line in it{}", table.found_words())));
+        let (found, why) = (table.found_words(), outlines.why_not());
+        return Err(Error::file(path, format!("there is no line in it{found}{why}")));
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let chosen = choose(&items, &table.fields, asked);
+    let source = chosen.map_err(|error| outlines.without_elevations(&table, error).in_file(path))?;
+    outlines.judge(&table, |item| match elevation(source, &table.fields, item) {
+        Outcome::Known(z) => Some(z),
+        Outcome::Missing(_) | Outcome::Invalid(_) => None,
+    });
+    let items = outlines.items(&table);
+    if items.is_empty() {
+        let (found, why) = (table.found_words(), outlines.why_not());
+        return Err(Error::file(path, format!("there is no line in it{found}{why}")));
+    }
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
-    drop(items);
+    let sign = Sign::of(source, &table.fields, asked, &items);
+    findings.extend(outlines.findings());
+    findings.extend(left_out_findings(&table));
+    findings.extend(sign.finding.clone());
 
     let spots_before = findings.len();
-    let spots = spots_beside_lines(&table, named, &mut findings);
+    let spot_source = spot_source(&table, asked, &mut findings);
+    let spot_items = spot_items(&table);
+    let groups =
+        [Some(Group { items: &items, source }), spot_source.map(|source| Group { items: &spot_items, source })];
+    let units = Units::of(groups.into_iter().flatten(), &table.fields, options.unit);
+    drop(items);
+    drop(spot_items);
+    let spots = match spot_source {
+        Some(source) => spots_beside_lines(&table, source, asked, &units, &mut findings),
+        None => Vec::new(),
+    };
     let spot_findings = findings.split_off(spots_before);
 
     let depressions = depression::marks(&table);
     let mut contours = Vec::new();
     let mut first_reason = None;
     let mut invalid = InvalidValues::default();
+    let mut uneven = Uneven::default();
+    let statement = units.of_source(source, &table.fields);
     for feature in table.features {
-        for Line { points, z, .. } in feature.lines {
-            match elevation(source, &table.fields, &item(feature.number, &feature.values, z)) {
+        for Line { points, z, is_ring, .. } in feature.lines {
+            if is_ring && !outlines.has(feature.number) {
+                continue;
+            }
+            let item = item(feature.number, &feature.values, z);
+            match units.in_map_unit(&statement, &item) {
                 Outcome::Known(elevation) => {
+                    let elevation = sign.of_height(elevation);
                     invalid.known += 1;
+                    uneven.note(source, &item);
                     let points = finite_points(points, feature.number, elevation, &mut findings);
                     if !points.is_empty() {
                         contours.push(Contour { elevation, points, feature: feature.number.into() });
@@ -92,21 +132,30 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
         let reason = first_reason.unwrap_or_else(|| "no vertex has finite coordinates".to_owned());
         return Err(Error::file(path, format!("no line has an elevation: {reason}")));
     }
+    findings.extend(uneven.finding());
+    findings.extend(units.findings);
     findings.extend(spot_findings);
-    let (crs, plane_unit) = (table.crs, table.plane_unit);
-    let map = ContourMap { contours, spots, depressions, crs, plane_unit, unit_hint, ..ContourMap::default() };
+    let (crs, plane_unit, stated_unit) = (table.crs, table.plane_unit, units.stated);
+    let map =
+        ContourMap { contours, spots, depressions, crs, plane_unit, unit_hint, stated_unit, ..ContourMap::default() };
     Ok(Report { value: map, findings })
 }
 
 /// The points of a table as spot heights.
-pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -> Result<Report<SpotHeights>> {
+pub(super) fn spot_heights(path: &Path, mut table: Table, options: &ReadOptions) -> Result<Report<SpotHeights>> {
+    let asked = Asked { field: options.elevation_field.as_deref(), depths: options.depths };
     let mut findings = take_findings(&mut table);
+    read_texts(&mut table, asked.field).map_err(|error| error.in_file(path))?;
     let items = spot_items(&table);
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, asked).map_err(|error| error.in_file(path))?;
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
+    let sign = Sign::of(source, &table.fields, asked, &items);
+    findings.extend(sign.finding.clone().filter(|_| !asked.depths));
+    let mut units = Units::of([Group { items: &items, source }], &table.fields, options.unit);
+    findings.append(&mut units.findings);
     drop(items);
     let lines: usize = table.features.iter().map(|feature| feature.lines.len()).sum();
     if lines > 0 {
@@ -118,22 +167,23 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     let mut points = Vec::new();
     let mut sigmas = Vec::new();
     let mut invalid = InvalidValues::default();
+    let statement = units.of_source(source, &table.fields);
     let sigma_field = table.fields.iter().position(|field| is_sigma_name(&field.name));
     for feature in &table.features {
         for spot in &feature.spots {
             let item = spot_item(feature.number, &feature.values, spot);
             let sigma = match sigma_field.map(|field| sigma(&item, field, &table.fields)) {
                 None => None,
-                Some(Ok(sigma)) => sigma,
+                Some(Ok(sigma)) => sigma.map(|sigma| units.size_in_map_unit(&statement, &item, sigma)),
                 Some(Err(what)) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &what));
                     continue;
                 }
             };
-            match elevation(source, &table.fields, &item) {
+            match units.in_map_unit(&statement, &item) {
                 Outcome::Known(height) => {
                     invalid.known += 1;
-                    keep_spot(spot, height, &mut points, &mut findings);
+                    keep_spot(spot, sign.of_height(height), &mut points, &mut findings);
                     sigmas.resize(points.len(), sigma);
                 }
                 Outcome::Missing(reason) => {
@@ -151,35 +201,54 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
         let reason = findings.last().map(|f| f.message.clone()).unwrap_or_default();
         return Err(Error::file(path, format!("no point has a height; {reason}")));
     }
-    Ok(Report { value: SpotHeights { points, sigmas, crs: table.crs, unit_hint }, findings })
+    let stated_unit = units.stated;
+    Ok(Report { value: SpotHeights { points, sigmas, crs: table.crs, unit_hint, stated_unit }, findings })
 }
 
-/// The height of each feature's polygons, by the feature's number. Features without a height are missing.
-pub(super) fn polygon_heights(path: &Path, table: &Table, named: Option<&str>) -> Result<BTreeMap<u64, f64>> {
+/// Heights of features, by their number. Features without a height are missing.
+#[derive(Default)]
+pub(super) struct Heights {
+    pub of: BTreeMap<u64, f64>,
+    /// What the file states about their unit.
+    pub stated_unit: Option<StatedUnit>,
+    pub findings: Vec<Finding>,
+}
+
+/// The height of each feature's polygons.
+pub(super) fn polygon_heights(path: &Path, table: &mut Table, options: &ReadOptions) -> Result<Heights> {
+    read_texts(table, options.elevation_field.as_deref()).map_err(|error| error.in_file(path))?;
     let with_polygons = table.features.iter().filter(|feature| !feature.polygons.is_empty());
-    heights_if_any(path, table, named, with_polygons.map(|f| item(f.number, &f.values, f.polygon_z)).collect())
+    let items = with_polygons.map(|f| item(f.number, &f.values, f.polygon_z)).collect();
+    heights_if_any(path, table, options, items)
 }
 
-/// The levels of lines and polygons of a coast, by the number of the feature. They are optional.
-pub(super) fn coast_heights(path: &Path, table: &Table) -> Result<BTreeMap<u64, f64>> {
+/// The levels of lines and polygons of a coast. They are optional.
+pub(super) fn coast_heights(path: &Path, table: &mut Table, options: &ReadOptions) -> Result<Heights> {
+    read_texts(table, None).map_err(|error| error.in_file(path))?;
     let z = |f: &super::table::Feature| match (f.polygon_z, f.lines.first()) {
         (None, Some(line)) => line.z,
         (z, _) => z,
     };
-    heights_if_any(path, table, None, table.features.iter().map(|f| item(f.number, &f.values, z(f))).collect())
+    let items = table.features.iter().map(|f| item(f.number, &f.values, z(f))).collect();
+    heights_if_any(path, table, &ReadOptions { elevation_field: None, ..options.clone() }, items)
 }
 
-/// The heights of features, where there are some. `named` is the attribute that the caller names.
-fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<Item<'_>>) -> Result<BTreeMap<u64, f64>> {
+/// The heights of features, where there are some.
+fn heights_if_any(path: &Path, table: &Table, options: &ReadOptions, items: Vec<Item<'_>>) -> Result<Heights> {
+    let asked = Asked { field: options.elevation_field.as_deref(), depths: false };
     let numbers =
         (0..table.fields.len()).any(|f| is_elevation_name(&table.fields[f].name) && count_numbers(&items, f) > 0);
     // If z varies, the outline was draped over a terrain. Then z is not the water level.
-    let levels = items.iter().any(|item| item.z.is_some_and(|[lo, hi]| lo == hi && lo != 0.0));
-    if named.is_none() && !numbers && !levels {
+    let levels = items.iter().any(|item| constant_z(item).is_some_and(|z| z != 0.0));
+    if asked.field.is_none() && !numbers && !levels {
+        let may_be = |field: usize| {
+            let name = &table.fields[field].name;
+            is_elevation_name(name) || unit_in_name(name).is_some()
+        };
         let text = items.iter().flat_map(|item| item.values.iter().map(move |value| (item.feature, value)));
         let word = |value: &Value| matches!(value, Value::Text(text) if !text.trim().is_empty());
-        return match text.into_iter().find(|(_, (_, value))| word(value)) {
-            None => Ok(BTreeMap::new()),
+        return match text.into_iter().find(|(_, (field, value))| may_be(*field) && word(value)) {
+            None => Ok(Heights::default()),
             Some((feature, (field, value))) => {
                 let name = &table.fields[*field].name;
                 let message = format!("feature {feature}: the field {name:?} holds {value}, which is not a number");
@@ -187,10 +256,12 @@ fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<It
             }
         };
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, asked).map_err(|error| error.in_file(path))?;
+    let units = Units::of([Group { items: &items, source }], &table.fields, options.unit);
+    let statement = units.of_source(source, &table.fields);
     let mut heights = BTreeMap::new();
     for item in &items {
-        match elevation(source, &table.fields, item) {
+        match units.in_map_unit(&statement, item) {
             Outcome::Known(height) => {
                 heights.insert(item.feature, height);
             }
@@ -198,31 +269,48 @@ fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<It
             Outcome::Invalid(what) => return Err(Error::file(path, format!("feature {}: {what}", item.feature))),
         }
     }
-    Ok(heights)
+    Ok(Heights { of: heights, stated_unit: units.stated, findings: units.findings })
 }
 
-/// The points of a contour file. They are optional: any problem with them is a finding, not an error.
-fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Finding>) -> Vec<DVec3> {
+/// The source of the heights of points in a contour file. They are optional: any problem with them is a finding, not an
+/// error. The user's name is meant for the lines; points may use another attribute.
+fn spot_source(table: &Table, asked: Asked<'_>, findings: &mut Vec<Finding>) -> Option<ElevationSource> {
     let items = spot_items(table);
     if items.is_empty() {
-        return Vec::new();
+        return None;
     }
-    // The user's name is meant for the lines; points may use another attribute.
-    let named =
-        named.filter(|named| find_field(&table.fields, named).is_some_and(|field| count_numbers(&items, field) > 0));
-    let source = match choose(&items, &table.fields, named) {
-        Ok(source) => source,
+    match choose(&items, &table.fields, asked_of_spots(table, &items, asked)) {
+        Ok(source) => Some(source),
         Err(error) => {
             let message = format!("{} points left out: {error}", items.len());
             findings.push(Finding::general(FindingKind::SkippedFeature, message));
-            return Vec::new();
+            None
         }
-    };
+    }
+}
+
+/// What the caller says about contours, as far as it is true of the points beside them.
+fn asked_of_spots<'a>(table: &Table, items: &[Item<'_>], asked: Asked<'a>) -> Asked<'a> {
+    let has_numbers = |named: &&str| find_field(&table.fields, named).is_some_and(|f| count_numbers(items, f) > 0);
+    Asked { field: asked.field.filter(has_numbers), ..asked }
+}
+
+/// The points of a contour file.
+fn spots_beside_lines(
+    table: &Table,
+    source: ElevationSource,
+    asked: Asked<'_>,
+    units: &Units,
+    findings: &mut Vec<Finding>,
+) -> Vec<DVec3> {
+    let items = spot_items(table);
+    let sign = Sign::of(source, &table.fields, asked_of_spots(table, &items, asked), &items);
+    let statement = units.of_source(source, &table.fields);
     let mut spots = Vec::new();
     for feature in &table.features {
         for spot in &feature.spots {
-            match elevation(source, &table.fields, &spot_item(feature.number, &feature.values, spot)) {
-                Outcome::Known(height) => keep_spot(spot, height, &mut spots, findings),
+            match units.in_map_unit(&statement, &spot_item(feature.number, &feature.values, spot)) {
+                Outcome::Known(height) => keep_spot(spot, sign.of_height(height), &mut spots, findings),
                 Outcome::Missing(reason) | Outcome::Invalid(reason) => {
                     findings.push(left_out("point", feature.number, Some(&spot.place), &reason));
                 }
@@ -230,58 +318,6 @@ fn spots_beside_lines(table: &Table, named: Option<&str>, findings: &mut Vec<Fin
         }
     }
     spots
-}
-
-/// Decides which attribute or coordinate holds the elevations of all items. An unclear choice is an error.
-fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<ElevationSource> {
-    let has_z = items.iter().any(|item| item.z.is_some());
-    if let Some(named) = named {
-        return match find_field(fields, named) {
-            Some(field) => Ok(ElevationSource::Field(field)),
-            None if has_z && named.eq_ignore_ascii_case("z") => Ok(ElevationSource::Z),
-            None => Err(Error::Data(format!("there is no field {named:?}; {}", field_list(fields)))),
-        };
-    }
-    let z_is_set = items.iter().any(|item| item.z.is_some_and(|z| z != [0.0; 2]));
-    let z_is_usable = z_is_set && items.iter().any(|item| constant_z(item).is_some());
-    let z_is_per_line = z_is_usable && items.iter().all(|item| item.z.is_none() || constant_z(item).is_some());
-
-    let mut candidates: Vec<(usize, usize)> = (0..fields.len())
-        .filter(|&field| is_elevation_name(&fields[field].name))
-        .map(|field| (count_numbers(items, field), field))
-        .filter(|&(count, _)| count > 0)
-        .collect();
-    candidates.sort_by_key(|&(count, field)| (std::cmp::Reverse(count), field));
-    let Some(&(_, best)) = candidates.first() else {
-        if z_is_usable {
-            return Ok(ElevationSource::Z);
-        }
-        let z = match (has_z, z_is_set) {
-            (false, _) => ZCoordinate::Missing,
-            (true, false) => ZCoordinate::Zero,
-            (true, true) => ZCoordinate::Varies,
-        };
-        return Err(Error::NoElevationField { z, fields: field_list(fields) });
-    };
-    let doubt = |what: String, with_z: bool, feature: u64| {
-        Err(Error::ElevationsDisagree { what, feature, with_z, fields: field_list(fields) })
-    };
-    let differ = |a: f64, b: f64| (a - b).abs() > SAME_ELEVATION;
-    for item in items {
-        let Some(elevation) = number(item, best) else { continue };
-        for &(_, other) in &candidates[1..] {
-            if let Some(rival) = number(item, other).filter(|&rival| differ(elevation, rival)) {
-                let (a, b) = (&fields[best].name, &fields[other].name);
-                return doubt(format!("the fields {a:?} ({elevation}) and {b:?} ({rival})"), false, item.feature);
-            }
-        }
-        // If z varies, the lines were draped over a terrain. Then z is not the contour's elevation.
-        if let Some(z) = constant_z(item).filter(|&z| z_is_per_line && differ(elevation, z)) {
-            let a = &fields[best].name;
-            return doubt(format!("the field {a:?} ({elevation}) and the z coordinate ({z})"), true, item.feature);
-        }
-    }
-    Ok(ElevationSource::Field(best))
 }
 
 /// The elevation of one item from the chosen source.
@@ -293,14 +329,15 @@ fn elevation(source: ElevationSource, fields: &[Field], item: &Item<'_>) -> Outc
     match source {
         ElevationSource::Z => match item.z {
             None => Outcome::Missing("it has no z".to_owned()),
-            Some([lo, hi]) if lo == hi || lo.is_nan() => checked(lo, "its z"),
+            Some([lo, _]) if lo.is_nan() => checked(lo, "its z"),
+            Some([lo, hi]) if is_level([lo, hi]) => checked(level_of([lo, hi]), "its z"),
             Some([lo, hi]) => Outcome::Missing(format!("its z varies from {lo} to {hi}, so it is not a contour")),
         },
         ElevationSource::Field(index) => {
             let name = &fields[index].name;
             match value(item, index) {
                 Value::Null => Outcome::Missing(format!("its field {name:?} is empty")),
-                Value::Number(z) => checked(*z, &format!("its field {name:?}")),
+                Value::Number(z) | Value::Measured(z, _) => checked(*z, &format!("its field {name:?}")),
                 Value::Text(text) if text.trim().is_empty() => Outcome::Missing(format!("its field {name:?} is empty")),
                 Value::Text(text) => match text.trim().parse() {
                     Ok(z) => checked(z, &format!("its field {name:?}")),
@@ -338,45 +375,43 @@ fn value<'a>(item: &Item<'a>, field: usize) -> &'a Value {
     item.values.iter().find(|(index, _)| *index == field).map_or(&Value::Null, |(_, value)| value)
 }
 
-/// The z coordinate of an item, if it is the same everywhere.
+/// The z coordinate of an item, if it is the same everywhere up to rounding.
 fn constant_z(item: &Item<'_>) -> Option<f64> {
-    item.z.filter(|[lo, hi]| lo == hi).map(|[z, _]| z)
+    item.z.filter(|z| is_level(*z)).map(level_of)
 }
 
-/// The value of a field if it is a finite number, or text that is a finite number.
-fn number(item: &Item<'_>, field: usize) -> Option<f64> {
-    let number = match value(item, field) {
-        Value::Null => None,
-        Value::Number(number) => Some(*number),
-        Value::Text(text) => text.trim().parse().ok(),
-    };
-    number.filter(|n| n.is_finite())
+/// Whether heights in this range are one level.
+fn is_level([low, high]: [f64; 2]) -> bool {
+    low == high || high - low <= SAME_HEIGHT
 }
 
-fn count_numbers(items: &[Item<'_>], field: usize) -> usize {
-    items.iter().filter(|item| number(item, field).is_some()).count()
+/// The level of heights in this range.
+fn level_of([low, high]: [f64; 2]) -> f64 {
+    if low == high { low } else { shortest_between(low, high) }
 }
 
-/// The field of exactly this name, otherwise of this name in another letter case.
-fn find_field(fields: &[Field], name: &str) -> Option<usize> {
-    let lower = name.to_lowercase();
-    let exact = fields.iter().position(|field| field.name == name);
-    exact.or_else(|| fields.iter().position(|field| field.name.to_lowercase() == lower))
+/// Lines whose z varies by rounding.
+#[derive(Default)]
+struct Uneven {
+    count: usize,
+    widest: f64,
 }
 
-/// All fields, each with an example value, for messages.
-fn field_list(fields: &[Field]) -> String {
-    if fields.is_empty() {
-        return "the file has no fields".to_owned();
+impl Uneven {
+    fn note(&mut self, source: ElevationSource, item: &Item<'_>) {
+        if let (ElevationSource::Z, Some([low, high])) = (source, item.z)
+            && high > low
+        {
+            self.count += 1;
+            self.widest = self.widest.max(high - low);
+        }
     }
-    let list: Vec<String> = fields
-        .iter()
-        .map(|field| match &field.example {
-            Some(example) => format!("{} (such as {example})", field.name),
-            None => format!("{} (always empty)", field.name),
-        })
-        .collect();
-    format!("its fields are {}", list.join(", "))
+
+    fn finding(&self) -> Option<Finding> {
+        let Self { count, widest } = self;
+        let message = format!("z varies by up to {widest:.1e} along {count} lines; each was taken as one level");
+        (*count > 0).then(|| Finding::general(FindingKind::SameLevel, message))
+    }
 }
 
 /// Lines or points whose value is not a number. If more items have a number, these are left out. Otherwise the
@@ -434,18 +469,29 @@ fn finite_points(mut points: Vec<DVec2>, feature: u64, elevation: f64, findings:
 
 /// The findings of the reader, and those that all formats share.
 fn take_findings(table: &mut Table) -> Vec<Finding> {
+    let mut findings = file_findings(table);
+    findings.extend(left_out_findings(table));
+    findings
+}
+
+/// The findings of the reader, and that about the coordinate reference system.
+fn file_findings(table: &mut Table) -> Vec<Finding> {
     let mut findings = std::mem::take(&mut table.findings);
     let problem = table.crs_problem.take();
     let missing = || problem.unwrap_or_else(|| "the file does not name its coordinate reference system".to_owned());
     findings.extend(crs_finding(table.crs.as_ref(), missing));
-    for (kind, count) in &table.left_out {
+    findings
+}
+
+/// The findings about geometries that are left out.
+fn left_out_findings(table: &Table) -> impl Iterator<Item = Finding> {
+    table.left_out.iter().map(|(kind, count)| {
         let message = match kind.as_str() {
             NO_GEOMETRY => format!("{count} features without geometry left out"),
             kind => format!("{count} geometries of type {kind} left out: only lines and points are read"),
         };
-        findings.push(Finding::general(FindingKind::SkippedFeature, message));
-    }
-    findings
+        Finding::general(FindingKind::SkippedFeature, message)
+    })
 }
 
 #[cfg(test)]

@@ -14,14 +14,18 @@ fn table(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]
             table.note(&mut feature.values, field, value.clone());
         }
         let points = vec![DVec2::new(number as f64, 0.0), DVec2::new(number as f64, 1.0)];
-        feature.lines.push(Line { points, z: *z, heights: Vec::new() });
+        feature.lines.push(Line { points, z: *z, heights: Vec::new(), is_ring: false });
         table.push(feature);
     }
     table
 }
 
 fn read(named: Option<&str>, names: &[&str], rows: &[(&[Value], Option<[f64; 2]>)]) -> Result<Report<ContourMap>> {
-    contour_map(Path::new("in.x"), table(named, names, rows), named)
+    contour_map(Path::new("in.x"), table(named, names, rows), &options(named))
+}
+
+fn options(named: Option<&str>) -> ReadOptions {
+    ReadOptions { elevation_field: named.map(str::to_owned), ..ReadOptions::default() }
 }
 
 fn elevations(report: Result<Report<ContourMap>>) -> Vec<f64> {
@@ -103,7 +107,7 @@ fn no_elevation_at_all_is_an_error_that_lists_the_fields() {
         assert!(error.contains("id (such as 17), kind (such as \"index\")"), "{error}");
     }
     assert_eq!(elevations(read(Some("z"), &["id"], &[(&[num(17.0)], Some([0.0, 0.0]))])), [0.0]);
-    let empty = message(contour_map(Path::new("in.x"), table(None, &[], &[]), None));
+    let empty = message(contour_map(Path::new("in.x"), table(None, &[], &[]), &options(None)));
     assert!(empty.contains("there is no line"), "{empty}");
 }
 
@@ -121,8 +125,8 @@ fn a_line_whose_z_varies_is_left_out_with_its_place() {
 fn text_is_taken_if_it_is_a_number() {
     let rows: &[(&[Value], _)] = &[(&[text("120")], None), (&[text(" 120.5 ")], None), (&[text("-1e2")], None)];
     assert_eq!(elevations(read(None, &["elev"], rows)), [120.0, 120.5, -100.0]);
-    let error = message(read(None, &["elev"], &[(&[text("120")], None), (&[text("120 m")], None)]));
-    assert!(error.contains("in.x") && error.contains("feature 1") && error.contains("\"120 m\""), "{error}");
+    let error = message(read(None, &["elev"], &[(&[text("120")], None), (&[text("120 up")], None)]));
+    assert!(error.contains("in.x") && error.contains("feature 1") && error.contains("\"120 up\""), "{error}");
     let rows: &[(&[Value], _)] = &[(&[text("120")], None), (&[text("n/a")], None), (&[num(130.0)], None)];
     let report = read(None, &["elev"], rows).unwrap();
     assert_eq!(report.value.contours.len(), 2);
@@ -158,7 +162,7 @@ fn vertices_that_are_not_finite_are_left_out() {
     let mut table = table(None, &["elev"], &[(&[num(1.0)], None), (&[num(2.0)], None)]);
     table.features[0].lines[0].points.insert(1, DVec2::new(f64::NAN, 0.5));
     table.features[1].lines[0].points = vec![DVec2::splat(f64::INFINITY)];
-    let report = contour_map(Path::new("in.x"), table, None).unwrap();
+    let report = contour_map(Path::new("in.x"), table, &options(None)).unwrap();
     assert_eq!(report.value.contours.len(), 1);
     assert_eq!(report.value.contours[0].points.len(), 2);
     assert_eq!(report.findings.iter().filter(|f| f.kind == FindingKind::NonFinitePoint).count(), 2);
@@ -173,7 +177,7 @@ fn points_beside_lines_are_spot_heights_or_a_finding() {
         table.note(&mut feature.values, field, value);
         feature.spots.push(Spot { place: DVec2::new(3.0, 4.0), z });
         table.push(feature);
-        contour_map(Path::new("in.x"), table, named).unwrap()
+        contour_map(Path::new("in.x"), table, &options(named)).unwrap()
     };
     let spot = vec![DVec3::new(3.0, 4.0, 12.5)];
     assert_eq!(with_points("elev", num(12.5), None, None).value.spots, spot);

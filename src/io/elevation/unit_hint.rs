@@ -1,6 +1,7 @@
 //! What the names of fields let suppose about the unit of elevations.
 
-use super::{ElevationSource, Item, SAME_ELEVATION, constant_z, number};
+use super::choose::{ElevationSource, number};
+use super::{Item, SAME_ELEVATION, constant_z};
 use crate::contour::UnitHint;
 use crate::io::attributes::{NamedUnit, unit_in_name};
 use crate::io::table::Field;

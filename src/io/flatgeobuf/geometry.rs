@@ -41,7 +41,7 @@ pub(super) fn read(
                 feature.push_line(points[part].to_vec(), z);
             }
         }
-        GeometryType::Polygon | GeometryType::MultiPolygon if !table.wants_polygons => {
+        GeometryType::Polygon | GeometryType::MultiPolygon if !(table.wants_polygons || table.wants_rings) => {
             table.leave_out(kind.variant_name().unwrap_or("polygon"));
         }
         GeometryType::MultiPolygon if geometry.parts().is_some_and(|parts| !parts.is_empty()) => {
@@ -53,6 +53,13 @@ pub(super) fn read(
             let Coordinates { points, z } = coordinates(geometry)?;
             if points.is_empty() {
                 table.leave_out(NO_GEOMETRY);
+                return Ok(());
+            }
+            if table.wants_rings {
+                for part in parts(geometry, points.len())? {
+                    let z = z.get(part.clone()).unwrap_or_default();
+                    feature.push_ring("Polygon", points[part].to_vec(), z);
+                }
                 return Ok(());
             }
             feature.note_polygon_z(&z);

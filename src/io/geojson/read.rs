@@ -248,6 +248,10 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
             }
             feature.polygons.extend((!rings.is_empty()).then_some(rings));
         }
+        Some(kind @ ("Polygon" | "MultiPolygon")) if table.wants_rings && !object.parts.is_empty() => {
+            let kind = if kind == "Polygon" { "Polygon" } else { "MultiPolygon" };
+            object.parts.into_iter().for_each(|part| feature.push_ring(kind, part.points, &part.z));
+        }
         Some("GeometryCollection") if !object.members.is_empty() => {
             for member in object.members {
                 add_geometry(member, feature, table);

@@ -11,6 +11,7 @@ use super::wkb;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::memory;
 use crate::crs::Crs;
+use crate::io::attributes::{is_depth_name, is_elevation_name, is_open_name, upper_of};
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
@@ -31,6 +32,8 @@ struct Layer {
     geometry: String,
     content: LayerGeometry,
     srs_id: i64,
+    /// Whether polygons of it may be contours: they have z, or an attribute with a name of elevations.
+    may_be_contours: bool,
 }
 
 /// The kind of geometry in a layer.
@@ -60,7 +63,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
     }
     limit_steps(path, &mut db).map_err(broken)?;
-    let layers = list_layers(&db).map_err(broken)?;
+    let layers = list_layers(&db, request).map_err(broken)?;
     let mut table = Table::new(request);
     let chosen = choose(path, &layers, request, &mut table)?;
     for (i, layer) in chosen.iter().enumerate() {
@@ -79,14 +82,19 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     Ok(table)
 }
 
-fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
+fn list_layers(db: &Connection, request: &Request<'_>) -> rusqlite::Result<Vec<Layer>> {
     let mut statement = db.prepare(
         "SELECT table_name, column_name, geometry_type_name, srs_id FROM gpkg_geometry_columns ORDER BY table_name",
     )?;
     let rows = statement.query_map([], |row| {
         let kind: String = row.get(2)?;
-        let layer =
-            Layer { table: row.get(0)?, geometry: row.get(1)?, content: LayerGeometry::Other, srs_id: row.get(3)? };
+        let layer = Layer {
+            table: row.get(0)?,
+            geometry: row.get(1)?,
+            content: LayerGeometry::Other,
+            srs_id: row.get(3)?,
+            may_be_contours: false,
+        };
         Ok((layer, kind))
     })?;
     let mut layers = Vec::new();
@@ -96,9 +104,25 @@ fn list_layers(db: &Connection) -> rusqlite::Result<Vec<Layer>> {
             "GEOMETRY" | "GEOMETRYCOLLECTION" => peek(db, &layer)?,
             other => content_of(other),
         };
+        if layer.content == LayerGeometry::Polygons && request.purpose == Purpose::Contours {
+            layer.may_be_contours = may_be_contours(db, &layer, request)?;
+        }
         layers.push(layer);
     }
     Ok(layers)
+}
+
+/// Whether polygons may be contours, or areas between contours: they have z, or an attribute with such a name.
+fn may_be_contours(db: &Connection, layer: &Layer, request: &Request<'_>) -> rusqlite::Result<bool> {
+    let sql = "SELECT z FROM gpkg_geometry_columns WHERE table_name = ?1";
+    let z = db.query_row(sql, [&layer.table], |row| row.get::<_, i64>(0));
+    let columns: Vec<String> = columns_of(db, layer)?.0.iter().map(|name| name.trim().to_lowercase()).collect();
+    let is_named = |name: &str| request.elevation_field.is_some_and(|named| named.to_lowercase() == name);
+    let is_band = |name: &str| upper_of(name).any(|upper| columns.contains(&upper));
+    Ok(z.is_ok_and(|z| z != 0)
+        || columns.iter().any(|name| {
+            is_named(name) || is_elevation_name(name) || is_open_name(name) || is_depth_name(name) || is_band(name)
+        }))
 }
 
 fn content_of(kind: &str) -> LayerGeometry {
@@ -141,10 +165,13 @@ fn choose<'a>(path: &Path, layers: &'a [Layer], request: &Request<'_>, table: &m
     }
     let of = |content: LayerGeometry| all.iter().copied().filter(|layer| layer.content == content).collect::<Vec<_>>();
     let (lines, points, polygons) = (of(LayerGeometry::Lines), of(LayerGeometry::Points), of(LayerGeometry::Polygons));
+    let contours: Vec<_> = polygons.iter().filter(|layer| layer.may_be_contours).copied().collect();
     let outlines: Vec<_> = lines.iter().chain(&polygons).copied().collect();
     let either: Vec<_> = points.iter().chain(&polygons).copied().collect();
     let (wanted, what) = match request.purpose {
         Purpose::Streams if lines.is_empty() => (&polygons, "lines or polygons"),
+        // Contours may be stored as polygons.
+        Purpose::Contours if lines.is_empty() && !contours.is_empty() => (&contours, "polygons"),
         Purpose::Contours | Purpose::Streams | Purpose::Lines | Purpose::BreakLines => (&lines, "lines"),
         Purpose::Spots => (&points, "points"),
         Purpose::Area | Purpose::Water => (&polygons, "polygons"),

@@ -140,13 +140,18 @@ fn geometry(bytes: &mut Bytes<'_>, feature: &mut Feature, table: &mut Table, dep
             for _ in 0..bytes.u32(little)? {
                 let count = bytes.u32(little)?;
                 let positions = bytes.positions(count, width)?;
-                if table.wants_polygons && count > 0 {
+                if (table.wants_polygons || table.wants_rings) && count > 0 {
                     let (points, z) = split(positions, width, has_z, little);
+                    if table.wants_rings {
+                        feature.push_ring("Polygon", points, &z);
+                        continue;
+                    }
                     feature.note_polygon_z(&z);
                     rings.push(points);
                 }
             }
             match (table.wants_polygons, rings.is_empty()) {
+                (false, _) if table.wants_rings => {}
                 (false, _) => table.leave_out("Polygon"),
                 (true, true) => table.leave_out(NO_GEOMETRY),
                 (true, false) => feature.polygons.push(rings),

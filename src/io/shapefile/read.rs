@@ -123,6 +123,11 @@ fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
                 feature.push_line(part.iter().map(|p| DVec2::new(p.x, p.y)).collect(), &z);
             }
         }
+        Shape::Polygon(p) if table.wants_rings => push_rings(p.rings(), |p| DVec2::new(p.x, p.y), None, feature),
+        Shape::PolygonM(p) if table.wants_rings => push_rings(p.rings(), |p| DVec2::new(p.x, p.y), None, feature),
+        Shape::PolygonZ(p) if table.wants_rings => {
+            push_rings(p.rings(), |p| DVec2::new(p.x, p.y), Some(|p| p.z), feature);
+        }
         Shape::Polygon(_) | Shape::PolygonM(_) | Shape::PolygonZ(_) if !table.wants_polygons => {
             table.leave_out("Polygon");
         }
@@ -135,6 +140,14 @@ fn add_shape(shape: Shape, feature: &mut Feature, table: &mut Table) {
             add_rings(rings, |p| DVec2::new(p.x, p.y), feature, table);
         }
         Shape::Multipatch(_) => table.leave_out("MultiPatch"),
+    }
+}
+
+/// Adds rings as lines.
+fn push_rings<P>(rings: &[PolygonRing<P>], place: fn(&P) -> DVec2, z: Option<fn(&P) -> f64>, feature: &mut Feature) {
+    for ring in rings {
+        let z: Vec<f64> = z.map(|z| ring.points().iter().map(z).collect()).unwrap_or_default();
+        feature.push_ring("Polygon", ring.points().iter().map(place).collect(), &z);
     }
 }
 

@@ -97,6 +97,7 @@ impl Recipe {
             layer: given.layer.clone(),
             unit: given.unit.as_deref().map(|name| unit(py, name)).transpose()?,
             plane_unit: given.plane_unit.as_deref().map(|name| unit(py, name)).transpose()?,
+            depths: given.depths,
             crs: named.or(of_arrays),
             work_crs: crs(py, given.work_crs.as_deref())?,
             memory: tokosen::cli::available_memory(),

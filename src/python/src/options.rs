@@ -25,6 +25,7 @@ pub struct Given {
     pub layer: Option<String>,
     pub unit: Option<String>,
     pub plane_unit: Option<String>,
+    pub depths: bool,
     pub crs: Option<String>,
     pub work_crs: Option<String>,
     pub snap: f64,

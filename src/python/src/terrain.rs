@@ -67,6 +67,7 @@ fn built_of(
     options: &Options,
     progress: &dyn Progress,
 ) -> tokosen::Result<tokosen::Terrain> {
+    options.sea.into_iter().for_each(|sea| input.expect_level(sea));
     input.prepare(&options.preparation, progress)?;
     recipe.base(input, progress)?;
     recipe.surface(input)?;

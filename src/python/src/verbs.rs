@@ -69,6 +69,7 @@ pub fn check(
     let strict = given.strict;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
+        options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.clean(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?;
         let map = input.map.clone();
@@ -104,6 +105,7 @@ pub fn regions(
     let Plan { recipe, options, unit, to_crs } = Plan::new(py, &contours, &given, to_crs, to_unit)?;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
+        options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
         recipe.water(&mut input)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
@@ -133,6 +135,7 @@ pub fn skeleton(
     let Plan { recipe, options, unit, to_crs } = Plan::new(py, &contours, &given, to_crs, to_unit)?;
     work(py, progress, |progress| {
         let mut input = recipe.contours(progress)?;
+        options.sea.into_iter().for_each(|sea| input.expect_level(sea));
         input.prepare(&options.preparation, progress)?;
         let back = input.reprojection.from_working(to_crs.as_ref())?.with_heights_in(unit);
         recipe.water(&mut input)?;

@@ -46,6 +46,7 @@ options = st.fixed_dictionaries(
     optional={
         "crs": st.sampled_from([None, 6677, "EPSG:4326", "EPSG:2229", "x", 1.5]),
         "unit": st.sampled_from([None, "m", "ft", "us-ft", "x"]),
+        "depths": st.booleans(),
         "points": rings().map(lambda r: np.column_stack([r[0], np.full(len(r[0]), 5.0)])) | junk,
         "points_sigma": numbers,
         "sea": numbers,

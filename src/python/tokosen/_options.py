@@ -21,9 +21,11 @@ class InputOptions(TypedDict, total=False):
     layer: str | None
     """The layer of a GeoPackage with several."""
     unit: Unit | None
-    """The unit of elevations. If None: that of the vertical part of the CRS, else metres."""
+    """The unit of elevations. If None: what an attribute states beside them, else the vertical part of the CRS, else metres."""
     plane_unit: Unit | None
     """The unit of x and y of contours without a CRS. If None: that of the drawing (DXF), else metres."""
+    depths: bool
+    """Whether the attribute `elevation`, or else attributes with names of depths, hold depths: negative elevations."""
     crs: Any
     """The CRS of the contours, if they name none or a wrong one."""
     work_crs: Any
@@ -164,6 +166,7 @@ _DEFAULTS: dict[str, Any] = {
     "layer": None,
     "unit": None,
     "plane_unit": None,
+    "depths": False,
     "crs": None,
     "work_crs": None,
     "snap": 0.01,

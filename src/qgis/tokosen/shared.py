@@ -82,6 +82,7 @@ PLANE_UNIT = choice(
     advanced=True,
     help="The result comes back in this unit. Contours with a coordinate reference system have its unit.",
 )
+DEPTHS = yes("--depths", "Read depths as negative elevations", advanced=True)
 WORK_CRS = crs(
     "--work-crs",
     "Projected system to work in",
@@ -283,7 +284,7 @@ DIAGNOSTICS = vector_output(
     "lakes and spot heights contradict the contours.",
 )
 
-CLEANING = [UNIT, PLANE_UNIT, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
+CLEANING = [UNIT, PLANE_UNIT, DEPTHS, WORK_CRS, SNAP, REPAIR, STRICT, FIT, SAMPLE]
 PART = [EXTENT, CLIP]
 # What shapes the surface, first the lines and areas of a map.
 TERRAIN = [
