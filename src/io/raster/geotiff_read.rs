@@ -54,7 +54,7 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
     let mut values = room(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
     let mut heights = Heights::new(coding);
     let limits = chunks.limits(tiff.length);
-    let Tiff { decoder, placement, crs, .. } = tiff;
+    let Tiff { decoder, placement, crs, crs_problem, .. } = tiff;
     let mut decoder = decoder.with_limits(limits);
     // Tiles at the border are decoded with their padding, in one call of the decompressor. Without the padding there
     // would be one call per row, which the LZW decompressor sometimes answers with an error.
@@ -81,6 +81,9 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
         }
     }
     findings.extend(heights.findings());
+    if let Some(why) = crs_problem.filter(|_| crs.is_none()) {
+        findings.push(Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}")));
+    }
     refuse_mask(path, &mut decoder)?;
     Ok(Report { value: Dem { grid, values, crs }, findings })
 }
