@@ -69,6 +69,28 @@ const NAMES: &[&str] = &[
     "высота",
 ];
 
+/// Further names in native script: Slavic languages, Korean, Chinese, Japanese, Greek, Thai.
+const NATIVE_NAMES: &[&str] = &[
+    "отметка",
+    "абс_отм",
+    "висота",
+    "відмітка",
+    "кота",
+    "등고선값",
+    "높이",
+    "표고",
+    "고도",
+    "해발고도",
+    "高程值",
+    "海拔",
+    "海拔高度",
+    "等高线高程",
+    "等高線高程",
+    "等高線標高",
+    "υψόμετρο",
+    "ความสูง",
+];
+
 /// Endings that mean metres. Names with feet are not used by themselves: the user must select such a field.
 const METRE_ENDINGS: &[&str] = &["_m", "_metre", "_metres", "_meter", "_meters", "(m)", "[m]"];
 
@@ -110,7 +132,7 @@ pub(super) const KINDS: &[&str] = &[
 pub(super) fn is_elevation_name(name: &str) -> bool {
     let name = name.trim().to_lowercase();
     let bare = METRE_ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).map_or(name.as_str(), str::trim_end);
-    NAMES.contains(&bare)
+    NAMES.contains(&bare) || NATIVE_NAMES.contains(&bare)
 }
 
 /// The unit that a name suggests.
@@ -187,6 +209,14 @@ mod tests {
         for name in ["elev", "z", "left", "shift_ft2", "length_ft", "perimeter_m", "draft", "aircraft", "", "width(ft)"]
         {
             assert_eq!(unit_in_name(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_in_native_script_are_known() {
+        for name in ["등고수치", "높이", "ВЫСОТА", "Отметка", "高程", "标高", "標高", "海拔", "Υψόμετρο"]
+        {
+            assert!(is_elevation_name(name), "{name}");
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::format::VectorFormat;
+use super::format::InputFormat;
 use super::gsi;
 use super::in_memory::InMemory;
 use crate::base::error::{Error, Result};
@@ -106,14 +106,15 @@ fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
         if gsi::is_source(&path) {
             return Ok(Vec::new());
         }
-        let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-        // A file called .json may hold anything.
-        if VectorFormat::from_path(&path).is_ok() && !is_json {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        // Files of these names may hold anything.
+        let is_vague = ["json", "csv", "tsv"].contains(&extension.as_str());
+        if InputFormat::from_path(&path).is_ok() && !is_vague {
             files.push(path);
         }
     }
     if files.is_empty() {
-        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb or .dxf, and nothing of 基盤地図情報 (.xml, .zip)";
+        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
         return Err(Error::file(folder, message));
     }
     files.sort();

@@ -54,7 +54,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, named: Option<&str>) ->
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no line in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| noted(error, &table).in_file(path))?;
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     drop(items);
 
@@ -104,7 +104,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, named: Option<&str>) -
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| noted(error, &table).in_file(path))?;
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     drop(items);
     let lines: usize = table.features.iter().map(|feature| feature.lines.len()).sum();
@@ -186,7 +186,7 @@ fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<It
             }
         };
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| noted(error, &table).in_file(path))?;
     let mut heights = BTreeMap::new();
     for item in &items {
         match elevation(source, &table.fields, item) {
@@ -281,6 +281,16 @@ fn choose(items: &[Item<'_>], fields: &[Field], named: Option<&str>) -> Result<E
         }
     }
     Ok(ElevationSource::Field(best))
+}
+
+/// The error of [`choose`] with what the reader of the file adds to a list of fields.
+fn noted(error: Error, table: &Table) -> Error {
+    let note = table.fields_note.as_deref().unwrap_or_default();
+    match error {
+        Error::NoElevationField { z, fields } => Error::NoElevationField { z, fields: fields + note },
+        Error::Data(message) => Error::Data(message + note),
+        other => other,
+    }
 }
 
 /// The elevation of one item from the chosen source.
