@@ -430,7 +430,7 @@ fn blocks_are_placed_scaled_turned_and_nested() {
     let nested = of(&[&block, outer], "0 INSERT 2 OUTER 10 100 20 0 41 2 42 2 43 2");
     assert_eq!(nested, [(202.0, vec![[110.0, 0.0], [110.0, 4.0]])]);
     // A tilted copy is no contour, and is told.
-    let path = with_blocks(&dir, &[&block], &[&format!("{line} 10 9 20 9"), "0 INSERT 2 TOPO 210 1 220 0 230 0"]);
+    let path = with_blocks(&dir, &[&block], &[&format!("{line} 10 9 20 9"), "0 INSERT 2 TOPO 50 90 210 1 220 0 230 0"]);
     let (lines, told) = contours_of(&path, &ReadOptions::default());
     assert!(lines.len() == 1 && told.contains("its z varies"), "{told}");
 }

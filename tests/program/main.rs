@@ -19,6 +19,7 @@ mod file_troubles;
 mod labels;
 mod maps;
 mod other_crs;
+mod other_inputs;
 mod out_of_proportion;
 mod parts;
 mod progress;

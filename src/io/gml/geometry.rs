@@ -74,6 +74,8 @@ pub(super) struct Geometry {
     /// Whether the current line has a piece that is not read.
     is_spoilt: bool,
     current: Vec<[f64; 3]>,
+    /// Whether the next position begins a further piece of the line.
+    begins_piece: bool,
     rings: Vec<Vec<DVec2>>,
     is_told: bool,
 }
@@ -107,6 +109,7 @@ impl Geometry {
         } else if name == "Point" {
             self.current.clear();
         }
+        self.begins_piece |= LINES.contains(&name) || name == "LineStringSegment";
     }
 
     /// An element with these positions ends.
@@ -120,12 +123,13 @@ impl Geometry {
                 }
             }
             _ => {
-                for position in positions {
-                    // Pieces of a line share the position where they meet.
-                    if self.current.last() != Some(&position) || self.lines < 2 {
-                        self.current.push(position);
-                    }
-                }
+                // Pieces of a line share the position where they meet.
+                let is_known = |first: &[f64; 3]| {
+                    self.current.last().is_some_and(|last| last.map(f64::to_bits) == first.map(f64::to_bits))
+                };
+                let shared = usize::from(self.begins_piece && positions.first().is_some_and(is_known));
+                self.begins_piece &= positions.is_empty();
+                self.current.extend(&positions[shared..]);
             }
         }
         if LINES.contains(&name) {

@@ -174,6 +174,10 @@ impl Reading<'_> {
         let Some(name) = context.srs.as_ref().or(self.common.srs.as_ref()) else { return Ok(positions) };
         let axes = self.systems.entry(name.clone()).or_insert_with(|| axes::of_name(name));
         let Some(axes) = axes else { return Ok(positions) };
+        if matches!(element, "X" | "Y" | "Z") {
+            // The element itself says which coordinate it is.
+            return Ok(positions);
+        }
         if axes.north_first {
             positions.iter_mut().for_each(|p| p.swap(0, 1));
         }

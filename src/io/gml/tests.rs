@@ -46,7 +46,7 @@ fn lines_of_several_versions() {
         line(utm, "500 20 510.5 30"),
         format!(
             "<ogr:elev>12.5</ogr:elev><gml:curveProperty><gml:Curve srsName=\"{utm}\" srsDimension=\"3\"><gml:segments>\
-             <gml:LineStringSegment><gml:posList>500 20 7 510.5 30 7</gml:posList></gml:LineStringSegment></gml:segments>\
+             <gml:LineStringSegment><gml:posList>500 20 12.5 510.5 30 12.5</gml:posList></gml:LineStringSegment></gml:segments>\
              </gml:Curve></gml:curveProperty>"
         ),
         format!(
@@ -58,7 +58,6 @@ fn lines_of_several_versions() {
              <ogr:elev>12.5</ogr:elev><g><gml:LineString srsName=\"{utm}\"><gml:pos>500 20</gml:pos><gml:pos>510.5 30</gml:pos>\
              </gml:LineString></g>"
         ),
-        // Two pieces of one curve that meet.
         format!(
             "<ogr:elev>12.5</ogr:elev><g><gml:LineString srsName=\"{utm}\"><gml:coord><gml:X>500</gml:X><gml:Y>20</gml:Y></gml:coord>\
              <gml:coord><gml:X>510.5</gml:X><gml:Y>30</gml:Y></gml:coord></gml:LineString></g>"
@@ -118,7 +117,7 @@ fn the_collection_may_name_the_system() {
     let dir = tempfile::tempdir().expect("a folder");
     let start = "<gml:boundedBy><gml:Envelope srsName=\"urn:ogc:def:crs:EPSG::4326\" srsDimension=\"3\"><gml:lowerCorner>0 0 0\
                  </gml:lowerCorner></gml:Envelope></gml:boundedBy>";
-    let inner = "<elev>5</elev><g><gml:LineString><gml:posList>35 138 9 36 139 9</gml:posList></gml:LineString></g>";
+    let inner = "<elev>9</elev><g><gml:LineString><gml:posList>35 138 9 36 139 9</gml:posList></gml:LineString></g>";
     let (found, crs, _) =
         contours(&file(dir.path(), &(start.to_owned() + &feature("C", inner))), None).expect("a line");
     assert_eq!((found[0].1[1], crs), (DVec2::new(139.0, 36.0), Some(4326)));

@@ -72,14 +72,14 @@ fn z_is_an_elevation_only_if_it_is_absolute() {
 #[test]
 fn points_and_polygons() {
     let dir = tempfile::tempdir().expect("a folder");
-    let ring = |from: u32| format!("<LinearRing><coordinates>{from},0 9,0 9,9 {from},0</coordinates></LinearRing>");
+    let ring = |text: &str| format!("<LinearRing><coordinates>{text}</coordinates></LinearRing>");
     let placemarks = format!(
         "<Folder><Placemark><Point><altitudeMode>absolute</altitudeMode><coordinates>5,6,70</coordinates></Point></Placemark>\
          <Placemark><ExtendedData><Data name=\"elev\"><value>12</value></Data></ExtendedData><MultiGeometry><Polygon>\
          <outerBoundaryIs>{}</outerBoundaryIs><innerBoundaryIs>{}</innerBoundaryIs></Polygon></MultiGeometry></Placemark>\
          <Placemark><name>nothing</name></Placemark></Folder>",
-        ring(1),
-        ring(2)
+        ring("0,0 9,0 9,9 0,0"),
+        ring("6,1 8,1 8,2 6,1")
     );
     let path = file(dir.path(), &placemarks);
     let spots = read_spot_heights(&path, &ReadOptions::default()).expect("a point").value;

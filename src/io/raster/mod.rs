@@ -35,6 +35,7 @@ mod read;
 mod sidecar;
 mod xyz;
 mod xyz_read;
+mod zstd;
 
 use std::borrow::Cow;
 use std::path::Path;

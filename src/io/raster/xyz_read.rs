@@ -17,7 +17,7 @@ use crate::dem::Dem;
 use crate::io::text;
 
 /// The largest distance of a point from the centre of its cell, cells. Coordinates are rounded.
-const OFF_CENTRE: f64 = 0.02;
+const OFF_CENTRE: f64 = 0.1;
 /// The largest number of columns or rows.
 const MAX_LINES: usize = 1 << 20;
 /// In a raster, most cells with data have one beside them; among points, few have.
@@ -155,8 +155,9 @@ impl Axis {
         if !least.is_finite() {
             return Ok(None);
         }
-        // Rounded coordinates have steps that differ in their last digits. The whole length gives the step best.
-        let count = ((last - first) / least).round();
+        // Rounded coordinates have steps that differ in their last digits: each is counted by itself, and the whole length
+        // gives the step.
+        let count: f64 = values.windows(2).map(|pair| ((pair[1] - pair[0]) / least).round()).sum();
         let step = (last - first) / count;
         if count >= MAX_LINES as f64 || !step.is_finite() || step <= 0.0 {
             let message =
@@ -252,8 +253,11 @@ mod tests {
 
     #[test]
     fn what_is_no_raster_is_refused_with_the_reason() {
-        let scattered: String =
-            (0..200_u32).map(|i| format!("{} {} 5\n", i * 7919 % 1009, i * 104_729 % 997)).collect();
+        // Points in whole metres.
+        let scattered: String = (0..200_u32)
+            .map(|i| format!("{} {} 5\n", i * 7919 % 1009, i * 104_729 % 997))
+            .chain(["2000 2000 5\n2001 2001 5\n".to_owned()])
+            .collect();
         for (text, words) in [
             ("", "empty"),
             ("0 0 1\n", "a single point"),
