@@ -80,22 +80,27 @@ pub(super) fn read_shapefile(path: &Path, request: &Request<'_>) -> Result<Table
     Ok(table)
 }
 
-/// Calls `read` with the first document of an archive that has this extension.
-pub(super) fn read_document<T>(
+/// Calls `read` with each document of an archive that has this extension, in the order of the archive.
+pub(super) fn each_document(
     path: &Path,
     extension: &str,
-    read: impl FnOnce(&Path, &mut DocumentReader<'_>) -> Result<T>,
-) -> Result<T> {
-    let (mut archive, names, length) = open(path)?;
-    // By the rules of KMZ, the main document stands at the root.
-    let depth = |name: &str| name.matches('/').count();
-    let first =
-        names.iter().filter(|(name, _)| is_part(file_name(name), extension)).min_by_key(|(name, _)| depth(name));
-    let Some((name, index)) = first else {
+    read: &mut dyn FnMut(&Path, &mut DocumentReader<'_>) -> Result<()>,
+) -> Result<()> {
+    let (mut archive, mut names, length) = open(path)?;
+    names.retain(|(name, _)| is_part(file_name(name), extension));
+    if names.is_empty() {
         return Err(Error::file(path, format!("the archive holds no .{extension} file")));
-    };
-    let inner = PathBuf::from(format!("{}!{name}", path.display()));
-    unpack(&mut archive, *index, &inner, budget(length), |source| read(&inner, source))
+    }
+    let mut left = budget(length);
+    for (name, index) in names {
+        let inner = PathBuf::from(format!("{}!{name}", path.display()));
+        unpack(&mut archive, index, &inner, left, |source| {
+            read(&inner, source)?;
+            left = source.remaining();
+            Ok(())
+        })?;
+    }
+    Ok(())
 }
 
 /// Opens an archive: its names in the order of the archive, and its length in bytes.

@@ -100,7 +100,8 @@ fn sequences_of_geojson() {
         (format!("{a}\n{{\"type\":"), "the text 1 of the sequence: the file ends in the middle"),
         (format!("{a}\nx"), "the text 1 of the sequence: the text is not JSON"),
         ("{\"type\":\"FeatureCollection\",\"features\":[]}".into(), "a sequence holds features or geometries"),
-        ("[".repeat(100_000), "is not JSON"),
+        ("[".repeat(100_000), "ends in the middle"),
+        ("{\"geometry\":".repeat(100_000) + &"}".repeat(100_000), "is not JSON"),
         ("\u{1e}\n\u{1e}".into(), "empty"),
     ] {
         let told = error(&put(&dir, "wrong.geojsonl", text));

@@ -229,7 +229,7 @@ fn lines_that_no_format_can_hold_are_refused() {
 #[test]
 fn an_unknown_extension_lists_the_known_ones() {
     let dir = tempfile::tempdir().unwrap();
-    for name in ["a.kml", "a", ".gpkg"] {
+    for name in ["a.tab", "a", ".gpkg"] {
         let path = dir.path().join(name);
         fs::write(&path, "x").unwrap();
         let error = read_error(&path);

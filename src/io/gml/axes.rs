@@ -40,8 +40,8 @@ pub(super) fn of_name(name: &str) -> Option<Axes> {
         (false, false, Some(false)) => {
             let doubt = format!(
                 "by its definition, {shown} has the northing first, and the coordinates are taken in this order; if the map \
-                 is mirrored, the file has the easting first: rewrite it with 'ogr2ogr out.gpkg in.gml -oo \
-                 INVERT_AXIS_ORDER_IF_LAT_LONG=NO'"
+                 is mirrored, the file has the easting first: change its srsName from {name:?} to \"EPSG:{}\"",
+                horizontal.epsg.unwrap_or_default()
             );
             (true, Some(doubt))
         }

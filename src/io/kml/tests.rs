@@ -91,18 +91,19 @@ fn points_and_polygons() {
 }
 
 #[test]
-fn a_kmz_holds_a_kml() {
+fn a_kmz_holds_one_kml_or_several() {
     let dir = tempfile::tempdir().expect("a folder");
     let data = "<ExtendedData><Data name=\"elev\"><value>10</value></Data></ExtendedData>";
     let text = format!("{START}{}</Document></kml>", line(data, "1,2 3,4"));
     let path = dir.path().join("in.kmz");
     let mut archive = zip::ZipWriter::new(File::create(&path).expect("a file"));
-    for (name, text) in [("files/other.kml", "<kml/>"), ("doc.kml", text.as_str())] {
+    let link = "<kml><Document><NetworkLink><href>layers/contours.kml</href></NetworkLink></Document></kml>";
+    for (name, text) in [("doc.kml", link), ("layers/contours.kml", text.as_str())] {
         archive.start_file(name, zip::write::SimpleFileOptions::default()).expect("an entry");
         std::io::Write::write_all(&mut archive, text.as_bytes()).expect("its text");
     }
     archive.finish().expect("an archive");
-    assert_eq!(elevations(&path, None).expect("a line").0, [10.0]);
+    assert_eq!(elevations(&path, None).expect("a line"), (vec![10.0], String::new()));
 }
 
 #[test]

@@ -104,6 +104,9 @@ fn extension(path: &Path) -> String {
 }
 
 fn unknown(path: &Path) -> Error {
+    if extension(path) == "zip" {
+        return Error::file(path, "the archive holds a shapefile and no height map");
+    }
     let known = READABLE_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
     let message = format!(
         "is not a height map format that can be read; known are {known}. Convert other formats with 'gdal_translate FILE out.tif'"
