@@ -398,7 +398,7 @@ fn what_is_no_such_file_is_told() {
     // A zipped shapefile is read as one.
     let shape = folder.write("shape.zip", &foreign);
     let error = read_dem(&shape).unwrap_err().to_string();
-    assert!(error.contains("holds a shapefile"), "{error}");
+    assert!(error.contains("holds a .shp file"), "{error}");
     let error = read_contours(&shape, &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.contains("shape.zip!map.shp"), "{error}");
     let dem = folder.write("dem.zip", &archive);

@@ -151,6 +151,8 @@ fn zipped_shapefiles() {
         let path = zipped(&dir, name, &parts);
         assert_eq!(content(&path).unwrap(), Content::Contours);
         assert_eq!(contours(&path), expected, "{name}");
+        let told = read_dem(&path).map(|read| read.findings).unwrap_err().to_string();
+        assert!(told.contains("holds a shapefile and no height map"), "{told}");
     }
     // Copies that a Mac adds, and metadata, are no second shapefile.
     let more =

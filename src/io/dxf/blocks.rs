@@ -12,7 +12,7 @@ use crate::base::error::{Error, Result};
 /// The largest depth of blocks in blocks.
 const MAX_DEPTH: usize = 32;
 /// Copies of blocks may add this many entities and vertices to any drawing.
-const ROOM: usize = 1 << 22;
+const ROOM: usize = 1 << 20;
 /// The same for each byte of a larger drawing.
 const ROOM_PER_BYTE: usize = 16;
 
@@ -139,10 +139,9 @@ struct Walk<'w, 'b, 'a> {
 impl<'b, 'a> Walk<'_, 'b, 'a> {
     fn insert(&mut self, insert: &'b Entity<'a>, layer: &'a [u8], around: &Placement) -> Result<()> {
         let name = insert.find(2).map_or(&[][..], |name| name.word());
-        let shown = String::from_utf8_lossy(name).into_owned();
         let key = name.to_ascii_uppercase();
         let mut refuse = |why: &str| {
-            *self.missing.entry(format!("{shown:?} {why}")).or_default() += 1;
+            *self.missing.entry(format!("{:?} {why}", String::from_utf8_lossy(name))).or_default() += 1;
             Ok(())
         };
         let Some(block) = self.blocks.0.get(&key) else { return refuse("is not in the drawing") };
