@@ -13,7 +13,7 @@ use super::flags::first_given;
 
 #[derive(Debug, Clone, Args)]
 pub struct BaseArgs {
-    /// Take the heights outside the frame from this height map (.tif, .asc, .exr, .png or 基盤地図情報), in any CRS. The
+    /// Take the heights outside the frame from this height map (.tif, .asc, .exr, .png, .xyz or 基盤地図情報), in any CRS. The
     /// difference at the border is carried outwards and fades, so that there is no step; heights inside stay the same.
     /// Without --extent, --clip or --like, the result covers this height map too
     #[arg(long, value_name = "DEM")]

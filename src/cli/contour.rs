@@ -35,7 +35,7 @@ use super::{memory, plane, summary};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ContourArgs {
-    /// Height map (.tif, .asc, .exr, .png), or a .xml, .zip or folder of 基盤地図情報
+    /// Height map (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報
     #[arg(help_heading = "Input")]
     dem: PathBuf,
     /// Coordinate reference system of the height map, if the file names none or a wrong one: EPSG:6668, or a WKT

@@ -18,6 +18,9 @@ pub fn with_flags(error: &Error, sentence: String) -> String {
         Error::NoElevationField { z: ZCoordinate::Zero, .. } => format!("; {field} (-a z takes the 0 all the same)"),
         Error::ElevationsDisagree { with_z: true, .. } => format!("; {field} (-a z takes the z coordinate)"),
         Error::NoElevationField { .. } | Error::ElevationsDisagree { .. } => format!("; {field}"),
+        Error::NoElevations { layer: Some(_), .. } => {
+            " (-a layer takes the names of the layers, -a z takes the 0 all the same)".to_owned()
+        }
         Error::NoElevations { .. } => " (-a z takes the 0 all the same)".to_owned(),
         Error::FlatLayers { .. } => "; name the layers with contours: --layer A,B".to_owned(),
         Error::LayerAmbiguous { what: "lines", .. } => "; choose one with --layer".to_owned(),

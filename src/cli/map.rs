@@ -21,15 +21,15 @@ use super::{memory, plane};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub struct MapArgs {
-    /// Contour lines: GeoJSON (.geojson, .json), GeoPackage (.gpkg), shapefile (.shp), FlatGeobuf (.fgb), DXF (.dxf),
-    /// or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
+    /// Contour lines: GeoJSON (.geojson, .json, .geojsonl, .geojsons), GeoPackage (.gpkg), shapefile (.shp, also in a
+    /// .zip), FlatGeobuf (.fgb), DXF (.dxf), KML (.kml, .kmz), GML (.gml), well-known text (.csv, .tsv), or 基盤地図情報 (a .xml, .zip or folder), in any coordinate reference system. Several files, a folder or a pattern
     /// such as 'sheets/*.shp' are one map. A layer can follow the file: 'all.gpkg|layername=contours'
     #[arg(required = true, value_name = "CONTOURS", value_parser = source())]
     pub contours: Vec<VectorSource>,
     /// Attribute that holds the elevation [default: recognised by name, else the z coordinate]
     #[arg(short = 'a', long, value_name = "FIELD")]
     pub elevation_field: Option<String>,
-    /// Layer of a GeoPackage with several, or layers of a DXF: A,B
+    /// Layer of a GeoPackage, type of the features of a GML, or shapefile in a .zip with several; layers of a DXF: A,B
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
     /// Spot heights: points with an elevation, which the surface then passes through. A vector file, or text with columns

@@ -50,7 +50,7 @@ impl Definition {
             None => return refuse("is neither projected nor in degrees, so its coordinates cannot be transformed"),
         };
         let base = if angle.is_some() { Some(root) } else { root.child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"]) };
-        let datum = base.and_then(|base| base.child(&["DATUM", "ENSEMBLE"])).and_then(Node::name).map(datum_form);
+        let datum = base.and_then(|base| base.child(&["DATUM", "ENSEMBLE"])).and_then(datum_form);
         let entry = crs.epsg.and_then(definition).map(|d| d.proj4).filter(|text| !text.is_empty());
         let text = match entry {
             Some(text) => text.to_owned(),
@@ -159,17 +159,27 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// A datum's name, the same for all flavours of WKT.
-fn datum_form(name: &str) -> String {
+/// Beginnings of names that programs write for a datum without a name, in plain form.
+const NAMELESS: [&str; 3] = ["unknown", "unnamed", "notspecified"];
+
+/// A datum's name, the same for all flavours of WKT. A datum without a name goes by its ellipsoid and its shift: two datums
+/// "unknown" on different ellipsoids are not the same.
+fn datum_form(datum: &Node) -> Option<String> {
+    let name = datum.name()?;
     let name = plain(name.strip_prefix("D_").unwrap_or(name));
     let name = name.strip_suffix("ensemble").unwrap_or(&name);
-    match name {
+    if NAMELESS.iter().any(|start| name.starts_with(start)) {
+        let numbers = |keywords: &[&str]| datum.child(keywords).map(|node| node.numbers().collect::<Vec<f64>>());
+        let [axes, shift] = [numbers(&["SPHEROID", "ELLIPSOID"]), numbers(&["TOWGS84"])];
+        return Some(format!("unknown {axes:?} {shift:?}"));
+    }
+    Some(match name {
         "wgs1984" | "worldgeodeticsystem1984" => "wgs84".to_owned(),
         "etrs1989" | "europeanterrestrialreferencesystem1989" => "etrs89".to_owned(),
         "jgd2000" | "japanesegeodeticdatum2000" => "jgd2000".to_owned(),
         "jgd2011" | "japanesegeodeticdatum2011" => "jgd2011".to_owned(),
         other => other.to_owned(),
-    }
+    })
 }
 
 /// The projections that are read from texts, by the plain forms of their names.
@@ -325,5 +335,19 @@ mod tests {
         assert_eq!(of(esri), Definition::of(&Crs::from_epsg(6668)).unwrap().datum);
         let new = r#"GEOGCRS["WGS 84",ENSEMBLE["World Geodetic System 1984 ensemble",ELLIPSOID["WGS 84",6378137,298.257223563]],CS[ellipsoidal,2],ANGLEUNIT["degree",0.0174532925199433]]"#;
         assert_eq!(of(new), Definition::of(&Crs::wgs84()).unwrap().datum);
+    }
+
+    #[test]
+    fn datums_without_a_name_are_told_apart_by_their_ellipsoids() {
+        let of = |datum: &str| {
+            let text = format!(
+                "GEOGCS[\"unknown\",DATUM[{datum}],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]"
+            );
+            Definition::of(&Crs::from_wkt(&text)).unwrap().datum
+        };
+        let bessel = r#""unknown",SPHEROID["Bessel 1841",6377397.155,299.1528128]"#;
+        assert_eq!(of(bessel), of(&bessel.replace("Bessel 1841", "b").replace("unknown", "Unknown_based_on_b")));
+        assert_ne!(of(bessel), of(r#""unknown",SPHEROID["International 1924",6378388,297]"#));
+        assert_ne!(of(bessel), of(&format!("{bessel},TOWGS84[1,2,3,0,0,0,0]")));
     }
 }

@@ -8,6 +8,8 @@
 mod definition;
 mod esri;
 mod local;
+#[cfg(feature = "io")]
+mod parts;
 mod proj_string;
 mod reprojection;
 mod system;
@@ -17,6 +19,8 @@ mod wkt;
 mod working;
 
 pub(crate) use definition::label;
+#[cfg(feature = "io")]
+pub(crate) use parts::{number_of_part, part_of_table};
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};
 pub use transform::Transform;

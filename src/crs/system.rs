@@ -192,6 +192,22 @@ impl Crs {
         self.is_geographic() && self.root().is_some_and(|root| root.horizontal().angle() != DEGREE)
     }
 
+    /// Radians per unit of the coordinates of a geographic system.
+    #[cfg(feature = "io")]
+    pub(crate) fn angle_unit(&self) -> Option<f64> {
+        self.root().map(|root| root.horizontal().angle()).filter(|_| self.is_geographic())
+    }
+
+    /// Whether the first axis of a projected system's definition points east; otherwise the northing comes first. `None` if
+    /// there is no definition. The built-in table lists axes only where the easting comes first.
+    #[cfg(feature = "io")]
+    pub(crate) fn is_east_first(&self) -> Option<bool> {
+        let text = self.horizontal().wkt?;
+        let root = wkt::parse(&text)?;
+        let axis = root.child(&["AXIS"]);
+        Some(axis.is_some_and(|axis| text[axis.span.clone()].to_ascii_uppercase().contains(",EAST")))
+    }
+
     /// The unit of length of the coordinates; `None` for degrees or if the WKT does not say.
     pub fn length_unit(&self) -> Option<LengthUnit> {
         let root = self.root()?;

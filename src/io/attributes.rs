@@ -267,6 +267,14 @@ mod tests {
     }
 
     #[test]
+    fn names_in_native_script_are_known() {
+        for name in ["등고수치", "높이", "ВЫСОТА", "Отметка", "高程", "标高", "標高", "海拔", "Υψόμετρο"]
+        {
+            assert!(is_elevation_name(name), "{name}");
+        }
+    }
+
+    #[test]
     fn names_tell_smaller_units() {
         assert_eq!(small_unit_in_name("elev_cm"), Some(LengthWord::Centimetre));
         assert_eq!(small_unit_in_name("Height (mm)"), Some(LengthWord::Millimetre));

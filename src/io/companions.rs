@@ -26,6 +26,7 @@ const APPENDED_ENDINGS: &[(&str, &[&str])] = &[
 const READ_ENDINGS: &[(&str, &[&str])] = &[
     ("shp", &["shx", "dbf", "prj", "cpg"]),
     ("asc", &["prj"]),
+    ("xyz", &["prj"]),
     ("png", &["pgw", "wld"]),
     ("tif", &["tfw", "tifw", "wld"]),
     ("tiff", &["tfw", "tiffw", "wld"]),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::format::VectorFormat;
+use super::format::InputFormat;
 use super::gsi;
 use super::raster::READABLE_EXTENSIONS;
 use crate::base::error::{Error, Result};
@@ -29,11 +29,12 @@ pub fn content(path: &Path) -> Result<Content> {
     if READABLE_EXTENSIONS.contains(&extension.as_str()) {
         return Ok(Content::HeightMap);
     }
-    VectorFormat::from_path(path).map(|_| Content::Contours).map_err(|_| {
+    InputFormat::from_path(path).map(|_| Content::Contours).map_err(|_| {
         let heights = READABLE_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
         let message = format!(
-            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp, .fgb, .dxf), nor a .xml, .zip or \
-             folder of 基盤地図情報"
+            "is neither a height map ({heights}) nor contour lines (.gpkg, .geojson, .json, .shp, .fgb, .dxf, .geojsonl, .kml, \
+             .kmz, .gml, .csv, a zipped .shp), nor a .xml, .zip or folder of 基盤地図情報. Convert other formats with \
+             'gdal_translate FILE out.tif' or 'ogr2ogr out.gpkg FILE'"
         );
         Error::file(path, message)
     })

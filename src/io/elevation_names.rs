@@ -92,6 +92,8 @@ pub(super) const ELEVATIONS: &[Named] = &[
     ("отметка", "Russian"),
     ("абс_отм", "Russian"),
     ("кота", "Bulgarian, Macedonian, Serbian"),
+    ("висота", "Ukrainian"),
+    ("відмітка", "Ukrainian"),
     ("υψομετρο", "Greek"),
     ("υψόμετρο", "Greek"),
     // Turkey, Indonesia, Malaysia, Vietnam.
@@ -121,6 +123,14 @@ pub(super) const ELEVATIONS: &[Named] = &[
     ("수치", "NGII Korea, spot heights (N3P_F0020000)"),
     ("표고", "Korean"),
     ("고도", "Korean"),
+    ("높이", "Korean"),
+    ("등고선값", "Korean"),
+    ("해발고도", "Korean"),
+    ("海拔", "Chinese"),
+    ("海拔高度", "Chinese"),
+    ("等高线高程", "Chinese"),
+    ("等高線高程", "Taiwan"),
+    ("ความสูง", "Thai"),
 ];
 
 /// Names that hold elevations, and in other files kinds or numbers.

@@ -1,4 +1,4 @@
-//! The vector formats and their file extensions.
+//! The vector formats and their file extensions: those that are read and written, and those that are only read.
 
 use std::path::Path;
 
@@ -34,8 +34,52 @@ impl VectorFormat {
             "shp" => Ok(Self::Shapefile),
             _ => Err(Error::file(
                 path,
-                "the file's extension does not name a vector format; known are .geojson and .json (GeoJSON), \
-                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile); folders, .zip and .xml are read as 基盤地図情報",
+                "the file's extension does not name a vector format that is written; known are .geojson and .json (GeoJSON), \
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF) and .shp (shapefile)",
+            )),
+        }
+    }
+}
+
+/// A format that is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum InputFormat {
+    /// A format that is written too.
+    Written(VectorFormat),
+    /// GeoJSON text sequence, or a text per line: `.geojsonl`, `.geojsons`, `.ndjson`.
+    GeoJsonSequence,
+    /// `.kml`, and `.kmz` with one in it
+    Kml,
+    /// `.gml`
+    Gml,
+    /// `.csv`, `.tsv` with geometries as well-known text
+    Text,
+    /// `.zip` with a shapefile in it, also called `.shp.zip`
+    ZippedShapefile,
+}
+
+impl InputFormat {
+    /// The format of a file, by its extension. A `.zip` is not looked into.
+    ///
+    /// # Errors
+    /// The extension is not known. The message lists the known ones, and says how other formats are converted.
+    pub fn from_path(path: &Path) -> Result<Self> {
+        if let Ok(format) = VectorFormat::from_path(path) {
+            return Ok(Self::Written(format));
+        }
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match extension.as_str() {
+            "geojsonl" | "geojsons" | "geojsonseq" | "ndjson" => Ok(Self::GeoJsonSequence),
+            "kml" | "kmz" => Ok(Self::Kml),
+            "gml" => Ok(Self::Gml),
+            "csv" | "tsv" => Ok(Self::Text),
+            "zip" => Ok(Self::ZippedShapefile),
+            _ => Err(Error::file(
+                path,
+                "the file's extension does not name a vector format that is read; known are .geojson and .json (GeoJSON), \
+                 .gpkg (GeoPackage), .fgb (FlatGeobuf), .dxf (DXF), .shp (shapefile; also in a .zip), .geojsonl and .geojsons \
+                 (GeoJSON text sequence), .kml and .kmz (KML), .gml (GML), .csv and .tsv (well-known text); folders, .zip and \
+                 .xml are read as 基盤地図情報. Convert other formats with 'ogr2ogr out.gpkg FILE'",
             )),
         }
     }

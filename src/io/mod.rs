@@ -1,5 +1,6 @@
 //! Reads and writes vector files: GeoJSON, GeoPackage, FlatGeobuf, DXF and shapefile. The file's extension selects the
-//! format. Files of 基盤地図情報 are read only.
+//! format. KML, GML, GeoJSON text sequences, tables of well-known text, zipped shapefiles and files of 基盤地図情報 are read
+//! only.
 //!
 //! Reading: file → table of features → elevations. Each format has a file that fills the table. One place decides which
 //! attribute holds the elevation. Writing: lines → layers of features → file. Every format preserves the vertices bit
@@ -21,13 +22,16 @@ mod elevation_names;
 mod flatgeobuf;
 mod format;
 mod geojson;
+mod gml;
 mod gpkg;
 pub mod gsi;
 mod in_memory;
+mod kml;
 pub mod layer;
 mod lines;
 mod maker;
 pub mod mesh;
+mod meter;
 mod paths;
 pub mod raster;
 mod shapefile;
@@ -39,6 +43,9 @@ mod text_points;
 mod unit_words;
 mod vector_source;
 mod water;
+mod wkt;
+mod xml;
+mod zipped;
 
 use std::path::{Path, PathBuf};
 
@@ -52,6 +59,7 @@ use crate::crs::{Crs, FromWorking};
 use crate::drain::Sink;
 use crate::subdomains::{Landform, Regions};
 use crate::tin::Tin;
+use format::InputFormat;
 use layer::{Layer, ReprojectedShapes};
 use table::{Purpose, Request, Table};
 
@@ -70,7 +78,8 @@ pub struct ReadOptions {
     /// The name of the attribute that holds the elevation, in any letter case. `z` also selects the z coordinate if no
     /// attribute has that name. If `None`, the reader looks for known attribute names and then for the z coordinate.
     pub elevation_field: Option<String>,
-    /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas.
+    /// The layer of a GeoPackage that has several layers. For a DXF: one layer or several, separated by commas. For a GML:
+    /// the type of the features. For zipped shapefiles: the name of one.
     pub layer: Option<String>,
     /// Memory limit, bytes. A file that needs more is refused. No limit if `None`.
     pub memory: Option<u64>,
@@ -90,7 +99,7 @@ pub struct ReadOptions {
 /// attribute states for the elevations is in the map ([`ContourMap::stated_unit`]); where units differ, elevations are in
 /// metres. A folder, a `.zip` and a `.xml` are read as files of 基盤地図情報 (see [`gsi`]). Their contours are cut at the
 /// edges of grid squares; the ends meet there, and [`clean`](fn@crate::clean::clean) joins them. From a DXF, polylines,
-/// lines and points are read. Arcs in polylines become chords that stay within 0.01 units. Blocks are not expanded.
+/// lines and points are read, also in blocks. Arcs in polylines become chords that stay within 0.01 units.
 ///
 /// # Errors
 /// The file cannot be read, has no lines, or does not make clear where the elevations are. For a DXF also: all lines of
@@ -260,23 +269,34 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
     if request.purpose == Purpose::Spots && text_points::is_source(path) {
         return text_points::read(path, &request);
     }
-    let format = VectorFormat::from_path(path)?;
+    let format = InputFormat::from_path(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_file() && meta.len() == 0 {
         return Err(Error::empty(path));
     }
-    if matches!(format, VectorFormat::GeoJson | VectorFormat::Shapefile) {
+    let has_layers = matches!(
+        format,
+        InputFormat::Written(VectorFormat::GeoPackage | VectorFormat::FlatGeobuf | VectorFormat::Dxf)
+            | InputFormat::Gml
+            | InputFormat::ZippedShapefile
+    );
+    if !has_layers {
         let stem = path.file_stem().and_then(|s| s.to_str());
         if let Some(layer) = request.layer.filter(|&layer| Some(layer) != stem) {
             return Err(Error::file(path, format!("there is no layer {layer:?}: files of this format have no layers")));
         }
     }
     match format {
-        VectorFormat::GeoJson => geojson::read(path, &request),
-        VectorFormat::GeoPackage => gpkg::read(path, &request),
-        VectorFormat::FlatGeobuf => flatgeobuf::read(path, &request),
-        VectorFormat::Dxf => dxf::read(path, &request),
-        VectorFormat::Shapefile => shapefile::read(path, &request),
+        InputFormat::Written(VectorFormat::GeoJson) => geojson::read(path, &request),
+        InputFormat::Written(VectorFormat::GeoPackage) => gpkg::read(path, &request),
+        InputFormat::Written(VectorFormat::FlatGeobuf) => flatgeobuf::read(path, &request),
+        InputFormat::Written(VectorFormat::Dxf) => dxf::read(path, &request),
+        InputFormat::Written(VectorFormat::Shapefile) => shapefile::read(path, &request),
+        InputFormat::GeoJsonSequence => geojson::read_sequence(path, &request),
+        InputFormat::Kml => kml::read(path, &request),
+        InputFormat::Gml => gml::read(path, &request),
+        InputFormat::Text => text_points::read(path, &request),
+        InputFormat::ZippedShapefile => zipped::read_shapefile(path, &request),
     }
 }
 

@@ -170,6 +170,8 @@ fn widened(range: Option<[f64; 2]>, z: &[f64]) -> Option<[f64; 2]> {
 #[derive(Default)]
 pub(super) struct Table {
     pub fields: Vec<Field>,
+    /// What else to say where a message lists the fields.
+    pub fields_note: Option<String>,
     by_name: HashMap<String, usize>,
     named: Option<String>,
     /// Whether attributes that may mark depressions are kept.

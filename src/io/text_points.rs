@@ -1,17 +1,18 @@
-//! Reads points from text: CSV with a header, or lines of x, y and height.
+//! Reads tables in text: CSV with a header, or lines of x, y and height.
 //!
 //! Fields are separated by commas, semicolons, tabs or spaces. The header names the coordinates: x and y, easting and
-//! northing, lon and lat. The other columns are attributes, so the height is found as in every other format. Without a
-//! header, there are three columns: x, y, height.
+//! northing, lon and lat; or a column has geometries as well-known text, such as lines. The other columns are attributes,
+//! so the height is found as in every other format. Without a header, there are three columns: x, y, height.
 
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use encoding_rs::{SHIFT_JIS, WINDOWS_1252};
+use encoding_rs::{SHIFT_JIS, UTF_8, WINDOWS_1252};
 use glam::DVec2;
 
-use super::table::{Feature, Request, Spot, Table, Value};
-use super::text;
+use super::shapefile::encoding::{self, Guess};
+use super::table::{Feature, NO_GEOMETRY, Request, Spot, Table, Value};
+use super::{text, wkt};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::crs::Crs;
 
@@ -34,24 +35,45 @@ pub(super) fn is_source(path: &Path) -> bool {
     EXTENSIONS.contains(&extension.as_str())
 }
 
-/// Where the coordinates of a point are.
+/// Names of columns that hold geometries as well-known text, in lower case.
+const GEOMETRY: [&str; 9] =
+    ["wkt", "geom", "geometry", "the_geom", "wkt_geom", "geom_wkt", "wkt_geometry", "geometry_wkt", "shape"];
+
+/// Where the coordinates are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// Columns to the east and to the north.
+    Coordinates { east: usize, north: usize, in_degrees: bool },
+    /// A column of geometries.
+    Geometry(usize),
+}
+
+impl Place {
+    fn is_in(self, column: usize) -> bool {
+        match self {
+            Self::Coordinates { east, north, .. } => column == east || column == north,
+            Self::Geometry(geometry) => column == geometry,
+        }
+    }
+}
+
+/// What the header says.
 struct Columns {
-    east: usize,
-    north: usize,
-    in_degrees: bool,
+    place: Place,
     /// The names of all columns.
     names: Vec<String>,
 }
 
-/// Reads points, and the columns of a header as attributes.
+/// Reads points or geometries, and the columns of a header as attributes.
 pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let bytes = text::read(path, request.memory, |_| None)?;
-    let text = decoded(&bytes);
+    let text = decoded(&bytes, request.elevation_field);
     let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
     let first = first.ok_or_else(|| Error::empty(path))?;
     let separator = [b';', b'\t', b','].into_iter().find(|&separator| first.contains(char::from(separator)));
     let mut table = Table::new(request);
     let mut columns: Option<(Columns, Vec<usize>)> = None;
+    let mut srids: Vec<Option<u32>> = Vec::new();
     for_each_row(&text, separator, &mut |line, row| {
         let (columns, fields) = match &mut columns {
             Some(known) => known,
@@ -65,15 +87,32 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
                 known
             }
         };
-        let place = [columns.east, columns.north].map(|k| row.get(k).and_then(number));
-        let [Some(x), Some(y)] = place else {
-            let message = format!("line {line} left out: it has no coordinates");
-            table.findings.push(Finding::general(FindingKind::SkippedFeature, message));
-            return Ok(());
-        };
         let mut feature = Feature { number: line, ..Feature::default() };
-        feature.spots.push(Spot { place: DVec2::new(x, y), z: None });
-        for (k, value) in row.iter().enumerate().filter(|(k, _)| *k != columns.east && *k != columns.north) {
+        match columns.place {
+            Place::Coordinates { east, north, .. } => {
+                let place = [east, north].map(|k| row.get(k).and_then(number));
+                let [Some(x), Some(y)] = place else {
+                    let message = format!("line {line} left out: it has no coordinates");
+                    table.findings.push(Finding::general(FindingKind::SkippedFeature, message));
+                    return Ok(());
+                };
+                feature.spots.push(Spot { place: DVec2::new(x, y), z: None });
+            }
+            Place::Geometry(column) => {
+                let text = row.get(column).unwrap_or_default();
+                if text.is_empty() {
+                    table.leave_out(NO_GEOMETRY);
+                    return Ok(());
+                }
+                let srid = wkt::srid(text).0;
+                if !srids.contains(&srid) {
+                    srids.push(srid);
+                }
+                wkt::add(text, &mut feature, &mut table)
+                    .map_err(|what| Error::Data(format!("line {line}: the geometry {what}")))?;
+            }
+        }
+        for (k, value) in row.iter().enumerate().filter(|(k, _)| !columns.place.is_in(*k)) {
             let Some(&field) = fields.get(k).filter(|&&field| table.wants(field)) else { continue };
             let value = match number(value) {
                 Some(number) => Value::Number(number),
@@ -86,21 +125,33 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         Ok(())
     })
     .map_err(|error| error.in_file(path))?;
-    if columns.is_some_and(|(columns, _)| columns.in_degrees) {
-        table.crs = Some(Crs::from_epsg(WGS_84));
+    match (columns.map(|(columns, _)| columns.place), &srids[..]) {
+        (Some(Place::Coordinates { in_degrees: true, .. }), _) => table.crs = Some(Crs::from_epsg(WGS_84)),
+        (Some(Place::Geometry(_)), [Some(code)]) => table.crs = Some(Crs::from_epsg(*code)),
+        (Some(Place::Geometry(_)), [_, _, ..]) => {
+            let message = "its geometries have several coordinate reference systems (SRID); write them in one";
+            return Err(Error::file(path, message));
+        }
+        _ => {}
     }
     Ok(table)
 }
 
-/// Text in UTF-8, otherwise in Shift JIS, otherwise in the encoding of western Europe.
-fn decoded(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.trim_start_matches('\u{feff}').to_owned(),
-        Err(_) => {
-            let (text, _, is_wrong) = SHIFT_JIS.decode(bytes);
-            if is_wrong { WINDOWS_1252.decode(bytes).0.into_owned() } else { text.into_owned() }
-        }
+/// Text in UTF-8, otherwise in an encoding in which the header has a known name or the one that the user `named`, otherwise
+/// in Shift JIS, otherwise in the encoding of western Europe.
+fn decoded(bytes: &[u8], named: Option<&str>) -> String {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        return text.trim_start_matches('\u{feff}').to_owned();
     }
+    let header = bytes.split(|&byte| byte == b'\n').find(|line| !line.trim_ascii().is_empty()).unwrap_or_default();
+    let names: Vec<Vec<u8>> =
+        header.split(|byte| b",;\t \r\"".contains(byte)).filter(|name| !name.is_empty()).map(<[u8]>::to_vec).collect();
+    let Guess { encoding, is_sure } = encoding::guessed(&names, named, None);
+    if is_sure && encoding != UTF_8 {
+        return encoding.decode(bytes).0.into_owned();
+    }
+    let (text, _, is_wrong) = SHIFT_JIS.decode(bytes);
+    if is_wrong { WINDOWS_1252.decode(bytes).0.into_owned() } else { text.into_owned() }
 }
 
 /// Calls `visit` with each row and the number of its line. Fields are separated by spaces if `separator` is `None`.
@@ -136,7 +187,7 @@ fn columns_of(row: &StringRecord) -> Result<(Columns, bool), String> {
         return match row.len() {
             3 => {
                 let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-                Ok((Columns { east: 0, north: 1, in_degrees: false, names }, false))
+                Ok((Columns { place: Place::Coordinates { east: 0, north: 1, in_degrees: false }, names }, false))
             }
             n => Err(format!("it has {n} columns and no header: add a line such as x,y,z above the first point")),
         };
@@ -144,12 +195,17 @@ fn columns_of(row: &StringRecord) -> Result<(Columns, bool), String> {
     let names: Vec<String> = row.iter().map(str::to_owned).collect();
     let column = |known: &[&str]| names.iter().position(|name| known.contains(&name.to_lowercase().as_str()));
     let pair = |east: &[&str], north: &[&str]| column(east).zip(column(north));
+    if let Some(column) = column(&GEOMETRY) {
+        return Ok((Columns { place: Place::Geometry(column), names }, true));
+    }
     let found = pair(&LONGITUDE, &LATITUDE).map(|pair| (pair, true)).or(pair(&EAST, &NORTH).map(|pair| (pair, false)));
     match found {
-        Some(((east, north), in_degrees)) => Ok((Columns { east, north, in_degrees, names }, true)),
+        Some(((east, north), in_degrees)) => {
+            Ok((Columns { place: Place::Coordinates { east, north, in_degrees }, names }, true))
+        }
         None => Err(format!(
-            "no columns are known to hold coordinates; name them x and y, easting and northing, or lon and lat in the \
-             first line, which is {}",
+            "no columns are known to hold coordinates; name them x and y, easting and northing, lon and lat, or WKT for \
+             geometries as well-known text, in the first line, which is {}",
             names.join(", ")
         )),
     }

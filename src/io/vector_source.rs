@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::format::VectorFormat;
+use super::format::InputFormat;
 use super::gsi;
 use super::in_memory::InMemory;
 use crate::base::error::{Error, Result};
@@ -96,24 +96,31 @@ fn matching(path: &Path, pattern: &str) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// The vector files in a folder, by name. None if it may hold files of 基盤地図情報, which are read as one map anyway.
+/// The vector files in a folder, by name. None if it may hold files of 基盤地図情報, which are read as one map anyway. Files in
+/// formats that are only read count if there are no others: an archive or a KML beside a file is mostly a copy of it.
 fn vector_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |e| Error::io("read", folder, e);
     let entries = std::fs::read_dir(folder).map_err(failed)?;
-    let mut files: Vec<PathBuf> = Vec::new();
+    let (mut files, mut further): (Vec<PathBuf>, Vec<PathBuf>) = Default::default();
     for entry in entries {
         let path = entry.map_err(failed)?.path();
         if gsi::is_source(&path) {
             return Ok(Vec::new());
         }
-        let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-        // A file called .json may hold anything.
-        if VectorFormat::from_path(&path).is_ok() && !is_json {
-            files.push(path);
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        // Files of these names may hold anything.
+        let is_vague = ["json", "csv", "tsv"].contains(&extension.as_str());
+        match InputFormat::from_path(&path) {
+            Ok(InputFormat::Written(_)) if !is_vague => files.push(path),
+            Ok(_) if !is_vague => further.push(path),
+            _ => {}
         }
     }
     if files.is_empty() {
-        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb or .dxf, and nothing of 基盤地図情報 (.xml, .zip)";
+        files = further;
+    }
+    if files.is_empty() {
+        let message = "the folder holds no contours: no .gpkg, .geojson, .shp, .fgb, .dxf, .kml or .gml, and nothing of 基盤地図情報 (.xml, .zip)";
         return Err(Error::file(folder, message));
     }
     files.sort();
@@ -141,7 +148,7 @@ mod tests {
     #[test]
     fn patterns_and_folders_are_their_files_in_order() {
         let folder = tempfile::tempdir().expect("a folder");
-        for name in ["b.shp", "a.shp", "a.shx", "a.dbf", "notes.json", "c.gpkg"] {
+        for name in ["b.shp", "a.shp", "a.shx", "a.dbf", "notes.json", "c.gpkg", "copy.kml", "points.csv"] {
             std::fs::write(folder.path().join(name), "").expect("a file");
         }
         let names = |path: &str| -> Vec<String> {
@@ -151,6 +158,12 @@ mod tests {
         assert_eq!(names("*.shp"), ["a.shp", "b.shp"]);
         assert_eq!(names(""), ["a.shp", "b.shp", "c.gpkg"]);
         assert_eq!(names("missing.shp"), ["missing.shp"]);
+        let further = tempfile::tempdir().expect("a folder");
+        for name in ["b.kml", "a.gml", "points.csv"] {
+            std::fs::write(further.path().join(name), "").expect("a file");
+        }
+        let found = VectorSource::from(further.path()).expand().expect("files");
+        assert_eq!(found, ["a.gml", "b.kml"].map(|name| VectorSource::from(further.path().join(name))));
         let empty = tempfile::tempdir().expect("a folder");
         let nothing = VectorSource::from(empty.path()).expand();
         assert!(nothing.is_err_and(|e| e.to_string().contains("holds no contours")));

@@ -376,12 +376,11 @@ fn what_is_no_such_file_is_told() {
     let mut damaged = archive.clone();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 0x55;
-    let cases: [(PathBuf, &str); 10] = [
+    let cases: [(PathBuf, &str); 9] = [
         (empty.path().to_owned(), "no file FG-GML-….xml"),
         (folder.write("cut.zip", &archive[..archive.len() / 2]), "not complete"),
         (folder.write("empty.zip", ""), "not complete"),
         (folder.write("damaged.zip", &damaged), "damaged.zip"),
-        (folder.write("shape.zip", &foreign), "holds a .shp file; unpack it"),
         (folder.write("lines.zip", &lines), "found: 1 Cntr"),
         (folder.write("empty.xml", ""), "empty"),
         (folder.write("page.xml", "<html><body/></html>"), "root element is \"html\""),
@@ -396,6 +395,12 @@ fn what_is_no_such_file_is_told() {
             assert!(error.contains(word), "{}: {error}", path.display());
         }
     }
+    // A zipped shapefile is read as one.
+    let shape = folder.write("shape.zip", &foreign);
+    let error = read_dem(&shape).unwrap_err().to_string();
+    assert!(error.contains("holds a .shp file"), "{error}");
+    let error = read_contours(&shape, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("shape.zip!map.shp"), "{error}");
     let dem = folder.write("dem.zip", &archive);
     let error = read_contours(&dem, &ReadOptions::default()).unwrap_err().to_string();
     assert!(error.contains("no contour (Cntr)") && error.contains("1 DEM5B"), "{error}");

@@ -23,6 +23,7 @@ mod mesh;
 mod more_vector_files;
 mod planted;
 mod raster_files;
+mod read_only_files;
 mod sample;
 mod simplified;
 mod skeleton;

@@ -357,6 +357,165 @@ fn entities_of_every_kind() {
     assert_eq!(spots.points, [DVec3::new(100.0, 200.0, 33.25)]);
 }
 
+/// A drawing with these blocks, each its head and its entities, and these entities.
+fn with_blocks(dir: &TempDir, blocks: &[&str], entities: &[&str]) -> PathBuf {
+    let text = dxf("", entities);
+    let at = text.windows(6).position(|w| w == b"BLOCKS").unwrap() + 8;
+    let mut inner = String::new();
+    for block in blocks {
+        let words: Vec<&str> = block.split_whitespace().collect();
+        words.chunks(2).for_each(|pair| inner.push_str(&format!("  {}\r\n{}\r\n", pair[0], pair[1])));
+        inner.push_str("  0\r\nENDBLK\r\n");
+    }
+    let path = dir.path().join("in.dxf");
+    fs::write(&path, [&text[..at], inner.as_bytes(), &text[at..]].concat()).unwrap();
+    path
+}
+
+/// Elevations and vertices of the contours of a drawing, and its findings.
+fn contours_of(path: &Path, options: &ReadOptions) -> (Vec<(f64, Vec<[f64; 2]>)>, String) {
+    let report = read_contours(path, options).unwrap();
+    let rounded = |p: &DVec2| p.to_array().map(|c| (c * 1e9).round() / 1e9 + 0.0);
+    let lines = report.value.contours.iter().map(|c| (c.elevation, c.points.iter().map(rounded).collect())).collect();
+    (lines, report.findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+}
+
+#[test]
+fn the_height_of_a_flat_polyline_may_be_group_38() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dxf_file(
+        &dir,
+        "",
+        &[
+            "0 POLYLINE 66 1 8 contour 38 100 70 1 0 VERTEX 10 1 20 1 0 VERTEX 10 2 20 1 0 VERTEX 10 2 20 2 0 SEQEND",
+            "0 POLYLINE 66 1 8 contour 30 0 38 105.5 70 0 0 VERTEX 10 1 20 1 30 0 0 VERTEX 10 2 20 1 30 0 0 SEQEND",
+            "0 POLYLINE 66 1 8 contour 30 110 38 7 70 0 0 VERTEX 10 1 20 1 0 VERTEX 10 2 20 1 0 SEQEND",
+            // Each vertex of a line in space has its own height.
+            "0 POLYLINE 66 1 8 contour 38 7 70 8 0 VERTEX 10 1 20 1 30 115 0 VERTEX 10 2 20 1 30 115 0 SEQEND",
+            "0 LINE 8 contour 38 120 10 5 20 6 11 7 21 8",
+            "0 POINT 8 spot 38 123 10 5 20 6",
+        ],
+    );
+    let (lines, _) = contours_of(&path, &ReadOptions::default());
+    assert_eq!(lines.iter().map(|(z, _)| *z).collect::<Vec<_>>(), [100.0, 105.5, 110.0, 115.0, 120.0]);
+    let spots = read_spot_heights(&path, &ReadOptions::default()).unwrap().value.points;
+    assert_eq!(spots, [DVec3::new(5.0, 6.0, 123.0)]);
+}
+
+#[test]
+fn blocks_are_placed_scaled_turned_and_nested() {
+    let dir = tempfile::tempdir().unwrap();
+    let line = "0 LWPOLYLINE 8 contour 38 100 10 1 20 2 10 3 20 2";
+    let block = format!("0 BLOCK 8 0 2 TOPO 70 0 10 1 20 2 30 0 {line}");
+    let of = |blocks: &[&str], insert: &str| {
+        let path = with_blocks(&dir, blocks, &[insert]);
+        contours_of(&path, &ReadOptions::default()).0
+    };
+    let one = |insert: &str| of(&[block.as_str()], insert);
+    assert_eq!(one("0 INSERT 8 0 2 topo 10 0 20 0 30 0"), [(100.0, vec![[0.0, 0.0], [2.0, 0.0]])]);
+    assert_eq!(one("0 INSERT 2 TOPO 10 10 20 20 30 5"), [(105.0, vec![[10.0, 20.0], [12.0, 20.0]])]);
+    assert_eq!(one("0 INSERT 2 TOPO 10 10 20 20 41 3 42 2 43 2"), [(200.0, vec![[10.0, 20.0], [16.0, 20.0]])]);
+    assert_eq!(one("0 INSERT 2 TOPO 10 10 20 20 50 90"), [(100.0, vec![[10.0, 20.0], [10.0, 22.0]])]);
+    assert_eq!(one("0 INSERT 2 TOPO 10 10 20 20 41 2 50 30"), [(100.0, vec![[10.0, 20.0], [13.464101615, 22.0]])]);
+    // Seen from below: x and z change their sign, also those of the place itself.
+    let turned = "0 INSERT 2 TOPO 10 10 20 20 30 -150 43 -1 210 0 220 0 230 -1";
+    assert_eq!(one(turned), [(250.0, vec![[-10.0, 20.0], [-12.0, 20.0]])]);
+    // Two columns and two rows; the steps turn with the block and do not grow with it.
+    let many = one("0 INSERT 2 TOPO 10 0 20 0 41 2 70 2 71 2 44 10 45 20 50 90");
+    let starts: Vec<[f64; 2]> = many.iter().map(|(_, points)| points[0]).collect();
+    assert_eq!(starts, [[0.0, 0.0], [-20.0, 0.0], [0.0, 10.0], [-20.0, 10.0]]);
+    assert_eq!(many[0].1[1], [0.0, 4.0]);
+    // A block in a block: the inner one is placed first.
+    let outer = "0 BLOCK 2 OUTER 10 0 20 0 0 INSERT 2 TOPO 10 5 20 0 30 1 50 90";
+    let nested = of(&[&block, outer], "0 INSERT 2 OUTER 10 100 20 0 41 2 42 2 43 2");
+    assert_eq!(nested, [(202.0, vec![[110.0, 0.0], [110.0, 4.0]])]);
+    // A tilted copy is no contour, and is told.
+    let path = with_blocks(&dir, &[&block], &[&format!("{line} 10 9 20 9"), "0 INSERT 2 TOPO 50 90 210 1 220 0 230 0"]);
+    let (lines, told) = contours_of(&path, &ReadOptions::default());
+    assert!(lines.len() == 1 && told.contains("its z varies"), "{told}");
+}
+
+#[test]
+fn arcs_in_blocks_stay_close_where_they_are_placed() {
+    let dir = tempfile::tempdir().unwrap();
+    let block = "0 BLOCK 2 RING 10 0 20 0 0 LWPOLYLINE 8 c 70 1 38 5 10 1 20 0 42 1 10 -1 20 0 42 1";
+    let path = with_blocks(&dir, &[block], &["0 INSERT 2 RING 41 1000 42 1000"]);
+    let (lines, _) = contours_of(&path, &ReadOptions::default());
+    let points: Vec<DVec2> = lines[0].1.iter().map(|&p| p.into()).collect();
+    assert!(points.windows(2).all(|w| ((w[0] + w[1]) / 2.0).length() > 1000.0 - 0.0101), "{}", points.len());
+}
+
+#[test]
+fn layers_in_blocks_are_their_own_or_that_of_the_reference() {
+    let dir = tempfile::tempdir().unwrap();
+    let block =
+        "0 BLOCK 2 B 10 0 20 0 0 LINE 8 0 10 1 20 1 30 20 11 2 21 1 31 20 0 LINE 8 own 10 1 20 1 30 30 11 2 21 1 31 30";
+    let path = with_blocks(&dir, &[block], &["0 INSERT 8 given 2 B"]);
+    let levels = |layer: &str| {
+        let options = ReadOptions { layer: Some(layer.into()), ..ReadOptions::default() };
+        contours_of(&path, &options).0.iter().map(|(z, _)| *z).collect::<Vec<_>>()
+    };
+    assert_eq!((levels("given"), levels("own"), levels("own,given")), (vec![20.0], vec![30.0], vec![20.0, 30.0]));
+}
+
+#[test]
+fn symbols_and_borders_in_blocks_are_no_contours_at_sea_level() {
+    let dir = tempfile::tempdir().unwrap();
+    let frame = "0 BLOCK 2 FRAME 10 0 20 0 0 LINE 8 sheet 10 0 20 0 11 9 21 0 0 LINE 8 0 10 0 20 0 11 9 21 0 0 POINT 8 0 10 4 20 4";
+    let line = "0 LINE 8 contour 10 5 20 6 30 30 11 7 21 8 31 30";
+    let spot = "0 POINT 8 spot 10 5 20 6 30 33";
+    let path = with_blocks(&dir, &[frame], &[line, spot, "0 INSERT 8 contour 2 FRAME"]);
+    let (lines, told) = contours_of(&path, &ReadOptions::default());
+    assert_eq!(lines.iter().map(|(z, _)| *z).collect::<Vec<_>>(), [30.0]);
+    assert!(told.contains("3 lines and points of blocks left out"), "{told}");
+    let spots = read_spot_heights(&path, &ReadOptions::default()).unwrap().value.points;
+    assert_eq!(spots, [DVec3::new(5.0, 6.0, 33.0)]);
+    // The coast among contours in blocks stays.
+    let coast = "0 BLOCK 2 C 10 0 20 0 0 LINE 8 c 10 0 20 0 11 9 21 0 0 LINE 8 c 10 0 20 0 30 5 11 9 21 0 31 5";
+    let (lines, _) = contours_of(&with_blocks(&dir, &[coast], &["0 INSERT 2 C"]), &ReadOptions::default());
+    assert_eq!(lines.iter().map(|(z, _)| *z).collect::<Vec<_>>(), [0.0, 5.0]);
+    // A drawing whose lines all lie at 0 has no elevations, in blocks or not.
+    let error = read_error(&with_blocks(&dir, &[frame], &["0 INSERT 2 FRAME"]));
+    assert!(error.contains("no elevations in this drawing"), "{error}");
+}
+
+#[test]
+fn blocks_that_lead_nowhere_or_everywhere_are_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let line = "0 LINE 8 c 10 0 20 0 30 5 11 9 21 0 31 5";
+    let with = |blocks: &[&str], insert: &str| with_blocks(&dir, blocks, &[line, insert]);
+    let circle = ["0 BLOCK 2 A 0 INSERT 2 B", "0 BLOCK 2 B 0 INSERT 2 A"];
+    let (lines, told) = contours_of(&with(&circle, "0 INSERT 2 A"), &ReadOptions::default());
+    assert!(lines.len() == 1 && told.contains("\"A\" contains itself"), "{told}");
+    let (_, told) = contours_of(&with(&["0 BLOCK 2 X 70 4"], "0 INSERT 2 X"), &ReadOptions::default());
+    assert!(told.contains("\"X\" is another drawing"), "{told}");
+    let (_, told) = contours_of(&with(&[], "0 INSERT 2 X"), &ReadOptions::default());
+    assert!(told.contains("1 references to blocks (INSERT) left out: the block \"X\" is not in the drawing"), "{told}");
+    // Each block has the next one ten times: the drawing would have ten to the power of twenty lines.
+    let tens: Vec<String> =
+        (0..20).map(|k| format!("0 BLOCK 2 B{k} 0 INSERT 2 B{} 70 10 44 1 {line}", k + 1)).collect();
+    let tens: Vec<&str> = tens.iter().map(String::as_str).collect();
+    assert!(read_error(&with(&tens, "0 INSERT 2 B0")).contains("repeated so often"));
+    let array = "0 BLOCK 2 A 10 0 20 0";
+    assert!(read_error(&with(&[array], "0 INSERT 2 A 70 32767 71 32767")).contains("repeated so often"));
+    let chain: Vec<String> = (0..40).map(|k| format!("0 BLOCK 2 B{k} 0 INSERT 2 B{}", k + 1)).collect();
+    let chain: Vec<&str> = chain.iter().map(String::as_str).collect();
+    assert!(read_error(&with(&chain, "0 INSERT 2 B0")).contains("nested too deep"));
+}
+
+#[test]
+fn layers_named_by_numbers_are_told_of_where_there_are_no_heights() {
+    let dir = tempfile::tempdir().unwrap();
+    let error =
+        read_error(&dxf_file(&dir, "", &["0 LINE 8 125 10 5 20 6 11 7 21 8", "0 LINE 8 road 10 5 20 6 11 7 21 8"]));
+    assert!(error.contains("names of layers are numbers, such as \"125\""), "{error}");
+    let error = read_error(&dxf_file(&dir, "", &["0 LINE 8 road 10 5 20 6 11 7 21 8"]));
+    assert!(!error.contains("numbers"), "{error}");
+    // The CAD's own layer "0" is no elevation.
+    let error = read_error(&dxf_file(&dir, "", &["0 LINE 8 0 10 5 20 6 11 7 21 8"]));
+    assert!(!error.contains("numbers"), "{error}");
+}
+
 #[test]
 fn arcs_become_chords() {
     let dir = tempfile::tempdir().unwrap();

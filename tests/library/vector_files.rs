@@ -229,7 +229,7 @@ fn lines_that_no_format_can_hold_are_refused() {
 #[test]
 fn an_unknown_extension_lists_the_known_ones() {
     let dir = tempfile::tempdir().unwrap();
-    for name in ["a.kml", "a", ".gpkg"] {
+    for name in ["a.tab", "a", ".gpkg"] {
         let path = dir.path().join(name);
         fs::write(&path, "x").unwrap();
         let error = read_error(&path);
@@ -501,6 +501,42 @@ fn shapefile_attributes_in_japanese_and_german() {
         let map = read(&path).value;
         assert_eq!(map.contours.iter().map(|c| c.elevation).collect::<Vec<_>>(), [10.0, 20.5], "{name:?} {label:?}");
     }
+}
+
+#[test]
+fn shapefile_names_in_other_scripts_without_a_cpg() {
+    let dir = TempDir::new().unwrap();
+    let elevations = |name: &[u8], language: u8, options: &ReadOptions| {
+        let path = flat_shapefile(&dir, &dbf(name, b'N', 8, language, &["10", "20.5"], None), 2);
+        let map = read_contours(&path, options)?.value;
+        Ok::<_, tokosen::Error>(map.contours.iter().map(|c| c.elevation).collect::<Vec<_>>())
+    };
+    let plain = ReadOptions::default();
+    for (name, language) in [
+        // Korean, Russian, Chinese in two encodings, Japanese as Unix has it, Polish; 0x57 says nothing, 3 is wrong.
+        (&b"\xb5\xee\xb0\xed\xbc\xf6\xc4\xa1"[..], 0x57),
+        (b"\xb5\xee\xb0\xed\xbc\xf6\xc4\xa1", 3),
+        (b"\xe2\xfb\xf1\xee\xf2\xe0", 0x57),
+        (b"\xb8\xdf\xb3\xcc", 0),
+        (b"\xb0\xaa\xb5\x7b", 0),
+        (b"\xc9\xb8\xb9\xe2", 0),
+        (b"wysoko\x9c\xe6", 0),
+    ] {
+        assert_eq!(elevations(name, language, &plain).unwrap(), [10.0, 20.5], "{name:?} {language}");
+    }
+    // A name that is not known: the message says what to do, and the name may be given.
+    let own = b"\xbb\xea\xb3\xf4\xc0\xcc";
+    let error = elevations(own, 0, &plain).unwrap_err().to_string();
+    assert!(error.contains("in.cpg") && error.contains("EUC-KR"), "{error}");
+    let named = |name: &str| ReadOptions { elevation_field: Some(name.into()), ..ReadOptions::default() };
+    assert_eq!(elevations(own, 0, &named("산높이")).unwrap(), [10.0, 20.5]);
+    let error = elevations(own, 0, &named("산")).unwrap_err().to_string();
+    assert!(error.contains("in.cpg"), "{error}");
+    // Where the encoding is known, or does not matter, nothing is said about it.
+    let error = elevations(b"H\xf6", 0x03, &plain).unwrap_err().to_string();
+    assert!(!error.contains(".cpg"), "{error}");
+    let error = elevations(b"NAME", 0, &plain).unwrap_err().to_string();
+    assert!(!error.contains(".cpg"), "{error}");
 }
 
 #[test]

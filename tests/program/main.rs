@@ -22,6 +22,7 @@ mod labels;
 mod maps;
 mod negative_numbers;
 mod other_crs;
+mod other_inputs;
 mod out_of_proportion;
 mod parts;
 mod plane_units;

@@ -92,6 +92,8 @@ kinds! {
     NonFinitePoint = "non-finite-point", Error, "points without valid coordinates left out";
     /// Lines far from all others: a map sheet in the wrong zone, or an error in a coordinate.
     FarAway = "far-away", Error, "lines far from all others";
+    /// The file leaves open which coordinate comes first, or many programs write it otherwise than its name says.
+    AxisOrder = "axis-order", Note, "order of coordinates not certain";
     /// The same point twice or more in a row; one was kept.
     RepeatedPoint = "repeated-point", Note, "repeated points";
     /// A line with fewer than two different points; left out.

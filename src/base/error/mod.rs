@@ -220,14 +220,17 @@ pub enum Error {
     },
     /// All lines of a drawing have the elevation 0.
     #[error(
-        "there are no elevations {place}: all lines lie at 0{texts}; give the lines their elevations in the program that \
-         drew them"
+        "there are no elevations {place}: all lines lie at 0{texts}{}; give the lines their elevations in the program that \
+         drew them",
+        layers_with_numbers(layer.as_deref())
     )]
     NoElevations {
         /// Where: in the drawing or on the layers that were named.
         place: &'static str,
         /// A remark on texts in the drawing, or nothing.
         texts: String,
+        /// The name of a layer that is a number and so may be the elevation of its lines, if there is one.
+        layer: Option<String>,
     },
     /// All lines of some layers of a drawing have the elevation 0, and no layer was chosen.
     #[error(
@@ -337,6 +340,10 @@ pub enum ZCoordinate {
     Zero,
     /// It changes along every line.
     Varies,
+}
+
+fn layers_with_numbers(layer: Option<&str>) -> String {
+    layer.map_or_else(String::new, |name| format!(", but the names of layers are numbers, such as {name:?}"))
 }
 
 impl fmt::Display for ZCoordinate {

@@ -6,35 +6,49 @@
 use glam::DVec2;
 
 /// Largest distance between chord and arc, in units of the drawing.
-const TOLERANCE: f64 = 0.01;
+pub(super) const TOLERANCE: f64 = 0.01;
 
-/// Adds the points between two vertices. Returns false, and adds nothing, if the arc needs more than `max_points`
-/// chords.
-pub(super) fn push_between(from: DVec2, to: DVec2, bulge: f64, max_points: usize, points: &mut Vec<DVec2>) -> bool {
-    let chord = to - from;
-    let to_centre = (1.0 - bulge * bulge) / (4.0 * bulge);
-    let start = from - ((from + to) / 2.0 + chord.perp() * to_centre);
-    let radius = start.length();
-    if chord == DVec2::ZERO || !radius.is_finite() {
-        return true;
+/// An arc from one vertex to the next.
+pub(super) struct Arc {
+    pub from: DVec2,
+    pub to: DVec2,
+    pub bulge: f64,
+}
+
+impl Arc {
+    /// Adds the points between the two vertices, so that chords stay within `tolerance` of the arc. Returns false, and adds
+    /// nothing, if the arc needs more than `max_points` chords.
+    pub fn push_points(&self, tolerance: f64, max_points: usize, points: &mut Vec<DVec2>) -> bool {
+        let Self { from, to, bulge } = *self;
+        let chord = to - from;
+        let to_centre = (1.0 - bulge * bulge) / (4.0 * bulge);
+        let start = from - ((from + to) / 2.0 + chord.perp() * to_centre);
+        let radius = start.length();
+        if chord == DVec2::ZERO || !radius.is_finite() {
+            return true;
+        }
+        let angle = 4.0 * bulge.atan();
+        // The middle of a chord is 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
+        let widest = 4.0 * (tolerance / (2.0 * radius)).min(1.0).sqrt().asin();
+        let count = (angle.abs() / widest).ceil();
+        if count > max_points as f64 {
+            return false;
+        }
+        let centre = from - start;
+        for k in 1..count as usize {
+            points.push(centre + DVec2::from_angle(angle * k as f64 / count).rotate(start));
+        }
+        true
     }
-    let angle = 4.0 * bulge.atan();
-    // The middle of a chord is 1 - cos(half its angle) radii away from the arc, which is 2 sin²(a quarter of it).
-    let widest = 4.0 * (TOLERANCE / (2.0 * radius)).min(1.0).sqrt().asin();
-    let count = (angle.abs() / widest).ceil();
-    if count > max_points as f64 {
-        return false;
-    }
-    let centre = from - start;
-    for k in 1..count as usize {
-        points.push(centre + DVec2::from_angle(angle * k as f64 / count).rotate(start));
-    }
-    true
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn push_between(from: DVec2, to: DVec2, bulge: f64, max_points: usize, points: &mut Vec<DVec2>) -> bool {
+        Arc { from, to, bulge }.push_points(TOLERANCE, max_points, points)
+    }
 
     #[test]
     fn arcs_stay_on_their_circle() {

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::arc;
+use super::arc::Arc;
 use super::groups::{Group, GroupReader};
+use super::placement::{Placement, VERTICAL};
 use crate::base::error::{Error, Result};
 
 /// Groups with this code or a larger one belong to other programs.
@@ -52,19 +53,37 @@ impl<'a> Entity<'a> {
         self.find(code).map_or(Ok(0), |group| group.flags(self.path))
     }
 
-    /// A point, by the group code of its x.
+    /// A point, by the group code of its x. In old versions of the format, an entity without z has its elevation in
+    /// group 38.
     pub fn point(&self, x: i32) -> Result<DVec3> {
-        Ok(DVec3::new(self.number(x)?, self.number(x + 10)?, self.number(x + 20)?))
+        let z = if self.find(x + 20).is_some() { x + 20 } else { ELEVATION };
+        Ok(DVec3::new(self.number(x)?, self.number(x + 10)?, self.number(z)?))
+    }
+
+    /// The file, for messages.
+    pub fn path(&self) -> &'a Path {
+        self.path
+    }
+
+    /// The number of groups.
+    pub fn len(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The normal of a planar entity's plane.
+    pub fn normal(&self) -> Result<DVec3> {
+        if self.find(210).or(self.find(220)).or(self.find(230)).is_none() {
+            return Ok(DVec3::Z);
+        }
+        Ok(DVec3::new(self.number(210)?, self.number(220)?, self.number(230)?))
     }
 
     /// The orientation of a planar entity's plane.
     pub fn plane(&self) -> Result<Plane> {
-        if self.find(210).or(self.find(220)).or(self.find(230)).is_none() {
-            return Ok(Plane::Level);
-        }
-        let normal = self.point(210)?;
+        let normal = self.normal()?;
+        let side = normal.truncate().abs().max_element();
         Ok(match normal.z {
-            z if normal.x != 0.0 || normal.y != 0.0 || z == 0.0 || z.is_nan() => Plane::Tilted,
+            z if z == 0.0 || z.is_nan() || side.is_nan() || side > VERTICAL * z.abs() => Plane::Tilted,
             z if z < 0.0 => Plane::Mirrored,
             _ => Plane::Level,
         })
@@ -89,8 +108,15 @@ impl<'a> Entity<'a> {
                 _ => {}
             }
         }
-        line.z.fill(self.number(38)?);
+        line.z.fill(self.number(ELEVATION)?);
         Ok(line)
+    }
+
+    /// The elevation of a flat `POLYLINE`: the z of its point, otherwise group 38 as old versions and some programs write
+    /// it.
+    fn elevation(&self) -> Result<f64> {
+        let z = self.number(30)?;
+        if z == 0.0 { self.number(ELEVATION) } else { Ok(z) }
     }
 
     /// Adds a `VERTEX` to the line of a `POLYLINE`, unless it is only a control point of a curve.
@@ -102,14 +128,36 @@ impl<'a> Entity<'a> {
     }
 }
 
+/// The group of the elevation of flat entities.
+const ELEVATION: i32 = 38;
 /// Flag of polylines: the last vertex is joined to the first.
 const CLOSED: i64 = 1;
 /// Flag of a `POLYLINE`: every vertex has a height of its own.
 pub(super) const HAS_HEIGHTS: i64 = 8;
 /// Flags of a `POLYLINE` that is a mesh, not a line.
-pub(super) const IS_MESH: i64 = 16 | 64;
+const IS_MESH: i64 = 16 | 64;
 /// Flag of a `VERTEX` that is a control point: the line does not pass through it.
 const GUIDES_CURVE: i64 = 16;
+
+/// The line of a `POLYLINE` with the vertices that follow it; `None` if it is a mesh.
+pub(super) fn read_polyline<'a>(entity: &Entity<'a>, groups: &mut GroupReader<'a>) -> Result<Option<Polyline>> {
+    let flags = entity.flags(70)?;
+    let mut line = Polyline::new(flags);
+    loop {
+        let group = groups.must("entities")?;
+        if !group.begins("VERTEX") {
+            if !group.begins("SEQEND") {
+                groups.put_back(group);
+            }
+            break;
+        }
+        Entity::read(groups)?.add_vertex(&mut line)?;
+    }
+    if flags & HAS_HEIGHTS == 0 {
+        line.flatten(entity.elevation()?);
+    }
+    Ok((flags & IS_MESH == 0).then_some(line))
+}
 
 /// The orientation of a planar entity's plane.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -122,7 +170,7 @@ pub(super) enum Plane {
 }
 
 /// A line of vertices with bulges.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Polyline {
     pub points: Vec<DVec2>,
     /// One bulge per vertex.
@@ -151,9 +199,9 @@ impl Polyline {
         }
     }
 
-    /// Repeats the first vertex of a closed line at its end, and replaces arcs by chords. `room` is the number of
-    /// vertices that may still be added to all lines.
-    pub fn finish(mut self, path: &Path, room: &mut usize) -> Result<Self> {
+    /// Repeats the first vertex of a closed line at its end, and replaces arcs by chords that stay within `tolerance`.
+    /// `room` is the number of vertices that may still be added to all lines.
+    pub fn finish(mut self, path: &Path, tolerance: f64, room: &mut usize) -> Result<Self> {
         let (Some(&first), Some(&last)) = (self.points.first(), self.points.last()) else { return Ok(self) };
         if self.is_closed && (first != last || self.points.len() < 3) {
             self.push(first.extend(self.z[0]), 0.0);
@@ -166,7 +214,8 @@ impl Polyline {
             line.push(self.points[i].extend(self.z[i]), 0.0);
             let Some(&next) = self.points.get(i + 1).filter(|_| self.bulges[i] != 0.0) else { continue };
             let before = line.points.len();
-            if !arc::push_between(self.points[i], next, self.bulges[i], *room, &mut line.points) {
+            let arc = Arc { from: self.points[i], to: next, bulge: self.bulges[i] };
+            if !arc.push_points(tolerance, *room, &mut line.points) {
                 let message = "its polylines have arcs that are too large to be replaced by chords; check their bulges";
                 return Err(Error::file(path, message));
             }
@@ -181,5 +230,13 @@ impl Polyline {
     pub fn mirror(&mut self) {
         self.points.iter_mut().for_each(|p| p.x = -p.x);
         self.z.iter_mut().for_each(|z| *z = -*z);
+    }
+
+    /// The line where a placement puts it.
+    pub fn place(&mut self, placement: &Placement) {
+        for (point, z) in self.points.iter_mut().zip(&mut self.z) {
+            let placed = placement.apply(point.extend(*z));
+            (*point, *z) = (placed.truncate(), placed.z);
+        }
     }
 }

@@ -18,6 +18,10 @@ struct LayerCounts {
     lines: u64,
     /// Lines whose heights are all 0.
     at_zero: u64,
+    /// Points of known height: not at 0.
+    spots: u64,
+    /// Lines and points that blocks have on this layer, and those of them at height 0.
+    in_blocks: [u64; 2],
 }
 
 /// The layers of a drawing that have entities.
@@ -30,7 +34,7 @@ impl Layers {
         match self.0.get_mut(layer) {
             Some(content) => content.lines += lines,
             None => {
-                self.0.insert(layer.to_owned(), LayerCounts { lines, at_zero: 0 });
+                self.0.insert(layer.to_owned(), LayerCounts { lines, ..LayerCounts::default() });
             }
         }
     }
@@ -40,6 +44,36 @@ impl Layers {
         if let Some(content) = self.0.get_mut(layer) {
             content.at_zero += u64::from(z.iter().all(|&z| z == 0.0));
         }
+    }
+
+    /// Records the height of a point.
+    pub fn note_spot(&mut self, layer: &str, z: f64) {
+        if let Some(content) = self.0.get_mut(layer) {
+            content.spots += u64::from(z != 0.0);
+        }
+    }
+
+    /// Records a line or point of a block, by its heights.
+    pub fn note_in_block(&mut self, layer: &str, z: &[f64]) {
+        let counts = &mut self.0.entry(layer.to_owned()).or_default().in_blocks;
+        counts[0] += 1;
+        counts[1] += u64::from(z.iter().all(|&z| z == 0.0));
+    }
+
+    /// Whether all that blocks have on this layer lies at 0, while other lines or points have heights. Those are
+    /// symbols, the sheet's border and the like.
+    pub fn is_symbol_layer(&self, layer: &str) -> bool {
+        let has_heights = |counts: &LayerCounts| {
+            counts.at_zero < counts.lines || counts.spots > 0 || counts.in_blocks[1] < counts.in_blocks[0]
+        };
+        self.0.get(layer).is_some_and(|counts| counts.in_blocks[0] == counts.in_blocks[1])
+            && self.0.values().any(has_heights)
+    }
+
+    /// Records lines of blocks that are kept as lines of their layer.
+    pub fn keep_block_line(&mut self, layer: &str, z: &[f64]) {
+        self.note(layer, 1);
+        self.note_heights(layer, z);
     }
 
     /// Refuses a layer name that is not in the drawing.
@@ -67,7 +101,10 @@ impl Layers {
                 0 => String::new(),
                 n => format!(", and the {n} texts that may hold them are not read"),
             };
-            return Err(Error::NoElevations { place, texts }.in_file(path));
+            // Layer "0" is in every drawing, whatever is on it.
+            let is_number = |layer: &&String| *layer != "0" && layer.trim().parse().is_ok_and(f64::is_finite);
+            let number = with_lines().map(|(layer, _)| layer).find(is_number);
+            return Err(Error::NoElevations { place, texts, layer: number.cloned() }.in_file(path));
         }
         if flat.is_empty() || wanted.is_named() {
             return Ok(());

@@ -9,11 +9,13 @@
 //! programs agree on, and no coordinate reference system. Other attributes of a layer of features are not written.
 
 mod arc;
+mod blocks;
 mod entity;
 mod groups;
 mod layers;
 mod names;
 mod output;
+mod placement;
 mod read;
 mod tables;
 mod unit;

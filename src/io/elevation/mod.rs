@@ -64,7 +64,7 @@ pub(super) fn contour_map(path: &Path, mut table: Table, options: &ReadOptions) 
         return Err(Error::file(path, format!("there is no line in it{found}{why}")));
     }
     let chosen = choose(&items, &table.fields, asked);
-    let source = chosen.map_err(|error| outlines.without_elevations(&table, error).in_file(path))?;
+    let source = chosen.map_err(|error| outlines.without_elevations(&table, noted(error, &table)).in_file(path))?;
     outlines.judge(&table, |item| match elevation(source, &table.fields, item) {
         Outcome::Known(z) => Some(z),
         Outcome::Missing(_) | Outcome::Invalid(_) => None,
@@ -150,7 +150,7 @@ pub(super) fn spot_heights(path: &Path, mut table: Table, options: &ReadOptions)
     if items.is_empty() {
         return Err(Error::file(path, format!("there is no point in it{}", table.found_words())));
     }
-    let source = choose(&items, &table.fields, asked).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, asked).map_err(|error| noted(error, &table).in_file(path))?;
     let unit_hint = unit_hint::hint(source, &items, &table.fields).or(table.unit_hint.clone());
     let sign = Sign::of(source, &table.fields, asked, &items);
     findings.extend(sign.finding.clone().filter(|_| !asked.depths));
@@ -256,7 +256,7 @@ fn heights_if_any(path: &Path, table: &Table, options: &ReadOptions, items: Vec<
             }
         };
     }
-    let source = choose(&items, &table.fields, asked).map_err(|error| error.in_file(path))?;
+    let source = choose(&items, &table.fields, asked).map_err(|error| noted(error, table).in_file(path))?;
     let units = Units::of([Group { items: &items, source }], &table.fields, options.unit);
     let statement = units.of_source(source, &table.fields);
     let mut heights = BTreeMap::new();
@@ -318,6 +318,16 @@ fn spots_beside_lines(
         }
     }
     spots
+}
+
+/// The error of [`choose`] with what the reader of the file adds to a list of fields.
+fn noted(error: Error, table: &Table) -> Error {
+    let note = table.fields_note.as_deref().unwrap_or_default();
+    match error {
+        Error::NoElevationField { z, fields } => Error::NoElevationField { z, fields: fields + note },
+        Error::Data(message) => Error::Data(message + note),
+        other => other,
+    }
 }
 
 /// The elevation of one item from the chosen source.

@@ -31,27 +31,12 @@ pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> 
     let root = ObjectSeed { table: &mut table, is_root: true }
         .deserialize(&mut json)
         .and_then(|root| json.end().map(|()| root))
-        .map_err(|e| match e.classify() {
-            Category::Eof => {
-                Error::file(path, "the file ends in the middle; it is not complete: copy or export it again")
-            }
-            Category::Data => {
-                Error::file_cause(path, "the file is JSON, but not GeoJSON; export it again as GeoJSON", e)
-            }
-            _ => {
-                let message =
-                    format!("the text is not JSON ({e}); correct this place, or export the file again as GeoJSON");
-                Error::file(path, message)
-            }
-        })?;
+        .map_err(|e| wrong(path, e))?;
     let crs = root.crs.clone();
     match root.kind.as_deref() {
         Some("FeatureCollection") if root.has_features => {}
         Some("FeatureCollection") => return Err(Error::file(path, "the feature collection has no features member")),
-        Some(
-            "Feature" | "GeometryCollection" | "Point" | "MultiPoint" | "LineString" | "MultiLineString" | "Polygon"
-            | "MultiPolygon",
-        ) => add_feature(root, 0, &mut table),
+        Some(kind) if is_feature(kind) => add_feature(root, 0, &mut table),
         Some(other) => return Err(Error::file(path, format!("the file is JSON of type {other:?}, not GeoJSON"))),
         None => return Err(Error::file(path, "the file is JSON, but not GeoJSON: its type member is missing")),
     }
@@ -59,22 +44,52 @@ pub(in crate::io) fn parse(path: &Path, bytes: &[u8], request: &Request<'_>) -> 
     Ok(table)
 }
 
+/// Whether an object of this type is a feature or a geometry.
+pub(super) fn is_feature(kind: &str) -> bool {
+    matches!(
+        kind,
+        "Feature"
+            | "GeometryCollection"
+            | "Point"
+            | "MultiPoint"
+            | "LineString"
+            | "MultiLineString"
+            | "Polygon"
+            | "MultiPolygon"
+    )
+}
+
+/// The error for a text that is no GeoJSON.
+pub(super) fn wrong(path: &Path, error: serde_json::Error) -> Error {
+    match error.classify() {
+        Category::Eof => Error::file(path, "the file ends in the middle; it is not complete: copy or export it again"),
+        Category::Data => {
+            Error::file_cause(path, "the file is JSON, but not GeoJSON; export it again as GeoJSON", error)
+        }
+        _ => {
+            let message =
+                format!("the text is not JSON ({error}); correct this place, or export the file again as GeoJSON");
+            Error::file(path, message)
+        }
+    }
+}
+
 /// Any GeoJSON object. One type serves all, because the `type` member may come last.
 #[derive(Default)]
-struct Object {
-    kind: Option<String>,
+pub(super) struct Object {
+    pub kind: Option<String>,
     parts: Vec<Part>,
     members: Vec<Object>,
     geometry: Option<Box<Object>>,
     values: Vec<(usize, Value)>,
-    crs: Option<serde_json::Value>,
+    pub crs: Option<serde_json::Value>,
     has_features: bool,
 }
 
-struct ObjectSeed<'t> {
-    table: &'t mut Table,
+pub(super) struct ObjectSeed<'t> {
+    pub table: &'t mut Table,
     /// Only the root object may have features. They go directly into the table.
-    is_root: bool,
+    pub is_root: bool,
 }
 
 impl<'de> DeserializeSeed<'de> for ObjectSeed<'_> {
@@ -211,7 +226,7 @@ impl<'de> Visitor<'de> for Properties<'_> {
     }
 }
 
-fn add_feature(object: Object, number: u64, table: &mut Table) {
+pub(super) fn add_feature(object: Object, number: u64, table: &mut Table) {
     let mut feature = Feature { number, ..Feature::default() };
     let geometry = if object.kind.as_deref() == Some("Feature") || object.geometry.is_some() {
         feature.values = object.values;
@@ -266,7 +281,7 @@ fn add_geometry(object: Object, feature: &mut Feature, table: &mut Table) {
 }
 
 /// The system of the `crs` member. Without that member it is WGS 84 if the coordinates can be degrees.
-fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
+pub(super) fn set_crs(member: Option<serde_json::Value>, table: &mut Table) {
     let Some(member) = member else {
         let lines = table.features.iter().flat_map(|f| f.lines.iter().flat_map(|line| &line.points));
         let spots = table.features.iter().flat_map(|f| f.spots.iter().map(|spot| &spot.place));

@@ -11,12 +11,17 @@ use std::path::{Path, PathBuf};
 
 use zip::ZipArchive;
 
-use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
-use super::xml::unreadable;
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::io::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
+use crate::io::xml::unreadable;
 
 /// The largest nesting depth of archives in archives, and of folders in folders.
 const MAX_DEPTH: usize = 3;
+
+/// The number of bytes that may be unpacked from an archive of this length.
+pub(in crate::io) fn budget(length: u64) -> u64 {
+    UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO))
+}
 
 /// Everything that is unpacked may be this many times as large as the archive. Height maps that are mostly sea compress
 /// 200 times, all others less.
@@ -107,8 +112,7 @@ impl Walk<'_> {
         let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
         let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
         if has_extension(path, "zip") {
-            let mut budget = UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO));
-            return self.archive(path, BufReader::with_capacity(BUFFER, file), 0, &mut budget);
+            return self.archive(path, BufReader::with_capacity(BUFFER, file), 0, &mut budget(length));
         }
         if self.is_repeated(path, &path.file_name().unwrap_or_default().to_string_lossy()) {
             return Ok(());
@@ -207,7 +211,10 @@ impl Walk<'_> {
 }
 
 /// Copies with a fresh limit for every block, because an archive is not one item of a document.
-fn unlimited_copy(source: &mut DocumentReader<'_>, target: &mut impl std::io::Write) -> std::io::Result<()> {
+pub(in crate::io) fn unlimited_copy(
+    source: &mut DocumentReader<'_>,
+    target: &mut impl std::io::Write,
+) -> std::io::Result<()> {
     let mut buffer = vec![0; BUFFER];
     loop {
         source.next_item();
@@ -220,7 +227,7 @@ fn unlimited_copy(source: &mut DocumentReader<'_>, target: &mut impl std::io::Wr
 }
 
 /// Whether a file name has the form of GSI's downloads: `FG-GML-….xml`, `FG-GML-….zip`, `PackDLMap.zip`.
-fn is_served(name: &str) -> bool {
+pub(in crate::io) fn is_served(name: &str) -> bool {
     let path = Path::new(name);
     let upper = name.to_ascii_uppercase();
     let is_zip = has_extension(path, "zip");
@@ -229,7 +236,7 @@ fn is_served(name: &str) -> bool {
 }
 
 /// Whether the path has this extension, in any letter case.
-pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
+pub(in crate::io) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().and_then(|e| e.to_str()).is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 

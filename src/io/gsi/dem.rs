@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use super::archive::item_of;
 use super::datum::Datums;
 use super::mesh::{Mesh, cells_per_degree};
-use super::meter::DocumentReader;
 use super::product::Product;
 use super::tuples::TupleList;
-use super::xml::{Step, Xml};
 use crate::base::error::{Error, Result};
+use crate::io::meter::DocumentReader;
+use crate::io::xml::{Step, Xml};
 
 /// The name of the root element of every document.
 const ROOT: &str = "Dataset";

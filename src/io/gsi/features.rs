@@ -17,12 +17,12 @@ use glam::DVec2;
 use super::archive::{each_document, nothing};
 use super::datum::Datums;
 use super::dem::check_root;
-use super::meter::DocumentReader;
 use super::tuples::number;
-use super::xml::{Step, Xml};
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::io::meter::DocumentReader;
 use crate::io::shapefile::grouped;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Rings, Spot, Table, Value};
+use crate::io::xml::{Step, Xml};
 
 /// The attributes that are used.
 const FIELDS: [&str; 6] = ["fid", "orgGILvl", "vis", "type", "name", "alti"];

@@ -8,24 +8,20 @@
 //! | module | what it does |
 //! |---|---|
 //! | `archive` | the documents of a path |
-//! | `meter` | limits on what an archive unpacks to |
-//! | `xml` | the events of a document |
 //! | `datum` | coordinate reference systems |
 //! | `mesh` | mesh codes |
 //! | `dem`, `tuples` | a height map of one square |
 //! | `mosaic` | joins the squares |
 //! | `features` | contours, spot heights, water |
 
-mod archive;
+pub(super) mod archive;
 mod datum;
 mod dem;
 mod features;
 mod mesh;
-mod meter;
 mod mosaic;
 mod product;
 mod tuples;
-mod xml;
 
 use std::io::Read;
 use std::path::Path;
@@ -35,17 +31,18 @@ pub use product::Product;
 
 use crate::base::error::{Report, Result};
 use crate::dem::Dem;
+use crate::io::meter::DocumentReader;
+use crate::io::xml::unreadable;
+use crate::io::zipped;
 use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
-use meter::DocumentReader;
-use xml::unreadable;
 
 /// The content of a document is recognised from this many bytes.
 const BEGINNING: u64 = 4096;
 
-/// Whether a path is read as files of 基盤地図情報: a folder, a `.zip` or a `.xml`.
+/// Whether a path is read as files of 基盤地図情報: a folder, a `.xml`, or a `.zip` that is not a zipped shapefile.
 pub(super) fn is_source(path: &Path) -> bool {
-    ["xml", "zip"].iter().any(|extension| has_extension(path, extension)) || path.is_dir()
+    has_extension(path, "xml") || has_extension(path, "zip") && !zipped::is_shapefile(path) || path.is_dir()
 }
 
 /// A height map and its product.

@@ -1,4 +1,5 @@
-//! Reads GeoTIFF height maps: strips and tiles, every number type, with deflate, LZW, PackBits or no compression.
+//! Reads GeoTIFF height maps: strips and tiles, every number type, with deflate, LZW, PackBits, Zstandard or no
+//! compression.
 //!
 //! The file is decoded strip by strip or tile by tile into the height map. Therefore no second copy of it is held.
 //! Strips and tiles that are missing in the file (GDAL calls such files sparse) are cells without data.
@@ -14,6 +15,7 @@ use super::heights::{Coding, Heights, check_size, room};
 use super::like::{self, Tiff};
 use super::quantity::STANDARD_ERROR;
 use super::sidecar::{Aux, elements};
+use super::zstd::{self, Storage, ZSTD};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::dem::Dem;
 
@@ -49,12 +51,13 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
     let (samples, sample_bytes) = samples(path, &mut tiff, &mut findings)?;
     let coding = coding(path, &mut tiff, &mut findings)?;
     let chunks = Chunks::of(path, &mut tiff, samples)?;
+    let zstd = zstd_storage(path, &mut tiff, samples, sample_bytes)?;
 
     let grid = tiff.placement.grid;
     let mut values = room(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
     let mut heights = Heights::new(coding);
     let limits = chunks.limits(tiff.length);
-    let Tiff { decoder, placement, crs, .. } = tiff;
+    let Tiff { decoder, placement, crs, crs_problem, .. } = tiff;
     let mut decoder = decoder.with_limits(limits);
     // Tiles at the border are decoded with their padding, in one call of the decompressor. Without the padding there
     // would be one call per row, which the LZW decompressor sometimes answers with an error.
@@ -68,11 +71,21 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
         // Bands are stored one after the other, or interleaved.
         let (skipped, beside) =
             if samples == 1 { (band as u32 * chunks.count(), 0) } else { (0, band.min(samples - 1)) };
-        decoder
-            .read_chunk_to_buffer(&mut decoded, index + skipped, stride * sample_bytes)
-            .map_err(|e| like::wrong(path, &unsupported(&e, message), e))?;
         let (width, height) = decoder.chunk_data_dimensions(index);
         let (width, height) = (width as usize, height as usize);
+        match zstd {
+            // Only this program writes a second band, and never with this compression.
+            Some(storage) if skipped == 0 => {
+                // Tiles are stored whole, strips as far as the map reaches.
+                let rows = if chunks.are_tiles { chunks.size.1 } else { height };
+                let range = chunks.ranges[index as usize];
+                decoded = zstd::unpack(decoder.inner(), range, (chunks.size.0, rows), storage)
+                    .map_err(|why| Error::file(path, format!("part {} of {}: {why}", index + 1, chunks.count())))?;
+            }
+            _ => decoder
+                .read_chunk_to_buffer(&mut decoded, index + skipped, stride * sample_bytes)
+                .map_err(|e| like::wrong(path, &unsupported(&e, message), e))?,
+        }
         let (left, top) = chunks.origin(index);
         for line in 0..height {
             let row = placement.row(top + line) * grid.cols + left;
@@ -81,15 +94,30 @@ fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
         }
     }
     findings.extend(heights.findings());
+    if let Some(why) = crs_problem.filter(|_| crs.is_none()) {
+        findings.push(Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}")));
+    }
     refuse_mask(path, &mut decoder)?;
     Ok(Report { value: Dem { grid, values, crs }, findings })
+}
+
+/// How the values are stored, if they are compressed with Zstandard.
+fn zstd_storage(path: &Path, tiff: &mut Tiff, samples: usize, bytes: usize) -> Result<Option<Storage>> {
+    let wrong = |e| like::wrong(path, "has a broken header", e);
+    if tiff.decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(wrong)? != Some(ZSTD) {
+        return Ok(None);
+    }
+    let predictor = tiff.decoder.find_tag_unsigned::<u16>(Tag::Predictor).map_err(wrong)?.unwrap_or(1);
+    let format = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(wrong)?.unwrap_or_default();
+    let format = format.first().copied().unwrap_or(1);
+    Ok(Some(Storage { bytes, format, predictor, order: tiff.decoder.byte_order(), samples }))
 }
 
 /// A clearer message for an unknown compression.
 fn unsupported(error: &tiff::TiffError, message: String) -> String {
     match error {
         tiff::TiffError::UnsupportedError(_) => {
-            "holds its values in a way that cannot be read; rewrite it, for example \
+            "holds its values in a way that cannot be read (LERC or JPEG, for instance); rewrite it, for example \
              with 'gdal_translate -co COMPRESS=DEFLATE in.tif out.tif'"
                 .into()
         }
@@ -185,6 +213,7 @@ fn text_tag(path: &Path, tiff: &mut Tiff, tag: Tag) -> Result<Option<String>> {
 struct Chunks {
     /// Width and height of a complete strip or tile, cells.
     size: (usize, usize),
+    are_tiles: bool,
     across: usize,
     /// Offset and length in the file. Both are zero for missing ones.
     ranges: Vec<(u64, u64)>,
@@ -229,7 +258,8 @@ impl Chunks {
                 return Err(Error::file(path, message));
             }
         }
-        Ok(Self { size: (width as usize, height as usize), across, ranges, bytes })
+        let are_tiles = matches!(tiff.decoder.get_chunk_type(), ChunkType::Tile);
+        Ok(Self { size: (width as usize, height as usize), are_tiles, across, ranges, bytes })
     }
 
     fn count(&self) -> u32 {

@@ -24,6 +24,8 @@ pub(super) struct Tiff {
     pub decoder: Decoder<BufReader<File>>,
     pub placement: Placement,
     pub crs: Option<Crs>,
+    /// Why the keys that describe a system do not give one, if there are such keys.
+    pub crs_problem: Option<String>,
     pub keys: GeoKeys,
     /// The content of the `.aux.xml` beside it.
     pub aux: Aux,
@@ -70,6 +72,7 @@ pub(super) fn open(path: &Path) -> Result<Tiff> {
             // Text that is not ASCII gives no system; the placement is valid without it.
             _ => String::new(),
         },
+        doubles: doubles(&mut decoder, Tag::GeoDoubleParamsTag).map_err(wrong)?,
     };
     let aux = sidecar::read_aux_xml(path)?.unwrap_or_default();
     let placement = if header.is_empty() {
@@ -84,11 +87,17 @@ pub(super) fn open(path: &Path) -> Result<Tiff> {
         Some(placement) => placement,
         None => header.placement(keys.pixel_is_point()).map_err(|message| Error::file(path, message))?,
     };
-    let crs = match keys.crs().or_else(|| aux.crs.clone()) {
+    // A text beside the file names a system better than the parameters of a projection do.
+    let (described, crs_problem) = match keys.described() {
+        Some(Ok(crs)) => (Some(crs), None),
+        Some(Err(why)) => (None, Some(why)),
+        None => (None, None),
+    };
+    let crs = match keys.crs().or_else(|| aux.crs.clone()).or(described) {
         Some(crs) => Some(crs),
         None => sidecar::read_prj(path)?,
     };
-    Ok(Tiff { decoder, placement, crs, keys, aux, length })
+    Ok(Tiff { decoder, placement, crs, crs_problem, keys, aux, length })
 }
 
 fn doubles<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> std::result::Result<Vec<f64>, TiffError> {

@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use super::{asc, exr, geotiff_read, like, png_read};
-use crate::base::error::{Error, Report, Result};
+use super::{asc, exr, geotiff_read, like, png_read, xyz_read};
+use crate::base::error::{Error, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, Grid};
 use crate::crs::Crs;
 use crate::dem::Dem;
@@ -14,7 +14,7 @@ use crate::io::crs_finding::crs_finding;
 use crate::io::gsi::{self, GsiDem, Product};
 
 /// The extensions that [`read_dem`] accepts, for messages and help texts.
-pub const READABLE_EXTENSIONS: [&str; 5] = ["tif", "tiff", "asc", "exr", "png"];
+pub const READABLE_EXTENSIONS: [&str; 6] = ["tif", "tiff", "asc", "exr", "png", "xyz"];
 
 /// A height map as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,8 @@ pub struct DemFile {
 
 /// Reads a height map as 32-bit floating point, metres, north up.
 ///
-/// The formats are GeoTIFF, ESRI ASCII grid, OpenEXR, 16-bit PNG and elevation tile (PNG) of the Geospatial Information
-/// Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
+/// The formats are GeoTIFF, ESRI ASCII grid, OpenEXR, XYZ, 16-bit PNG and elevation tile (PNG) of the Geospatial
+/// Information Authority of Japan. Its 基盤地図情報 is read too: `.xml`, `.zip` or a folder of them, as one mosaic.
 ///
 /// 64-bit floating point and 32-bit whole numbers are rounded to 32-bit floating point. Scale and offset of the file
 /// are applied. Feet become metres, if the band states its unit (unit type, GeoTIFF key) or the vertical part of the
@@ -50,14 +50,18 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
         "asc" => asc::read,
         "exr" => exr::read,
         "png" => png_read::read,
+        "xyz" => xyz_read::read,
         _ => return Err(unknown(path)),
     };
     check_file(path)?;
     let Report { value: mut dem, mut findings } = read(path)?;
     // Heights are metres now.
     dem.crs = dem.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
-    let missing = || "the height map does not name its coordinate reference system".to_owned();
-    findings.extend(crs_finding(dem.crs.as_ref(), missing));
+    // A reader that found a description of a system, but could not use it, has said so.
+    if findings.iter().all(|finding| finding.kind != FindingKind::UnknownCrs) {
+        let missing = || "the height map does not name its coordinate reference system".to_owned();
+        findings.extend(crs_finding(dem.crs.as_ref(), missing));
+    }
     Ok(Report { value: DemFile { dem, product: None }, findings })
 }
 
@@ -100,8 +104,14 @@ fn extension(path: &Path) -> String {
 }
 
 fn unknown(path: &Path) -> Error {
+    if extension(path) == "zip" {
+        return Error::file(path, "the archive holds a shapefile and no height map");
+    }
     let known = READABLE_EXTENSIONS.map(|e| format!(".{e}")).join(", ");
-    Error::file(path, format!("is not a height map format that can be read; known are {known}"))
+    let message = format!(
+        "is not a height map format that can be read; known are {known}. Convert other formats with 'gdal_translate FILE out.tif'"
+    );
+    Error::file(path, message)
 }
 
 /// Refuses a folder and an empty file.

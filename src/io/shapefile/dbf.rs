@@ -11,7 +11,7 @@ use std::path::Path;
 
 use encoding_rs::Encoding;
 
-use super::encoding;
+use super::encoding::{self, Guess};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Cell, Column, Kind, Row};
 use crate::io::table::Value;
@@ -20,6 +20,8 @@ use crate::io::table::Value;
 pub(super) struct Reader {
     source: BufReader<File>,
     encoding: &'static Encoding,
+    /// Whether the file names its encoding, or its names show it.
+    pub is_sure: bool,
     pub names: Vec<String>,
     fields: Vec<Descriptor>,
     pub record_count: u32,
@@ -33,8 +35,8 @@ struct Descriptor {
 }
 
 impl Reader {
-    /// Reads the header. `label` is the content of the `.cpg` file.
-    pub fn open(path: &Path, label: Option<&str>) -> Result<Self> {
+    /// Reads the header. `label` is the content of the `.cpg` file, and `named` the field that the user named.
+    pub fn open(path: &Path, label: Option<&str>, named: Option<&str>) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
         let mut source = BufReader::new(file);
         let broken = |e: std::io::Error| Error::file_cause(path, "the attribute table's header is not complete", e);
@@ -64,12 +66,12 @@ impl Reader {
         if header_length < 33 || record_length < start {
             return Err(Error::file(path, "the attribute table's header contradicts itself; the file is broken"));
         }
-        let encoding = label
-            .and_then(encoding::of_label)
-            .or_else(|| encoding::of_language_byte(head[29]))
-            .unwrap_or_else(|| encoding::guessed(&raw_names));
+        let Guess { encoding, is_sure } = match label.and_then(encoding::of_label) {
+            Some(encoding) => Guess { encoding, is_sure: true },
+            None => encoding::guessed(&raw_names, named, encoding::of_language_byte(head[29])),
+        };
         let names = raw_names.iter().map(|name| encoding.decode_without_bom_handling(name).0.into_owned()).collect();
-        Ok(Self { source, encoding, names, fields, record_count, record: vec![0; record_length] })
+        Ok(Self { source, encoding, is_sure, names, fields, record_count, record: vec![0; record_length] })
     }
 
     /// Reads the next record; false if it is marked as deleted.

@@ -1,6 +1,9 @@
 //! The encoding of the text in a `.dbf`.
 
-use encoding_rs::{Encoding, SHIFT_JIS, UTF_8, WINDOWS_1252};
+use encoding_rs::{
+    BIG5, EUC_JP, EUC_KR, Encoding, GBK, IBM866, ISO_8859_2, KOI8_R, SHIFT_JIS, UTF_8, WINDOWS_874, WINDOWS_1250,
+    WINDOWS_1251, WINDOWS_1252, WINDOWS_1253, WINDOWS_1254, WINDOWS_1257,
+};
 
 use crate::io::attributes::is_elevation_name;
 
@@ -55,20 +58,53 @@ fn of_code_page(number: u32) -> Option<&'static Encoding> {
     Encoding::for_label(label.as_bytes())
 }
 
-/// Guesses the encoding of a file that does not name one: UTF-8 if the field names are valid UTF-8, otherwise an
-/// encoding in which a field has a known elevation name, otherwise that of western Europe. Japanese files often do not
-/// name their encoding.
-pub(super) fn guessed(names: &[Vec<u8>]) -> &'static Encoding {
-    if names.iter().all(|name| std::str::from_utf8(name).is_ok()) {
-        return UTF_8;
-    }
-    let is_known = |encoding: &'static Encoding| {
-        names.iter().any(|name| {
+/// The encodings in which names of fields are looked for, if a file does not name its own: that of western Europe, then
+/// those of Japan, Korea, China, Taiwan, central Europe, and those of Cyrillic and other scripts.
+const CANDIDATES: [&Encoding; 15] = [
+    WINDOWS_1252,
+    SHIFT_JIS,
+    EUC_JP,
+    EUC_KR,
+    GBK,
+    BIG5,
+    WINDOWS_1250,
+    WINDOWS_1251,
+    IBM866,
+    KOI8_R,
+    WINDOWS_1253,
+    WINDOWS_1254,
+    WINDOWS_1257,
+    WINDOWS_874,
+    ISO_8859_2,
+];
+
+/// An encoding, and whether that is sure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::io) struct Guess {
+    pub encoding: &'static Encoding,
+    /// Whether the names are UTF-8 or one of them is known in this encoding.
+    pub is_sure: bool,
+}
+
+/// Guesses the encoding of a text by the names of its fields: the first in which a field has a known elevation name or the
+/// one that the user `named`. `said` is what the file seems to say. It is tried first, then UTF-8. If no name is known, it
+/// is left, otherwise UTF-8 if all names are valid UTF-8. Files of all countries often do not name their encoding, and some
+/// programs set the header's byte to their own.
+pub(in crate::io) fn guessed(names: &[Vec<u8>], named: Option<&str>, said: Option<&'static Encoding>) -> Guess {
+    let named = named.map(str::to_lowercase);
+    let is_known = |encoding: &&'static Encoding| {
+        // A name in ASCII is the same in all of them, and decides nothing.
+        names.iter().filter(|name| !name.is_ascii()).any(|name| {
             let text = encoding.decode_without_bom_handling_and_without_replacement(name);
-            text.is_some_and(|text| is_elevation_name(&text))
+            text.is_some_and(|text| is_elevation_name(&text) || named.as_ref() == Some(&text.trim().to_lowercase()))
         })
     };
-    if !is_known(WINDOWS_1252) && is_known(SHIFT_JIS) { SHIFT_JIS } else { WINDOWS_1252 }
+    let is_utf_8 = names.iter().all(|name| std::str::from_utf8(name).is_ok());
+    match said.into_iter().chain([UTF_8]).chain(CANDIDATES).find(is_known) {
+        Some(encoding) => Guess { encoding, is_sure: true },
+        None if is_utf_8 => Guess { encoding: said.unwrap_or(UTF_8), is_sure: true },
+        None => Guess { encoding: said.unwrap_or(WINDOWS_1252), is_sure: said.is_some() },
+    }
 }
 
 #[cfg(test)]
@@ -101,9 +137,48 @@ mod tests {
     #[test]
     fn guesses() {
         let names = |text: &[&[u8]]| text.iter().map(|name| name.to_vec()).collect::<Vec<_>>();
-        assert_eq!(guessed(&names(&[b"ID", "標高".as_bytes()])), UTF_8);
-        assert_eq!(guessed(&names(&[b"ID", b"\x95\x57\x8d\x82"])), SHIFT_JIS);
-        assert_eq!(guessed(&names(&[b"H\xd6HE"])), WINDOWS_1252);
-        assert_eq!(guessed(&names(&[b"\xff\xfe"])), WINDOWS_1252);
+        let guess = |text: &[&[u8]], named: Option<&str>| {
+            let Guess { encoding, is_sure } = guessed(&names(text), named, None);
+            (encoding.name(), is_sure)
+        };
+        assert_eq!(guess(&[b"ID", "標高".as_bytes()], None), ("UTF-8", true));
+        assert_eq!(guess(&[b"ID", b"\x95\x57\x8d\x82"], None), ("Shift_JIS", true));
+        assert_eq!(guess(&[b"H\xd6HE"], None), ("windows-1252", true));
+        assert_eq!(guess(&[b"\xff\xfe", b"ELEV"], None), ("windows-1252", false));
+        for (name, encoding) in [
+            ("등고수치", EUC_KR),
+            ("높이", EUC_KR),
+            ("高程", GBK),
+            ("标高", GBK),
+            ("標高", EUC_JP),
+            ("等高線", BIG5),
+            ("高程", BIG5),
+            ("wysokość", WINDOWS_1250),
+            ("VÝŠKA", WINDOWS_1250),
+            ("высота", WINDOWS_1251),
+            ("ОТМЕТКА", WINDOWS_1251),
+            ("Высота", IBM866),
+            ("высота", KOI8_R),
+        ] {
+            let (bytes, used, is_lost) = encoding.encode(name);
+            assert!(used == encoding && !is_lost, "{name}");
+            let Guess { encoding: found, is_sure } = guessed(&names(&[b"ID", &bytes]), None, None);
+            assert_eq!(found.decode(&bytes).0, name, "{name} in {} was taken for {}", encoding.name(), found.name());
+            assert!(is_sure, "{name}");
+        }
+        // Names that are not known here, but named by the user.
+        let own = EUC_KR.encode("산높이").0.into_owned();
+        assert_eq!(guess(&[&own], None), ("windows-1252", false));
+        assert_eq!(guess(&[&own], Some("산높이")), ("EUC-KR", true));
+        assert_eq!(guess(&[b"\xe2\xfb\xf1"], Some("ВЫС")), ("windows-1251", true));
+    }
+
+    #[test]
+    fn the_headers_byte_gives_way_to_a_known_name() {
+        let korean = vec![EUC_KR.encode("등고수치").0.into_owned()];
+        let said = |names: &[Vec<u8>], encoding| guessed(names, None, Some(encoding)).encoding;
+        assert_eq!(said(&korean, WINDOWS_1252), EUC_KR);
+        assert_eq!(said(&[b"\x80\x81".to_vec()], SHIFT_JIS), SHIFT_JIS);
+        assert_eq!(said(&[b"ELEV".to_vec()], SHIFT_JIS), SHIFT_JIS);
     }
 }

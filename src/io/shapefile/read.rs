@@ -23,9 +23,12 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let dbf_path = companion(path, "dbf");
     let label = read_text(&companion(path, "cpg"))?;
     let mut attributes = match dbf_path.exists() {
-        true => Some(dbf::Reader::open(&dbf_path, label.as_deref())?),
+        true => Some(dbf::Reader::open(&dbf_path, label.as_deref(), request.elevation_field)?),
         false => None,
     };
+    if attributes.as_ref().is_some_and(|reader| !reader.is_sure) {
+        table.fields_note = Some(encoding_note(path));
+    }
     let fields: Vec<usize> = match &attributes {
         Some(reader) => reader.names.clone().iter().map(|name| table.field(name)).collect(),
         None => Vec::new(),
@@ -66,6 +69,15 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         None => table.crs_problem = Some("the shapefile has no .prj file beside it".to_owned()),
     }
     Ok(table)
+}
+
+/// How to name the encoding of a shapefile, as the end of a message about its fields.
+fn encoding_note(path: &Path) -> String {
+    format!(
+        "; the file does not say in which encoding the names are: write it into {}, for instance EUC-KR, GBK, Big5, Shift_JIS \
+         or 1251",
+        path.with_extension("cpg").display()
+    )
 }
 
 fn mismatch(path: &Path, shapes: &str, records: u32) -> Error {

@@ -63,7 +63,7 @@ class Dem:
 
     @staticmethod
     def read(path: str | os.PathLike[str]) -> Dem:
-        """Reads a height map: .tif, .asc, .exr, .png, or 基盤地図情報.
+        """Reads a height map: .tif, .asc, .exr, .png, .xyz, or 基盤地図情報.
 
         >>> tokosen.dem(tokosen.example(), cell=10).to_file(folder / "hill.tif")
         >>> tokosen.Dem.read(folder / "hill.tif").values.shape

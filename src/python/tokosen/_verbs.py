@@ -360,7 +360,7 @@ def compare(
     return Comparison(made)
 
 
-RASTERS = (".tif", ".tiff", ".asc", ".exr", ".png")
+RASTERS = (".tif", ".tiff", ".asc", ".exr", ".png", ".xyz")
 
 
 def _side(what: str, given: Any) -> Any:

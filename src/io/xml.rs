@@ -1,4 +1,4 @@
-//! The events of one XML document. The parts that all readers share are here: errors that name the document, a check
+//! The events of one XML document: 基盤地図情報, GML, KML. The parts that all readers share are here: errors that name the document, a check
 //! that the document is complete, and texts in the declared encoding.
 
 use std::io::BufRead;
@@ -15,11 +15,11 @@ use crate::base::error::{Cause, Error, Result};
 const MAX_DEPTH: usize = 100;
 
 /// The attributes that a reader may ask for, by their local names.
-const ATTRIBUTES: [&str; 3] = ["srsName", "srsDimension", "order"];
+const ATTRIBUTES: [&str; 5] = ["srsName", "srsDimension", "order", "name", "orientation"];
 
 /// The next event of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Step {
+pub(in crate::io) enum Step {
     /// An element begins.
     Start,
     /// An element ends.
@@ -31,7 +31,7 @@ pub(super) enum Step {
 }
 
 /// A document that is read from start to end.
-pub(super) struct Xml<'a, 's> {
+pub(in crate::io) struct Xml<'a, 's> {
     reader: Reader<&'a mut DocumentReader<'s>>,
     buffer: Vec<u8>,
     encoding: &'static Encoding,
@@ -191,7 +191,7 @@ impl<'a, 's> Xml<'a, 's> {
 }
 
 /// The error for a document that cannot be read to its end.
-pub(super) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
+pub(in crate::io) fn unreadable(path: &Path, cause: impl Into<Cause>) -> Error {
     Error::file_cause(path, "it cannot be read to its end", cause)
 }
 
@@ -219,7 +219,7 @@ fn attributes(start: &BytesStart<'_>) -> [Option<String>; ATTRIBUTES.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::gsi::meter::LimitedReader;
+    use crate::io::meter::LimitedReader;
 
     fn steps(text: &[u8]) -> Result<Vec<String>> {
         let mut bytes = text;

@@ -1,7 +1,10 @@
 //! The coordinate reference system in a GeoTIFF: the GeoKey directory, written and read.
 //!
 //! An EPSG code is one key. A system that only has well-known text is written as a citation that starts with `ESRI PE
-//! String = `, together with the model type "user-defined". GDAL and QGIS look for the text in this form.
+//! String = `, together with the model type "user-defined". GDAL and QGIS look for the text in this form. Systems that other
+//! programs describe by keys for the projection and its parameters are read ([`user_defined`]), and written as such a text.
+
+mod user_defined;
 
 use crate::base::ElevationUnit;
 use crate::crs::{Crs, CrsKind, epsg_name, vertical_unit};
@@ -26,17 +29,21 @@ const USER_DEFINED: u16 = 32767;
 /// The placement refers to the corners of cells.
 const AREA: [u16; 4] = [RASTER_TYPE, 0, 1, RASTER_PIXEL_IS_AREA];
 
+/// The tag that holds a key's numbers.
+const DOUBLE_PARAMS: u16 = 34736;
 /// The tag that holds a key's text.
 const ASCII_PARAMS: u16 = 34737;
 const PE_STRING: &str = "ESRI PE String = ";
 
-/// A GeoKey directory and the texts it points into.
+/// A GeoKey directory, and the texts and numbers it points into.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct GeoKeys {
     /// The header and four numbers per key.
     pub directory: Vec<u16>,
     /// The texts, each ended by a bar.
     pub ascii: String,
+    /// The numbers. None are written.
+    pub doubles: Vec<f64>,
 }
 
 impl GeoKeys {
@@ -87,6 +94,13 @@ impl GeoKeys {
         let [_, _, count, start] = *self.entries().find(|e| e[0] == key && e[1] == ASCII_PARAMS)?;
         let (start, count) = (usize::from(start), usize::from(count));
         self.ascii.get(start..start + count).map(|text| text.trim_end_matches(['|', '\0', ' ']))
+    }
+
+    /// The numbers of a key.
+    fn doubles(&self, key: u16) -> Option<&[f64]> {
+        let [_, _, count, start] = *self.entries().find(|e| e[0] == key && e[1] == DOUBLE_PARAMS)?;
+        let (start, count) = (usize::from(start), usize::from(count));
+        self.doubles.get(start..start + count)
     }
 
     fn entries(&self) -> impl Iterator<Item = &[u16; 4]> {
@@ -176,8 +190,8 @@ mod tests {
     fn broken_directories_name_no_system() {
         for directory in [vec![], vec![1, 1, 0], vec![1, 1, 0, 9, 3072, 0, 1], vec![1, 1, 0, 1, 3073, 34737, 900, 900]]
         {
-            let keys = GeoKeys { directory, ascii: "ESRI PE String".into() };
-            assert_eq!(keys.crs(), None);
+            let keys = GeoKeys { directory, ascii: "ESRI PE String".into(), doubles: vec![1.0] };
+            assert_eq!((keys.crs(), keys.described()), (None, None));
             assert!(!keys.pixel_is_point());
         }
     }
