@@ -237,8 +237,12 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u6
     // No line touches or overlaps itself any more, so all contacts are conflicts.
     let mut conflicts: Vec<_> = contacts.iter().collect();
     let mut faults = Vec::new();
+    let mut changed = None;
     for _ in 0..STRAY_ROUNDS {
-        let Some(straight) = strays::leave_out(&Segments::new(&lines)?, &conflicts, params.separation) else { break };
+        let segments = Segments::new(&lines)?;
+        let straight = strays::leave_out(&segments, &conflicts, changed.as_deref(), params.separation);
+        let Some(straight) = straight else { break };
+        changed = Some(straight.changed);
         lines = straight.lines;
         removed.extend(straight.removed);
         faults.extend(straight.findings);

@@ -21,7 +21,7 @@ use super::stretch::{MOST, Stretch, stretches};
 use crate::base::error::{Finding, FindingKind};
 use crate::base::parallel;
 use crate::contour::Contour;
-use crate::geometry::{Bounds, Meeting, Segment, meeting, point_distance};
+use crate::geometry::{Bounds, BoxTree, Meeting, OrientedBox, Segment, meeting, point_distance};
 
 /// Passes over the stretches whose straight piece meets nothing. What blocks one stretch may be removed with the next.
 const PASSES: usize = 3;
@@ -44,6 +44,8 @@ pub(super) struct Straightened {
     /// The pieces left out, each from the vertex before to the vertex after.
     pub(super) removed: Vec<Removed>,
     pub(super) findings: Vec<Finding>,
+    /// The places where lines have changed.
+    pub(super) changed: Vec<Bounds>,
 }
 
 /// Segments in conflict with each segment.
@@ -108,15 +110,21 @@ impl Choice {
     }
 }
 
-/// Leaves out vertices if conflicts end without them; `None` if there are no such vertices.
+/// Leaves out vertices if conflicts end without them; `None` if there are no such vertices. `changed` are the places that the
+/// round before has changed: only those around them are looked at again.
 ///
 /// Long because each stretch that is left out changes which others may be.
-pub(super) fn leave_out(segments: &Segments, conflicts: &[(u32, u32)], separation: f64) -> Option<Straightened> {
+pub(super) fn leave_out(
+    segments: &Segments,
+    conflicts: &[(u32, u32)],
+    changed: Option<&[Bounds]>,
+    separation: f64,
+) -> Option<Straightened> {
     if conflicts.is_empty() || conflicts.len() > FEW.max((SHARE * segments.len() as f64) as usize) {
         return None;
     }
     let opponents = Opponents::new(segments, conflicts);
-    let mut rest = choices(segments, &opponents, separation);
+    let mut rest = choices(segments, &opponents, changed, separation);
     let mut gone = vec![false; segments.len()];
     let mut left: Vec<u32> = segments.lines().iter().map(|line| vertex_count(&line.points) as u32).collect();
     let mut taken: Vec<(Stretch, Finding)> = Vec::new();
@@ -156,11 +164,13 @@ pub(super) fn leave_out(segments: &Segments, conflicts: &[(u32, u32)], separatio
         return None;
     }
     taken.sort_by_key(|(stretch, _)| (stretch.line, stretch.from));
-    let removed = taken
-        .iter()
-        .map(|(stretch, _)| Removed::new(&segments.lines()[stretch.line as usize], stretch.way(segments), Why::Strays));
+    let removed = |(stretch, _): &(Stretch, Finding)| {
+        Removed::new(&segments.lines()[stretch.line as usize], stretch.way(segments), Why::Strays)
+    };
+    let removed: Vec<Removed> = taken.iter().map(removed).collect();
     Some(Straightened {
-        removed: removed.collect(),
+        changed: removed.iter().map(|removed| Bounds::around(&removed.way)).collect(),
+        removed,
         lines: without(segments.lines(), &taken),
         findings: taken.into_iter().map(|(_, finding)| finding).collect(),
     })
@@ -171,7 +181,7 @@ fn vertex_count(points: &[DVec2]) -> usize {
 }
 
 /// The stretches that may be left out, the one that changes the ground least first.
-fn choices(segments: &Segments, opponents: &Opponents, separation: f64) -> Vec<Choice> {
+fn choices(segments: &Segments, opponents: &Opponents, changed: Option<&[Bounds]>, separation: f64) -> Vec<Choice> {
     let may_go = |stretch: &Stretch| {
         let points = &segments.lines()[stretch.line as usize].points;
         vertex_count(points) >= FEWEST_LEFT * (stretch.count as usize - 1)
@@ -180,14 +190,34 @@ fn choices(segments: &Segments, opponents: &Opponents, separation: f64) -> Vec<C
     all.retain(may_go);
     let runs = segments.runs();
     let blocks: Vec<&[Stretch]> = all.chunk_by(|a, b| (a.line, a.from / BLOCK) == (b.line, b.from / BLOCK)).collect();
-    let met = parallel::flat_map_each(&blocks, |block| {
-        let near = Near::new(block, segments, &runs, separation);
-        block.iter().map(|stretch| near.met(stretch, segments, separation)).collect::<Vec<_>>()
+    let changed = changed
+        .map(|boxes| BoxTree::new(&boxes.iter().map(|b| OrientedBox::upright(b.min, b.max)).collect::<Vec<_>>()));
+    let mut all = parallel::flat_map_each(&blocks, |block| {
+        let reach = reach(block, segments, separation);
+        // What was no choice before is none now if nothing around it has changed.
+        let has_changed = |tree: &BoxTree| tree.near(OrientedBox::upright(reach.min, reach.max)).next().is_some();
+        if !changed.as_ref().is_none_or(has_changed) {
+            return Vec::new();
+        }
+        let near = Near::new(&reach, segments, &runs);
+        let choice = |stretch: &Stretch| {
+            let met = near.met(stretch, segments, separation);
+            Choice::new(*stretch, opponents, segments, met)
+        };
+        block.iter().map(choice).collect()
     });
-    let all = all.into_iter().zip(met).map(|(stretch, met)| Choice::new(stretch, opponents, segments, met));
-    let mut all: Vec<Choice> = all.collect();
     all.par_sort_unstable_by(Choice::compare);
     all
+}
+
+/// The box around some stretches of one line, in their order, with a margin.
+fn reach(stretches: &[Stretch], segments: &Segments, separation: f64) -> Bounds {
+    let first = stretches[0];
+    let points = &segments.lines()[first.line as usize].points;
+    // The line reaches no further than the longest stretch after the last start.
+    let last = stretches[stretches.len() - 1].from - first.from + MOST as u32 + 1;
+    let places = (0..=last as usize).filter_map(|k| points.get(first.index(points, k)).copied());
+    Bounds::around(&places.collect::<Vec<_>>()).grown(2.0 * separation)
 }
 
 /// A segment near some stretches.
@@ -202,20 +232,14 @@ struct Neighbour {
 struct Near(Vec<Neighbour>);
 
 impl Near {
-    fn new(stretches: &[Stretch], segments: &Segments, runs: &Runs, separation: f64) -> Self {
-        let first = stretches[0];
-        let points = &segments.lines()[first.line as usize].points;
-        // The line reaches no further than the longest stretch after the last start.
-        let last = stretches[stretches.len() - 1].from - first.from + MOST as u32 + 1;
-        let ends = (0..=last as usize).filter_map(|k| points.get(first.index(points, k)).copied());
-        let reach = Bounds::around(&ends.collect::<Vec<_>>()).grown(2.0 * separation);
+    fn new(reach: &Bounds, segments: &Segments, runs: &Runs) -> Self {
         let mut near: Vec<Neighbour> = Vec::new();
-        for run in runs.near(&reach).map(|run| &runs.runs[run as usize]) {
+        for run in runs.near(reach).map(|run| &runs.runs[run as usize]) {
             let line = &segments.lines()[run.line as usize].points;
             near.extend((run.from..run.to).filter_map(|number| {
                 let segment = Segment { a: line[number as usize], b: line[number as usize + 1] };
                 let bounds = segment.bounds();
-                bounds.meets(&reach).then_some(Neighbour { line: run.line, number, segment, bounds })
+                bounds.meets(reach).then_some(Neighbour { line: run.line, number, segment, bounds })
             }));
         }
         Self(near)

@@ -11,7 +11,7 @@ use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, WantedCells};
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
@@ -77,7 +77,7 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let diagnostics = args.diagnostics.open()?;
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
-    let mut input = job.read_part(&args.part)?;
+    let mut input = job.read_part(&args.part, Some(WantedCells { grid: &output.grid, frame: &args.surface.frame }))?;
     args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),

@@ -17,7 +17,7 @@ use super::compare::{draw, open_page, summarise};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, WantedCells};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
 use super::output::{self, DemOutput, HeightMapArgs};
@@ -114,13 +114,13 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let mut findings = Vec::new();
     let reference = Reference::open(args, &mut findings, console)?;
 
-    let mut input = job.read_part(&args.part)?;
+    let grid = dem_output.as_ref().map(|output| &output.grid);
+    let wanted = grid.map(|grid| WantedCells { grid, frame: &args.surface.frame });
+    let mut input = job.read_part(&args.part, wanted)?;
     input.findings.append(&mut findings);
     let back = args.levels.to_crs.way(&input.reprojection, unit)?;
-    let options = Options {
-        uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth, unit)?
-    };
+    let options =
+        Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let params = LayerParams {
         targets: targets.clone(),

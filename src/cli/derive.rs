@@ -19,7 +19,7 @@ use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::flow::{FlowArgs, FlowOutputs};
-use super::input::InputArgs;
+use super::input::{InputArgs, WantedCells};
 use super::job::build;
 use super::light::LightArgs;
 use super::output::{self, CogArgs, GridArgs, extension};
@@ -269,8 +269,9 @@ impl DeriveArgs {
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let mut input = self.input.read_part(Some(&self.part), console)?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
+        let wanted = WantedCells { grid: &grid, frame: &self.surface.frame };
+        let mut input = self.input.read_part(Some(&self.part), Some(wanted), console)?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         self.base.add_to(&mut input, console)?;
         let options = Options {

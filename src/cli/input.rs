@@ -1,16 +1,18 @@
 //! The arguments about the input: the map, and how its lines are prepared.
 
 use clap::Args;
-use tokosen::Input;
 use tokosen::resample::{Fitted, Sampled};
 use tokosen::terrain::Preparation;
+use tokosen::{GridSpec, Input};
 
 use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::map::MapArgs;
+use super::memory;
 use super::part::PartArgs;
 use super::summary;
+use super::surface::FrameArgs;
 
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
@@ -27,6 +29,13 @@ pub struct InputArgs {
     pub sample: Option<f64>,
 }
 
+/// The cells that a height map is wanted at, and the frame around them.
+#[derive(Debug, Clone, Copy)]
+pub struct WantedCells<'a> {
+    pub grid: &'a GridSpec,
+    pub frame: &'a FrameArgs,
+}
+
 impl InputArgs {
     /// The first flag that applies to contours, if one is given; a run without contours must not ignore it.
     pub fn about_contours(&self) -> Option<&'static str> {
@@ -36,15 +45,25 @@ impl InputArgs {
 
     /// Reads and prepares the map.
     pub fn read(&self, console: &Console) -> Result<Input, Failure> {
-        self.read_part(None, console)
+        self.read_part(None, None, console)
     }
 
-    /// Reads and prepares a part of the map, if one is given.
-    pub fn read_part(&self, part: Option<&PartArgs>, console: &Console) -> Result<Input, Failure> {
+    /// Reads and prepares a part of the map, if one is given. Refuses a height map that is too large before the
+    /// preparation.
+    pub fn read_part(
+        &self,
+        part: Option<&PartArgs>,
+        wanted: Option<WantedCells<'_>>,
+        console: &Console,
+    ) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
         part.map(|part| part.add_to(&mut input)).transpose()?;
+        if let Some(WantedCells { grid, frame }) = wanted {
+            frame.add_to(&mut input)?;
+            input.check_room(grid, memory::available())?;
+        }
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));
         input.sampled.iter().for_each(|sampled| describe_sample(sampled, console));

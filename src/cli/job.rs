@@ -15,7 +15,7 @@ use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, WantedCells};
 use super::part::PartArgs;
 use super::surface::{SurfaceArgs, WaterArgs};
 use super::{output, summary};
@@ -55,9 +55,9 @@ impl<'a> Job<'a> {
         self.args.read(self.console)
     }
 
-    /// Reads and prepares a part of the contours, if one is given.
-    pub fn read_part(&self, part: &PartArgs) -> Result<Input, Failure> {
-        self.args.read_part(Some(part), self.console)
+    /// Reads and prepares a part of the contours, if one is given, for a height map of these cells.
+    pub fn read_part(&self, part: &PartArgs, wanted: Option<WantedCells<'_>>) -> Result<Input, Failure> {
+        self.args.read_part(Some(part), wanted, self.console)
     }
 
     /// Builds the surface between them.

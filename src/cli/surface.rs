@@ -218,6 +218,8 @@ impl FrameArgs {
     /// Sets the frame of an input; reads the boundary polygon if there is one.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         match &self.frame {
+            // It was read already for a height map.
+            FrameArg::File(_) if matches!(input.frame, Frame::Polygon(_)) => {}
             FrameArg::File(source) => input.read_boundary(source)?,
             FrameArg::Hull => input.frame = Frame::Hull,
             FrameArg::Box => input.frame = Frame::Box,

@@ -18,16 +18,21 @@ use crate::tin::Tin;
 /// Makes the sea level and the land beside it higher. `coast` are the levels of coasts, metres; their contours and those of
 /// the map at these levels are the coast. `tin` holds the map's contours before all other points.
 ///
-/// Coasts with one kind on both sides, and contours in the sea, are findings.
-pub(crate) fn with_coast(regions: &mut Regions, tin: &Tin, map: &ContourMap, coast: &[f64]) -> Vec<Finding> {
-    let mut findings = Vec::new();
+/// Coasts with one kind on both sides are findings, and so are contours in the sea, by their numbers in the map.
+pub(crate) fn with_coast(
+    regions: &mut Regions,
+    tin: &Tin,
+    map: &ContourMap,
+    coast: &[f64],
+) -> (Vec<Finding>, BTreeMap<u32, Finding>) {
+    let (mut findings, mut in_sea) = (Vec::new(), BTreeMap::new());
     for &level in coast {
         let shores = Shores::new(regions, tin, level);
         findings.extend(contradictions(regions, tin, level, &shores.kinds));
-        findings.extend(astray(regions, tin, map, level, &shores).into_values());
+        in_sea.extend(astray(regions, tin, map, level, &shores));
         (0..regions.regions.len()).for_each(|r| settle(regions, r, level, &shores));
     }
-    findings
+    (findings, in_sea)
 }
 
 /// Takes contours in the sea for what they are: without them the ground around is the sea, and the ground across its coasts
@@ -209,7 +214,7 @@ mod tests {
         let (island, lagoon, islet) = (ring(40.0, 0.0, 20.0), ring(-45.0, 0.0, 15.0), ring(-45.0, 0.0, 5.0));
         let (map, tin, mut found) =
             map(&[(0.0, &coast), (10.0, &hills), (0.0, &island), (0.0, &lagoon), (0.0, &islet)]);
-        let findings = with_coast(&mut found, &tin, &map, &[0.0]);
+        let (findings, _) = with_coast(&mut found, &tin, &map, &[0.0]);
         assert!(findings.is_empty(), "{findings:?}");
         let found = with_water(found, &tin, &[], None);
         let at = |x: f64| water(&tin, &found, (x, 1.0));
@@ -222,7 +227,7 @@ mod tests {
         let coast = [(-20.0, -100.0), (-20.0, 100.0)];
         let [hills, others] = [-70.0, 60.0].map(|x| [(x, -100.0), (x, 100.0)]);
         let (map, tin, mut found) = map(&[(0.0, &coast), (10.0, &hills), (10.0, &others)]);
-        let findings = with_coast(&mut found, &tin, &map, &[0.0]);
+        let (findings, _) = with_coast(&mut found, &tin, &map, &[0.0]);
         let [finding] = &findings[..] else { panic!("{findings:?}") };
         assert!(finding.message.contains("land on both sides") && finding.message.contains("200"), "{finding}");
         assert!(finding.place.is_some_and(|p| p.x == -20.0));
@@ -240,9 +245,9 @@ mod tests {
     }
 
     /// Features of the contours in the sea.
-    fn told(findings: &[Finding]) -> Vec<u64> {
-        assert!(findings.iter().all(|f| f.kind == FindingKind::ContourInSea && f.place.is_some()), "{findings:?}");
-        findings.iter().map(|f| f.features[0].number()).collect()
+    fn told(findings: &BTreeMap<u32, Finding>) -> Vec<u64> {
+        assert!(findings.values().all(|f| f.kind == FindingKind::ContourInSea && f.place.is_some()), "{findings:?}");
+        findings.values().map(|f| f.features[0].number()).collect()
     }
 
     #[test]
@@ -260,11 +265,11 @@ mod tests {
         for (others, features) in cases {
             for by_level in [false, true] {
                 let (map, tin, mut found) = islands(others);
-                let findings = match by_level {
+                let (findings, in_sea) = match by_level {
                     false => with_coast(&mut found, &tin, &map, &[0.0]),
-                    true => with_open_sea(&mut found, &tin, &map, 0.0).into_values().collect(),
+                    true => (Vec::new(), with_open_sea(&mut found, &tin, &map, 0.0)),
                 };
-                assert_eq!(told(&findings), features);
+                assert_eq!((findings, told(&in_sea)), (Vec::new(), features.to_vec()));
                 let found = with_water(found, &tin, &[], Some(0.0));
                 let at = |x: f64, y: f64| {
                     let t = tin.locate(0, DVec2::new(x, y) - tin.origin).unwrap();
@@ -290,7 +295,7 @@ mod tests {
         for others in [&[(-10.0, &deep[..])], &[(-10.0, &across[..])]] {
             let (map, tin, mut found) = islands(others);
             let before = found.regions.clone();
-            assert!(with_coast(&mut found, &tin, &map, &[0.0]).is_empty());
+            assert_eq!(with_coast(&mut found, &tin, &map, &[0.0]), (Vec::new(), BTreeMap::new()));
             let sea = found.region(tin.locate(0, DVec2::new(0.0, 5.0) - tin.origin).unwrap()).unwrap();
             assert_eq!((sea.water, sea.band), (None, Band { lo: -10.0, hi: 0.0 }));
             found.regions = before.clone();
@@ -305,7 +310,8 @@ mod tests {
         let hills = [(-70.0, -100.0), (-70.0, 100.0)];
         let (lagoon, islet) = (ring(-45.0, 0.0, 15.0), ring(50.0, 0.0, 8.0));
         let (map, tin, mut found) = map(&[(0.0, &coast), (10.0, &hills), (0.0, &lagoon), (10.0, &islet)]);
-        assert_eq!(told(&with_coast(&mut found, &tin, &map, &[0.0])), [4]);
+        let (findings, in_sea) = with_coast(&mut found, &tin, &map, &[0.0]);
+        assert_eq!((findings, told(&in_sea)), (Vec::new(), vec![4]));
         let at = |x: f64| water(&tin, &found, (x, 1.0));
         assert_eq!([at(-90.0), at(-65.0), at(50.0)], [None; 3], "land and islet");
         assert_eq!([at(-45.0), at(0.0), at(90.0)], [Some(0.0); 3], "lagoon and sea");

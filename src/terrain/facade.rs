@@ -57,6 +57,7 @@ impl Terrain {
     /// As [`Terrain::build`].
     pub fn build_with(input: &mut Input, options: &Options, progress: &dyn Progress) -> Result<Self> {
         if !input.is_prepared {
+            options.grid.iter().try_for_each(|grid| input.check_room(grid, options.memory))?;
             input.prepare(&options.preparation, progress)?;
         }
         let cells = options.cells(&input.reprojection)?;

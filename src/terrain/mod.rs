@@ -24,6 +24,7 @@ mod outline;
 mod part;
 mod plane;
 mod prepare;
+mod room;
 #[cfg(feature = "io")]
 mod sheets;
 #[cfg(all(test, feature = "io"))]
