@@ -182,7 +182,9 @@ fn a_contour_in_the_sea_makes_it_no_land_and_no_rock_water() {
             .map(|(x, y)| circle(5.0, x, y, 12.0))
             .into();
     for (others, count) in [(one(5.0), 1), (several, 6), (one(10.0), 1), (one(-5.0), 1)] {
-        for ((dem, said), (sound, _)) in with_sea(islands().into_iter().chain(others.clone()).collect()).iter().zip(&sound) {
+        for ((dem, said), (sound, _)) in
+            with_sea(islands().into_iter().chain(others.clone()).collect()).iter().zip(&sound)
+        {
             assert!(said.contains(&format!("contours in the sea: {count}")), "{said}");
             assert!(!said.contains("contours below the sea"), "{said}");
             for (x, y) in [(750.0, 250.0), (500.0, 600.0), (900.0, 300.0), (700.0, 450.0)] {

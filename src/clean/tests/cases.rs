@@ -412,8 +412,7 @@ fn a_vertex_that_strays_over_another_line_goes_instead_of_a_piece_of_that() {
 #[test]
 fn of_several_vertices_the_one_that_changes_the_ground_least_goes() {
     // A line that runs back along itself for a little, and then crosses itself.
-    let crossing =
-        [(-60, -300), (0, -100), (0, 0), (0, 74), (-28, 103), (62, -3), (102, 105), (60, 160), (0, 300)];
+    let crossing = [(-60, -300), (0, -100), (0, 0), (0, 74), (-28, 103), (62, -3), (102, 105), (60, 160), (0, 300)];
     let turned = |turn: fn((i32, i32)) -> (i32, i32)| crossing.map(turn);
     for points in [crossing, turned(|(x, y)| (y, x)), turned(|(x, y)| (-x, -y)), turned(|(x, y)| (y, -x))] {
         for reversed in [false, true] {
