@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::lakes::inner_circle;
 use crate::base::error::{Finding, FindingKind};
 use crate::contour::ContourMap;
-use crate::subdomains::{Regions, Side};
+use crate::subdomains::{Regions, Side, seas_with_contours};
 use crate::tin::Tin;
 
 /// Levels up to this far from 0 may be those of a coast, metres.
@@ -18,16 +18,24 @@ const LONG: f64 = 0.1;
 /// narrower places in the bends of every outermost contour.
 const WIDE: f64 = 1.0;
 
+/// Contours below the coast are all in the level sea if these are a larger share of them.
+const NEARLY_ALL: f64 = 0.999;
+
 /// The finding that the lowest level may be a coast: it is at about 0 m, and it is the only level around ground below it
-/// that reaches the frame and is wide.
+/// that reaches the frame and is wide. A few contours in the sea do not count.
 ///
 /// `tin` holds the map's contours before all other points.
 pub(crate) fn possible_sea(map: &ContourMap, tin: &Tin, regions: &Regions) -> Option<Finding> {
     let levels = || regions.regions.iter().flat_map(|region| region.levels.iter().map(|(level, _)| *level));
-    let lowest = levels().reduce(f64::min).filter(|lowest| lowest.abs() <= NEAR_ZERO)?;
+    let lowest = levels().filter(|level| level.abs() <= NEAR_ZERO).reduce(f64::min)?;
+    let has_contours = seas_with_contours(regions, tin, lowest);
+    let has_lower = levels().any(|level| level < lowest);
+    if has_lower && !are_in(&has_contours, tin, regions, lowest) {
+        return None;
+    }
     let is_below = |k: u32| {
         let region = &regions.regions[k as usize];
-        region.water.is_none() && region.levels[..] == [(lowest, Side::Below)]
+        region.water.is_none() && (has_contours[k as usize] || region.levels[..] == [(lowest, Side::Below)])
     };
     let mut found = vec![Beyond::default(); regions.regions.len()];
     let mut map_area = 0.0;
@@ -48,12 +56,26 @@ pub(crate) fn possible_sea(map: &ContourMap, tin: &Tin, regions: &Regions) -> Op
         return None;
     }
     let share = 100.0 * area / map_area;
+    let what = if has_lower { "only single contours lie" } else { "nothing lies" };
     let message = format!(
-        "contour {lowest} may be the coast: nothing lies below it, and the ground beyond it, {share:.1} % of the map, reaches \
+        "contour {lowest} may be the coast: {what} below it, and the ground beyond it, {share:.1} % of the map, reaches \
          the frame"
     );
     let place = tin.origin + widest.largest.1;
     Some(Finding::at(FindingKind::MayBeSea, place, message).of_elevations([lowest]))
+}
+
+/// Whether the contours below a level are on the border of some sub-domains.
+fn are_in(some: &[bool], tin: &Tin, regions: &Regions, level: f64) -> bool {
+    let (mut all, mut inside) = (0.0, 0.0);
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
+        let is_in = some[regions.of_triangle[t as usize] as usize];
+        for i in (0..3).filter(|&i| tin.contour_level(t, i).is_some_and(|of| of < level)) {
+            all += tin.edge_length(t, i) / 2.0;
+            inside += if is_in { tin.edge_length(t, i) } else { 0.0 };
+        }
+    }
+    inside > NEARLY_ALL * all
 }
 
 /// Ground below the lowest level.

@@ -4,7 +4,7 @@
 //! 1. Bad points are removed.
 //! 2. Levels that differ only by rounding are united.
 //! 3. Each line is brought to its standard form.
-//! 4. Lines that touch themselves are split.
+//! 4. Ends that overrun their own line are trimmed. Lines that touch themselves are split.
 //! 5. Duplicate lines are removed.
 //! 6. Ends are joined.
 //! 7. Stray vertices, which make a line cross another one, are removed.
@@ -23,12 +23,14 @@ mod faults;
 mod join;
 mod levels;
 mod nodes;
+mod overruns;
 mod points;
 mod removed;
 mod segments;
 mod split;
 mod spots;
 mod strays;
+mod stretch;
 #[cfg(test)]
 mod tests;
 
@@ -215,7 +217,7 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u6
     let Report { value: mut lines, mut findings } = points::drop_bad(contours);
     levels::unite(&mut lines);
     let mut removed = Vec::new();
-    let lines = canonical::sort_unique(simple(lines, &mut removed), &mut findings);
+    let lines = canonical::sort_unique(simple(lines, params, &mut removed), &mut findings);
 
     let joined = join_where_free(lines, params, apart)?;
     findings.extend(joined.findings);
@@ -226,7 +228,7 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u6
         let split = nodes::insert(lines, &contacts.own)?;
         let from = removed.len();
         lines = split.unchanged;
-        lines.extend(simple(split.changed, &mut removed));
+        lines.extend(simple(split.changed, params, &mut removed));
         findings.extend(nodes::findings(&split.new, &removed[from..]));
         lines = canonical::sort_unique(lines, &mut findings);
         contacts = contacts::find(&Segments::new(&lines)?, params.separation)?;
@@ -235,8 +237,12 @@ fn clean_lines(contours: Vec<Contour>, params: &CleanParams, apart: &HashSet<[u6
     // No line touches or overlaps itself any more, so all contacts are conflicts.
     let mut conflicts: Vec<_> = contacts.iter().collect();
     let mut faults = Vec::new();
+    let mut changed = None;
     for _ in 0..STRAY_ROUNDS {
-        let Some(straight) = strays::leave_out(&Segments::new(&lines)?, &conflicts, params.separation) else { break };
+        let segments = Segments::new(&lines)?;
+        let straight = strays::leave_out(&segments, &conflicts, changed.as_deref(), params.separation);
+        let Some(straight) = straight else { break };
+        changed = Some(straight.changed);
         lines = straight.lines;
         removed.extend(straight.removed);
         faults.extend(straight.findings);
@@ -277,7 +283,7 @@ fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams, apart: &HashSe
         let join::Joined { unchanged, joined, connectors } = join::join(pieces, params.snap, apart, &in_the_way);
         let (mut findings, mut removed) = (Vec::new(), Vec::new());
         let mut all = unchanged;
-        all.extend(simple(joined, &mut removed));
+        all.extend(simple(joined, params, &mut removed));
         let all = canonical::sort_unique(all, &mut findings);
         let segments = Segments::new(&all)?;
         let contacts = contacts::find(&segments, params.separation)?;
@@ -298,10 +304,11 @@ fn join_where_free(mut lines: Vec<Contour>, params: &CleanParams, apart: &HashSe
     }
 }
 
-/// The lines in standard form, split where they touch themselves.
-fn simple(mut lines: Vec<Contour>, removed: &mut Vec<Removed>) -> Vec<Contour> {
+/// The lines in standard form, without overruns, split where they touch themselves.
+fn simple(mut lines: Vec<Contour>, params: &CleanParams, removed: &mut Vec<Removed>) -> Vec<Contour> {
     parallel::update(&mut lines, |_, line| canonical::normalise(&mut line.points));
-    let split: Vec<split::Split> = lines.into_par_iter().map(split::at_repeated_vertices).collect();
+    let near = params.snap.max(params.separation);
+    let split: Vec<split::Split> = lines.into_par_iter().map(|line| trimmed_and_split(line, near)).collect();
     let mut simple = Vec::with_capacity(split.len());
     let from = removed.len();
     for part in split {
@@ -310,4 +317,15 @@ fn simple(mut lines: Vec<Contour>, removed: &mut Vec<Removed>) -> Vec<Contour> {
     }
     removed[from..].sort_by(Removed::compare);
     simple
+}
+
+fn trimmed_and_split(line: Contour, near: f64) -> split::Split {
+    let mut overruns = Vec::new();
+    let mut line = overruns::trim(line, near, &mut overruns);
+    if !overruns.is_empty() {
+        canonical::normalise(&mut line.points);
+    }
+    let mut split = split::at_repeated_vertices(line);
+    split.spikes.extend(overruns);
+    split
 }

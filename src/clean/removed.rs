@@ -24,6 +24,10 @@ pub(super) enum Why {
     Spike,
     /// The whole line runs there and straight back. One of the two runs stays.
     Doubled,
+    /// The line goes on over itself at an end. The other run stays.
+    Overrun,
+    /// The ends of the line overlap. It is closed at its first vertex, which lies on the piece.
+    Overlap,
     /// It meets another segment. The findings about the place report it.
     Meets,
     /// Its inner vertices are stray vertices, and a straight piece replaces it. The findings about the place report it.
@@ -70,6 +74,14 @@ impl Removed {
         let length: f64 = self.way.windows(2).map(|w| w[0].distance(w[1])).sum();
         let message = match self.why {
             Why::Meets | Why::Strays => return None,
+            Why::Overrun => format!(
+                "the contour {elevation} m (feature {feature}) goes on over itself at an end, for {length:.3} map units; only \
+                 one of the two runs was kept"
+            ),
+            Why::Overlap => format!(
+                "the two ends of the contour {elevation} m (feature {feature}) overlap by {:.3} map units; the ring was closed",
+                self.way.windows(2).next_back().map_or(0.0, |w| w[0].distance(w[1]))
+            ),
             Why::Spike => format!(
                 "the contour {elevation} m (feature {feature}) runs to a point and straight back; the spike, {length:.3} map \
                  units long, was left out"
@@ -79,7 +91,11 @@ impl Removed {
                  one of the two runs was kept"
             ),
         };
+        let kind = match self.why {
+            Why::Overrun | Why::Overlap => FindingKind::OverlappingLines,
+            _ => FindingKind::Spike,
+        };
         let tip = self.way.first().copied();
-        Some(Finding::new(FindingKind::Spike, tip, message).about(feature, elevation))
+        Some(Finding::new(kind, tip, message).about(feature, elevation))
     }
 }

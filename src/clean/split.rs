@@ -17,7 +17,7 @@ use crate::contour::Contour;
 pub(super) struct Split {
     /// The lines and rings, each in standard form.
     pub(super) lines: Vec<Contour>,
-    /// The spikes that were left out.
+    /// The spikes and the overruns that were left out.
     pub(super) spikes: Vec<Removed>,
 }
 

@@ -11,7 +11,7 @@ use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output::{DemOutput, HeightMapArgs};
 use super::part::PartArgs;
@@ -79,7 +79,8 @@ pub fn run(args: &DemArgs, console: &Console) -> Result<(), Failure> {
     let output = DemOutput::open(&args.output, &args.height_map, crs, args.to_unit.unit())?;
 
     let sea = args.surface.water.sea_in_metres(args.to_unit.unit());
-    let mut input = job.read(&args.surface.frame, &args.part, sea)?;
+    let scope = Scope { part: Some(&args.part), sea, grid: Some(&output.grid), ..Scope::of(&args.surface.frame) };
+    let mut input = job.read(scope)?;
     args.base.add_to(&mut input, console)?;
     let options = Options {
         uncertainty: args.height_map.uncertainty(),

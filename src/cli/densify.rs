@@ -17,7 +17,7 @@ use super::compare::{draw, open_page, summarise};
 use super::console::Console;
 use super::diagnostics::DiagnosticsArgs;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::levels::{LevelsArgs, output_layers};
 use super::output::{self, DemOutput, HeightMapArgs};
@@ -109,13 +109,12 @@ pub fn run(args: &DensifyArgs, console: &Console) -> Result<(), Failure> {
     let reference = Reference::open(args, &mut findings, console)?;
 
     let sea = args.surface.water.sea_in_metres(unit);
-    let mut input = job.read(&args.surface.frame, &args.part, sea)?;
+    let grid = dem_output.as_ref().map(|output| &output.grid);
+    let mut input = job.read(Scope { part: Some(&args.part), sea, grid, ..Scope::of(&args.surface.frame) })?;
     input.findings.append(&mut findings);
     let back = args.levels.to_crs.way(&input.reprojection, unit)?;
-    let options = Options {
-        uncertainty: args.height_map.uncertainty(),
-        ..args.surface.options(dem_output.as_ref().map(|output| &output.grid), Triangles::Smooth, unit)?
-    };
+    let options =
+        Options { uncertainty: args.height_map.uncertainty(), ..args.surface.options(grid, Triangles::Smooth, unit)? };
     let mut terrain = job.build(&mut input, &args.surface, options)?;
     let params = LayerParams {
         targets: targets.clone(),

@@ -19,7 +19,7 @@ use super::base::{self, BaseArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::flow::{FlowArgs, FlowOutputs};
-use super::input::InputArgs;
+use super::input::{InputArgs, Scope};
 use super::job::build;
 use super::light::LightArgs;
 use super::output::{self, CogArgs, GridArgs, extension};
@@ -276,9 +276,11 @@ impl DeriveArgs {
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
-        let mut input = self.input.read(&self.surface.frame, Some(&self.part), self.surface.water.sea, console)?;
-        input.check_plane_unit().map_err(|error| summary::after_findings(error, &input.findings, console))?;
         let grid = self.grid.spec(self.to_crs.to_crs.as_ref())?;
+        let sea = self.surface.water.sea;
+        let scope = Scope { part: Some(&self.part), sea, grid: Some(&grid), ..Scope::of(&self.surface.frame) };
+        let mut input = self.input.read(scope, console)?;
+        input.check_plane_unit().map_err(|error| summary::after_findings(error, &input.findings, console))?;
         let source = HeightsFrom::Contours(find_interval(&input.map.contours).map(|interval| interval.step));
         self.base.add_to(&mut input, console)?;
         let options = Options {

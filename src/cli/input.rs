@@ -1,14 +1,15 @@
 //! The arguments about the input: the map, and how its lines are prepared.
 
 use clap::Args;
-use tokosen::Input;
 use tokosen::resample::{Fitted, Sampled};
 use tokosen::terrain::Preparation;
+use tokosen::{GridSpec, Input};
 
 use super::console::Console;
 use super::failure::Failure;
 use super::flags::first_given;
 use super::map::MapArgs;
+use super::memory;
 use super::part::PartArgs;
 use super::summary;
 use super::surface::FrameArgs;
@@ -28,6 +29,26 @@ pub struct InputArgs {
     pub sample: Option<f64>,
 }
 
+/// What is known of the job before the map is prepared.
+#[derive(Debug, Clone, Copy)]
+pub struct Scope<'a> {
+    /// Where the ground ends.
+    pub frame: &'a FrameArgs,
+    /// The part of the map that is written.
+    pub part: Option<&'a PartArgs>,
+    /// The level of the sea in metres.
+    pub sea: Option<f64>,
+    /// The cells of the height map.
+    pub grid: Option<&'a GridSpec>,
+}
+
+impl<'a> Scope<'a> {
+    /// The whole map inside a frame.
+    pub fn of(frame: &'a FrameArgs) -> Self {
+        Self { frame, part: None, sea: None, grid: None }
+    }
+}
+
 impl InputArgs {
     /// The first flag that applies to contours, if one is given; a run without contours must not ignore it.
     pub fn about_contours(&self) -> Option<&'static str> {
@@ -40,21 +61,15 @@ impl InputArgs {
         first_given(self.map.flags().chain(own).filter(|(_, flag)| Some(*flag) != but))
     }
 
-    /// Reads and prepares the map inside its frame, or a part of it, if one is given. `sea` is the level of the sea in metres,
-    /// if one is named.
-    pub fn read(
-        &self,
-        frame: &FrameArgs,
-        part: Option<&PartArgs>,
-        sea: Option<f64>,
-        console: &Console,
-    ) -> Result<Input, Failure> {
+    /// Reads and prepares the map. A height map that is too large is refused before the preparation.
+    pub fn read(&self, scope: Scope<'_>, console: &Console) -> Result<Input, Failure> {
         let params = Preparation { fit: self.fit, sample: self.sample, ..self.map.preparation() };
         params.check()?;
         let mut input = self.map.read(console)?;
-        sea.into_iter().for_each(|level| input.expect_level(level));
-        frame.add_to(&mut input)?;
-        part.map(|part| part.add_to(&mut input)).transpose()?;
+        scope.sea.into_iter().for_each(|level| input.expect_level(level));
+        scope.frame.add_to(&mut input)?;
+        scope.part.map(|part| part.add_to(&mut input)).transpose()?;
+        scope.grid.map(|grid| input.check_room(grid, memory::available())).transpose()?;
         let prepared = input.prepare(&params, console);
         input.fitted.iter().for_each(|fitted| describe_fit(fitted, console));
         input.sampled.iter().for_each(|sampled| describe_sample(sampled, console));

@@ -16,9 +16,8 @@ use tokosen::{Input, Options, Terrain};
 
 use super::console::Console;
 use super::failure::Failure;
-use super::input::InputArgs;
-use super::part::PartArgs;
-use super::surface::{FrameArgs, SurfaceArgs, WaterArgs};
+use super::input::{InputArgs, Scope};
+use super::surface::{SurfaceArgs, WaterArgs};
 use super::{output, summary};
 
 /// One run of a verb that reads contours.
@@ -51,10 +50,9 @@ impl<'a> Job<'a> {
         Ok(Self { console, args, picture: picture.map(StagedOutput::create).transpose()? })
     }
 
-    /// Reads and prepares the contours inside their frame, or a part of them, if one is given. `sea` is the level of the sea in
-    /// metres, if one is named.
-    pub fn read(&self, frame: &FrameArgs, part: &PartArgs, sea: Option<f64>) -> Result<Input, Failure> {
-        self.args.read(frame, Some(part), sea, self.console)
+    /// Reads and prepares the contours.
+    pub fn read(&self, scope: Scope<'_>) -> Result<Input, Failure> {
+        self.args.read(scope, self.console)
     }
 
     /// Builds the surface between them.

@@ -12,7 +12,7 @@ use tokosen::surface::Triangles;
 
 use super::console::Console;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::part::PartArgs;
 use super::surface::SurfaceArgs;
@@ -63,7 +63,8 @@ pub fn run(args: &MeshArgs, console: &Console) -> Result<(), Failure> {
     )?;
     let staged = StagedOutput::create(&args.output)?;
 
-    let mut input = job.read(&args.surface.frame, &args.part, args.surface.water.sea)?;
+    let mut input =
+        job.read(Scope { part: Some(&args.part), sea: args.surface.water.sea, ..Scope::of(&args.surface.frame) })?;
     let terrain =
         job.build(&mut input, &args.surface, args.surface.options(None, Triangles::Smooth, ElevationUnit::Metre)?)?;
     let model = terrain.mesh(&MeshParams { base: args.base })?;

@@ -12,7 +12,7 @@ use tokosen::tuning::SkeletonTuning;
 
 use super::console::Console;
 use super::failure::Failure;
-use super::input::InputArgs;
+use super::input::{InputArgs, Scope};
 use super::job::Job;
 use super::output;
 use super::part::PartArgs;
@@ -88,7 +88,8 @@ pub fn run(args: &SkeletonArgs, console: &Console) -> Result<(), Failure> {
     let staged = StagedOutput::create(&args.output)?;
 
     let unit = args.to_unit.unit();
-    let mut input = job.read(&args.frame, &args.part, args.water.sea_in_metres(unit))?;
+    let sea = args.water.sea_in_metres(unit);
+    let mut input = job.read(Scope { part: Some(&args.part), sea, ..Scope::of(&args.frame) })?;
     let back = args.to_crs.way(&input.reprojection, unit)?;
     args.water.add_to(&mut input)?;
     args.streams.add_to(&mut input)?;

@@ -220,6 +220,8 @@ impl FrameArgs {
     /// Sets the frame of an input; reads the boundary polygon if there is one.
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         match &self.frame {
+            // It was read already for a height map.
+            FrameArg::File(_) if matches!(input.frame, Frame::Polygon(_)) => {}
             FrameArg::File(source) => input.read_boundary(source)?,
             FrameArg::Auto => input.frame = Frame::Auto,
             FrameArg::Hull => input.frame = Frame::Hull,

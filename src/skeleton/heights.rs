@@ -99,7 +99,7 @@ fn heights_in<L: Borrow<BorderLevels>>(
     let map_slope = LazyLock::new(|| {
         let inside = (0..tin.len() as u32).filter(|&t| tin.is_inside(t));
         let all: Vec<(u32, u8)> = inside.flat_map(|t| borders(tin, t)).collect();
-        slope_outside(tin, &all, None).unwrap_or(0.0)
+        slope_outside((tin, regions), &all, None).unwrap_or(0.0)
     });
     // Only points with a level need it, and it takes time.
     let glimpse = points.iter().any(|point| point.level.is_some()).then(|| Glimpse::new(tin));
@@ -261,20 +261,20 @@ impl Ground<'_> {
             })
             .collect();
         let widest = distances.chain(spots.iter().map(|s| s.2)).fold(0.0f64, f64::max);
-        let slope = slope_outside(self.tin, borders, Some(level)).unwrap_or_else(self.map_slope);
+        let slope = slope_outside((self.tin, self.regions), borders, Some(level)).unwrap_or_else(self.map_slope);
         let share = if side == Side::Below { self.tuning.hollow_reach } else { self.tuning.top_reach };
         Cap::new(self.regions.beyond(level, side), side, widest, slope, share, spots)
     }
 }
 
 /// Mean slope just outside the border, at one level or at all: the interval divided by the mean width of the strip
-/// beyond. None where no triangle beyond reaches another level.
-fn slope_outside(tin: &Tin, borders: &[(u32, u8)], at: Option<f64>) -> Option<f64> {
+/// beyond. None where no triangle beyond reaches another level. Water has no slope, even if a contour stands in it.
+fn slope_outside((tin, regions): (&Tin, &Regions), borders: &[(u32, u8)], at: Option<f64>) -> Option<f64> {
     let (mut rise, mut run) = (0.0, 0.0);
     for &(t, i) in borders {
         let i = i as usize;
         let (Some(level), Some(n)) = (tin.border_level(t, i), tin.inner_neighbour(t, i)) else { continue };
-        if at.is_some_and(|at| at != level) {
+        if at.is_some_and(|at| at != level) || regions.region(n).is_some_and(|beyond| beyond.water.is_some()) {
             continue;
         }
         let Some(j) = tin.edge_towards(n, t) else { continue };

@@ -7,12 +7,12 @@ use glam::DVec2;
 use super::known::known_regions;
 use super::spots::spots_outside_bands;
 use super::water::{WaterBodies, lake_finding, leave_out_vanished};
-use crate::base::error::{Finding, Result};
+use crate::base::error::{Finding, FindingKind, Result};
 use crate::contour::{ContourMap, Interval};
 use crate::geometry::Border;
 use crate::subdomains::{
     FrameExtension, FrameRing, GapEdges, OpenEnd, Regions, agreeing_at_corners, close_gaps, contradicted_lakes,
-    with_coast, with_water,
+    with_coast, with_open_sea, with_water,
 };
 use crate::tin::{Tin, TinInput, Triangulation, VertexKind};
 
@@ -42,6 +42,8 @@ pub(super) struct Found {
     pub(super) tin: Tin,
     pub(super) regions: Regions,
     pub(super) gaps: GapEdges,
+    /// Numbers of the contours that are in the sea and do not belong there, ascending.
+    pub(super) lines_in_sea: Vec<u32>,
     /// Findings about the sub-domains.
     pub(super) findings: Vec<Finding>,
 }
@@ -89,8 +91,18 @@ impl Constraints {
             let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.water_bodies.mark(tin.with_gap_edges(&gaps.closures, &gaps.barriers));
             let (tin, mut report) = known_regions(tin, interval);
-            let of_coast = with_coast(&mut report.value, &tin, &self.coast);
+            let (of_coast, mut in_sea) = with_coast(&mut report.value, &tin, map, &self.coast);
             report.findings.extend(of_coast);
+            if let Some(sea) = self.sea.filter(|sea| !self.coast.contains(sea)) {
+                in_sea.extend(with_open_sea(&mut report.value, &tin, map, sea));
+                let is_known = |k: usize| map.contours[k].elevation >= sea || in_sea.contains_key(&(k as u32));
+                if !in_sea.is_empty() && (0..map.contours.len()).all(is_known) {
+                    // The ground between them and the coast becomes sea all the same.
+                    findings.retain(|finding| finding.kind != FindingKind::BelowSea);
+                }
+            }
+            let lines_in_sea = in_sea.keys().copied().collect();
+            report.findings.extend(in_sea.into_values());
             let heights = self.water_bodies.heights();
             let dry = contradicted_lakes(&tin, &report.value, &heights);
             let vanished = leave_out_vanished(&mut self.water_bodies, &tin);
@@ -105,7 +117,7 @@ impl Constraints {
             let regions = agreeing_at_corners(with_water(report.value, &tin, &heights, self.sea), &tin);
             let outside = spots_outside_bands(map, &tin, &regions);
             if outside.is_empty() {
-                return Ok(Found { triangulation, tin, regions, gaps, findings: report.findings });
+                return Ok(Found { triangulation, tin, regions, gaps, lines_in_sea, findings: report.findings });
             }
             for (spot, finding) in outside {
                 self.spots[spot] = false;

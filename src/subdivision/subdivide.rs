@@ -91,7 +91,7 @@ impl Prepared {
             (constraints.water_bodies, frame) = (water_bodies, with_ends);
             found = constraints.triangulated(&map, &frame, &ends, &interval, &mut findings)?;
         }
-        let Found { mut triangulation, tin, regions: sub_domains, gaps, findings: of_regions } = found;
+        let Found { mut triangulation, tin, regions: sub_domains, gaps, lines_in_sea, findings: of_regions } = found;
         findings.extend(of_regions);
         let ground = Ground {
             map: &map,
@@ -102,7 +102,10 @@ impl Prepared {
             extensions: &constraints.extensions,
             gaps: &gaps,
         };
-        let Judged { findings: of_labels, corrections, doubted } = judge(&ground);
+        let Judged { findings: of_labels, corrections, mut doubted } = judge(&ground);
+        doubted.extend(lines_in_sea);
+        doubted.sort_unstable();
+        doubted.dedup();
         findings.extend(of_labels);
         findings.extend(contradicted_marks(&map, &tin, &sub_domains));
         findings.extend(possible_lakes(&map, &tin, &sub_domains));

@@ -7,6 +7,7 @@ mod course;
 mod extensions;
 mod extent;
 mod frame;
+mod land;
 mod landforms;
 mod local;
 mod orient;
@@ -17,7 +18,7 @@ mod waters;
 
 pub use barriers::{GapEdges, close_gaps};
 pub use carried::{CarriedRegions, loose_frame_edges};
-pub(crate) use coast::with_coast;
+pub(crate) use coast::{seas_with_contours, with_coast, with_open_sea};
 pub(crate) use course::{Course, Crossing, Stretch, band_of, is_above};
 pub use extensions::{FrameExtension, OpenEnd, extend_open_ends};
 pub(crate) use extensions::{Sight, extensions_at};

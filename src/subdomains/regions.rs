@@ -181,14 +181,14 @@ fn flood(tin: &Tin) -> (Vec<u32>, Vec<Region>) {
 
 /// A piece of contour between two sub-domains, seen from one of them.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SharedBorder {
-    pub(super) other: u32,
-    pub(super) level: f64,
-    pub(super) length: f64,
+struct SharedBorder {
+    other: u32,
+    level: f64,
+    length: f64,
 }
 
 /// The borders of every sub-domain with its neighbours.
-pub(super) fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<SharedBorder> {
+fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<SharedBorder> {
     let border = &|t: u32, i: usize| {
         let level = tin.contour_level(t, i)?;
         let other = of_triangle[tin.inner_neighbour(t, i)? as usize];

@@ -61,6 +61,7 @@ impl Terrain {
     pub fn build_with(input: &mut Input, options: &Options, progress: &dyn Progress) -> Result<Self> {
         if !input.is_prepared {
             options.sea.into_iter().for_each(|sea| input.expect_level(sea));
+            options.grid.iter().try_for_each(|grid| input.check_room(grid, options.memory))?;
             input.prepare(&options.preparation, progress)?;
         }
         let cells = options.cells(&input.reprojection)?;

@@ -26,6 +26,7 @@ mod part;
 mod plane;
 mod plausible;
 mod prepare;
+mod room;
 #[cfg(feature = "io")]
 mod sheets;
 mod sides;

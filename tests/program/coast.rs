@@ -145,3 +145,77 @@ fn a_coast_that_cannot_be_used_is_told() {
     let wrong = folder.ends("dem land.gpkg --cell 20 --coast point.geojson -o b.tif", 1);
     assert!(wrong.contains("no line and no polygon"), "{wrong}");
 }
+
+/// A ring of 48 vertices.
+fn circle(elevation: f64, x: f64, y: f64, radius: f64) -> Contour {
+    let at = |k: u32| DVec2::new(x, y) + radius * DVec2::from_angle(f64::from(k % 48) * std::f64::consts::TAU / 48.0);
+    Contour { elevation, points: (0..=48).map(at).collect(), feature: 0.into() }
+}
+
+/// Two islands with contours every 5 m, a rock of 0 m at 600 150, and the sea between them.
+fn islands() -> Vec<Contour> {
+    let island = |x: f64, y: f64, radius: f64, levels: u32| {
+        (0..levels).map(move |k| circle(5.0 * f64::from(k), x, y, radius - 20.0 * f64::from(k)))
+    };
+    let rock = [circle(0.0, 600.0, 150.0, 25.0)];
+    island(300.0, 300.0, 200.0, 5).chain(island(800.0, 700.0, 150.0, 4)).chain(rock).collect()
+}
+
+/// Height maps with `--sea` and with `--coast`, and what is said.
+fn with_sea(contours: Vec<Contour>) -> Vec<(Dem, String)> {
+    let folder = Folder::new();
+    write(&folder, "map.gpkg", contours);
+    let of = |option: &str| {
+        let said = folder.succeeds(&format!("dem map.gpkg {option} --cell 10 --frame bbox -o {}.tif", &option[2..4]));
+        (read_dem(&folder.path(&format!("{}.tif", &option[2..4]))).unwrap().value.dem, said)
+    };
+    vec![of("--sea 0"), of("--coast 0")]
+}
+
+#[test]
+fn a_contour_in_the_sea_makes_it_no_land_and_no_rock_water() {
+    let sound = with_sea(islands());
+    assert!(sound.iter().all(|(_, said)| !said.contains("contours in the sea")), "{}", sound[0].1);
+    let one = |level: f64| vec![circle(level, 620.0, 420.0, 15.0)];
+    let several: Vec<Contour> =
+        [(620.0, 420.0), (560.0, 500.0), (150.0, 600.0), (900.0, 450.0), (400.0, 700.0), (200.0, 800.0)]
+            .map(|(x, y)| circle(5.0, x, y, 12.0))
+            .into();
+    for (others, count) in [(one(5.0), 1), (several, 6), (one(10.0), 1), (one(-5.0), 1)] {
+        for ((dem, said), (sound, _)) in
+            with_sea(islands().into_iter().chain(others.clone()).collect()).iter().zip(&sound)
+        {
+            assert!(said.contains(&format!("contours in the sea: {count}")), "{said}");
+            assert!(!said.contains("contours below the sea"), "{said}");
+            for (x, y) in [(750.0, 250.0), (500.0, 600.0), (900.0, 300.0), (700.0, 450.0)] {
+                assert_eq!(at(dem, x, y), 0.0, "open sea at {x} {y}: {said}");
+            }
+            for (x, y) in [(600.0, 150.0), (300.0, 300.0), (440.0, 300.0), (800.0, 700.0)] {
+                let (height, right) = (at(dem, x, y), at(sound, x, y));
+                assert!((height - right).abs() < 0.2, "land at {x} {y}: {height}, not {right}");
+            }
+            let inside = at(dem, 620.0, 420.0);
+            assert_eq!(inside > 0.0, others[0].elevation > 0.0, "inside the ring: {inside}");
+        }
+    }
+}
+
+#[test]
+fn a_contour_in_the_sea_hides_neither_a_lagoon_nor_a_coast_at_the_frame() {
+    let folder = Folder::new();
+    let islets = [circle(10.0, 700.0, 250.0, 12.0), circle(20.0, 650.0, 800.0, 10.0)];
+    write(&folder, "all.gpkg", land().into_iter().take(3).chain(coast()).chain(islets).collect());
+    for option in ["--sea 0", "--coast 0"] {
+        let said = folder.succeeds(&format!("dem all.gpkg {option} --cell 20 --frame bbox --overwrite -o a.tif"));
+        assert!(said.contains("contours in the sea: 2") && !said.contains("coasts that do not part"), "{said}");
+        let dem = read_dem(&folder.path("a.tif")).unwrap().value.dem;
+        for (x, y) in [(700.0, 500.0), (600.0, 600.0), (430.0, 500.0), (740.0, 900.0)] {
+            assert_eq!(at(&dem, x, y), 0.0, "sea or lagoon at {x} {y} with {option}");
+        }
+        for (x, y) in [(400.0, 200.0), (440.0, 800.0), (800.0, 500.0)] {
+            assert!(at(&dem, x, y) > 0.0, "land at {x} {y} with {option}");
+        }
+    }
+    let (_, said) = folder.run("check all.gpkg");
+    assert!(said.contains("contour 0 may be the coast"), "{said}");
+}

@@ -207,6 +207,8 @@ kinds! {
     BaseDiffers = "base-differs", Warning, "bases that do not fit the surface";
     /// A coast does not part land from sea.
     CoastContradicted = "coast-contradicted", Warning, "coasts that do not part land from sea";
+    /// A contour above the sea has no coast around it, or one below the sea is the only sign of its ground.
+    ContourInSea = "contour-in-sea", Warning, "contours in the sea";
     /// A line of a coast has no place on the map.
     CoastOutside = "coast-outside", Note, "coasts without a place on the map";
     /// A sink holds no pit, or is no place; it has no effect.

@@ -410,6 +410,115 @@ fn a_vertex_that_strays_over_another_line_goes_instead_of_a_piece_of_that() {
 }
 
 #[test]
+fn of_several_vertices_the_one_that_changes_the_ground_least_goes() {
+    // A line that runs back along itself for a little, and then crosses itself.
+    let crossing = [(-60, -300), (0, -100), (0, 0), (0, 74), (-28, 103), (62, -3), (102, 105), (60, 160), (0, 300)];
+    let turned = |turn: fn((i32, i32)) -> (i32, i32)| crossing.map(turn);
+    for points in [crossing, turned(|(x, y)| (y, x)), turned(|(x, y)| (-x, -y)), turned(|(x, y)| (y, -x))] {
+        for reversed in [false, true] {
+            let (mut all, mut rest) = (points.to_vec(), points.to_vec());
+            rest.remove(4);
+            if reversed {
+                all.reverse();
+            }
+            let report = cleaned(vec![line(1, 15.0, &all)], 0.01);
+            assert_eq!(report.value.contours, cleaned(vec![line(1, 15.0, &rest)], 0.01).value.contours);
+            assert_eq!((kinds(&report), report.value.contours.len()), (vec![FindingKind::SelfCross], 1));
+        }
+    }
+    // Of two lines that cross with one vertex each, the one with the smaller bulge is straightened.
+    let row = |y: i32, moved: &[(usize, (i32, i32))]| {
+        let mut points: Vec<(i32, i32)> = (0..11).map(|x| (20 * x, y)).collect();
+        moved.iter().for_each(|&(k, p)| points[k] = p);
+        points
+    };
+    let (low, high) = (row(0, &[(5, (100, 30))]), row(40, &[(5, (100, 25))]));
+    let report = cleaned(vec![line(1, 10.0, &low), line(2, 20.0, &high)], 0.0);
+    assert_eq!(report.value.contours[0], line(1, 10.0, &low));
+    assert_eq!(report.value.contours[1].points.len(), 10);
+    // Two vertices of a narrow spike, and not one of the wide bulge that it meets.
+    let mut spike: Vec<(i32, i32)> = (0..21).map(|x| (10 * x, 40)).collect();
+    spike.splice(10..11, [(98, 5), (102, 5)]);
+    let report = cleaned(vec![line(1, 10.0, &low), line(2, 20.0, &spike)], 0.0);
+    assert_eq!(report.value.contours[0], line(1, 10.0, &low));
+    assert_eq!(report.value.contours[1].points.len(), 20);
+    assert!(report.findings[0].message.contains("2 vertices of it, up to 35.000"), "{}", report.findings[0]);
+}
+
+/// A ring of 24 vertices in centimetres, with others before and after them: the numbers of its vertices.
+fn overrun(numbers: impl Iterator<Item = i32>) -> Contour {
+    let at = |k: i32| {
+        let p = 75.0 * DVec2::from_angle(f64::from(k.rem_euclid(24)) * std::f64::consts::TAU / 24.0);
+        DVec2::new(500_000.0, 5_000_000.0) + (100.0 * p).round() / 100.0
+    };
+    Contour { elevation: 110.0, points: numbers.map(at).collect(), feature: 4.into() }
+}
+
+#[test]
+fn a_ring_whose_end_overruns_it_is_closed() {
+    let ring = cleaned(vec![overrun(0..25)], 0.01).value.contours;
+    assert_eq!(ring[0].points.len(), 25);
+    let half_way = |mut line: Contour, from: i32, to: i32| {
+        let [a, b] = [from, to].map(|k| overrun(k..k + 1).points[0]);
+        line.points.push((100.0 * a.midpoint(b)).round() / 100.0);
+        line
+    };
+    let cases = [
+        ("back", overrun((0..25).chain([23, 22, 21]))),
+        ("forward", overrun(0..28)),
+        ("back at the start", overrun([3, 2, 1].into_iter().chain(0..25))),
+        ("forward at both ends", overrun(-4..30)),
+        ("twice round and on", overrun(0..55)),
+        ("back into a segment", half_way(overrun((0..25).chain([23, 22])), 22, 21)),
+        ("forward into a segment", half_way(overrun(0..27), 2, 3)),
+        ("forward into the first segment", half_way(overrun(0..25), 0, 1)),
+    ];
+    for (name, line) in cases {
+        for reversed in [false, true] {
+            let mut line = line.clone();
+            if reversed {
+                line.points.reverse();
+            }
+            let report = cleaned(vec![line], 0.01);
+            assert_eq!(report.value.contours, ring, "{name}");
+            assert!(!kinds(&report).is_empty(), "{name}");
+            assert!(kinds(&report).iter().all(|kind| *kind == FindingKind::OverlappingLines), "{name}: {report:?}");
+        }
+    }
+    // Drawn exactly twice.
+    let report = cleaned(vec![overrun(0..49)], 0.01);
+    assert_eq!((report.value.contours.clone(), kinds(&report)), (ring, vec![FindingKind::DuplicateLine]));
+    // Both ends between the same two vertices.
+    let mut line = overrun(1..24);
+    let [a, b] = [0, 1].map(|k| overrun(k..k + 1).points[0]);
+    line.points.insert(0, overrun(0..1).points[0]);
+    line.points[0] = a.lerp(b, 0.3);
+    line.points.push(a);
+    line.points.push(a.lerp(b, 0.7));
+    let report = cleaned(vec![line], 0.01);
+    assert_eq!((report.value.contours.len(), kinds(&report)), (1, vec![FindingKind::OverlappingLines]));
+    assert!(report.value.contours[0].is_closed() && report.value.contours[0].points.len() == 26);
+}
+
+#[test]
+fn an_open_line_whose_end_runs_back_keeps_its_end() {
+    let course: Vec<(i32, i32)> = (0..9).map(|k| (10 * k, k * k % 5)).collect();
+    let whole = line(1, 10.0, &course);
+    for back in 1..4 {
+        let run = |course: &[(i32, i32)]| course.iter().rev().skip(1).take(back).copied().collect::<Vec<_>>();
+        let end = [&course[..], &run(&course)].concat();
+        let from_end: Vec<(i32, i32)> = course.iter().rev().copied().collect();
+        let both = [&run(&from_end).into_iter().rev().collect::<Vec<_>>()[..], &end].concat();
+        for (points, ends) in [(end, 1), (both, 2)] {
+            let report = cleaned(vec![line(1, 10.0, &points)], 0.0);
+            assert_eq!(report.value.contours, std::slice::from_ref(&whole));
+            assert_eq!(kinds(&report), vec![FindingKind::OverlappingLines; ends]);
+            assert!(report.findings[0].message.contains("only one of the two runs was kept"), "{report:?}");
+        }
+    }
+}
+
+#[test]
 fn a_line_upon_another_level_goes_as_one() {
     // Along a cliff the two levels run on the same vertices.
     let cliff: Vec<(i32, i32)> = (0..30).map(|i| (3 * i, (i * i) % 7)).collect();

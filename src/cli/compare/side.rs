@@ -12,7 +12,7 @@ use tokosen::terrain::{Nodes, Pair, Side};
 use super::args::CompareArgs;
 use crate::cli::console::Console;
 use crate::cli::failure::Failure;
-use crate::cli::input::InputArgs;
+use crate::cli::input::{InputArgs, Scope};
 use crate::cli::job::build;
 use crate::cli::map::MapArgs;
 
@@ -74,8 +74,8 @@ fn side_of_contours(
     // The surface must not be built with the points that check it.
     let path = source.path.clone();
     let map = MapArgs { contours: vec![source], points: None, ..args.input.map.clone() };
-    let mut input =
-        InputArgs { map, ..args.input.clone() }.read(&args.surface.frame, None, args.surface.water.sea, console)?;
+    let scope = Scope { sea: args.surface.water.sea, ..Scope::of(&args.surface.frame) };
+    let mut input = InputArgs { map, ..args.input.clone() }.read(scope, console)?;
     if let Some((_, crs @ None)) = nodes {
         *crs = input.reprojection.input_crs().cloned();
     }
