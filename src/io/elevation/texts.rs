@@ -221,8 +221,11 @@ fn narrow(c: char) -> char {
 mod tests {
     use super::*;
 
+    /// A number with its unit.
+    type Reading = (f64, Option<LengthWord>);
+
     /// The numbers and units of a column; `None` for what stays a text.
-    fn read(texts: &[&str]) -> Result<Vec<Option<(f64, Option<LengthWord>)>>, String> {
+    fn read(texts: &[&str]) -> Result<Vec<Option<Reading>>, String> {
         let style = Style::of(texts)?;
         let value = |text: &&str| match style.value(text)? {
             Value::Number(z) => Some((z, None)),
