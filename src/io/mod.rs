@@ -27,6 +27,7 @@ pub mod layer;
 mod lines;
 mod maker;
 pub mod mesh;
+mod ordinary;
 mod paths;
 pub mod raster;
 mod shapefile;
@@ -57,6 +58,7 @@ pub use format::VectorFormat;
 pub use in_memory::{Attribute, Features, InMemory};
 pub use lines::Waterways;
 pub use maker::SAVED_RUN;
+pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
@@ -232,8 +234,9 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         return text_points::read(path, &request);
     }
     let format = VectorFormat::from_path(path)?;
+    ordinary::check_input(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
-    if meta.is_file() && meta.len() == 0 {
+    if meta.len() == 0 {
         return Err(Error::empty(path));
     }
     if matches!(format, VectorFormat::GeoJson | VectorFormat::Shapefile) {
@@ -308,7 +311,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
     }
     if format == VectorFormat::GeoPackage {
-        let target = Some(out.target()).filter(|target| gpkg::is_there(target));
+        let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
         gpkg::write(&out.path(), layers, crs, target).map_err(|e| out.with_final_name(e))?;
         return Ok(files);
     }

@@ -5,7 +5,6 @@
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use zip::ZipArchive;
 use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
 use super::xml::unreadable;
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::io::ordinary::open_to_read;
 
 /// The largest nesting depth of archives in archives, and of folders in folders.
 const MAX_DEPTH: usize = 3;
@@ -104,7 +104,7 @@ impl Walk<'_> {
     }
 
     fn file(&mut self, path: &Path) -> Result<()> {
-        let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+        let file = open_to_read(path)?;
         let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
         if has_extension(path, "zip") {
             let mut budget = UNPACKED_FREELY.saturating_add(length.saturating_mul(UNPACKED_RATIO));
