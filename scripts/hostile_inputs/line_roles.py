@@ -13,7 +13,7 @@ LINES = {
     "across everything and back": [line([[-300 + 600 * (k % 2), -60 + 0.01 * k] for k in range(10_000)])],
     "up and down across one contour": [line([[-99 + 0.01 * k, 0.1 * k % 2 + 40 * (k % 2)] for k in range(10_000)])],
     "a spiral": [line([[0.01 * k * math.cos(0.1 * k), 0.01 * k * math.sin(0.1 * k)] for k in range(10_000)])],
-    "ten thousand at one place": [line([[0, 0], ring(90, 10_000)[k]]) for k in range(10_000)],
+    "ten thousand at one place": [line([[0, 0], end]) for end in ring(90, 10_000)[1:]],
     "the same line a thousand times": [line([[0, 0], [50, 50], [90, 0]])] * 1000,
     "loops": [line(ring(10 + k)) for k in range(100)],
     "along contours": [line(ring(100 - 20 * k)[:30]) for k in range(4)],

@@ -309,6 +309,25 @@ pub(super) mod tests {
         assert_eq!(names_in(dir.path()), ["a.tif"]);
     }
 
+    #[test]
+    fn a_geopackage_that_appears_meanwhile_keeps_its_layers() {
+        use crate::io::layer::{Geometry, Layer};
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gpkg");
+        let layer = |name| [Layer { name, geometry: Geometry::Lines, columns: &[], rows: Vec::new() }];
+        let staged = ["one", "two"].map(|name| {
+            let staged = StagedOutput::create(&path).unwrap();
+            crate::io::write_layers(&staged, &layer(name), None).unwrap();
+            staged
+        });
+        // As if both runs had looked at the same moment, and seen that there is no file.
+        for staged in staged {
+            staged.put(OsStr::new("a.gpkg")).unwrap();
+        }
+        assert!(gpkg::check_layers(&path, &["one"], false, true).is_err(), "the layer is there");
+        assert!(gpkg::check_layers(&path, &["two"], false, true).is_err(), "the layer is there");
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_device_is_refused_and_a_link_is_followed() {

@@ -101,7 +101,7 @@ fn found(map: &[(Value, Value)]) -> BTreeSet<String> {
 fn faults_get_the_codes_that_the_page_names() {
     assert!(found(&hill()).is_empty(), "{:?}", found(&hill()));
     let without_one = [&hill()[..2], &hill()[3..]].concat();
-    let far = [hill(), vec![(json!({ "elev": 120 }), json!([[0, 0], [1, 1]]))]].concat();
+    let far = [hill(), vec![(json!({ "elev": 120 }), json!([[100_000, 100_000], [100_100, 100_000]]))]].concat();
     let placeholder = [hill(), vec![ring(-9999, 140.0)]].concat();
     let mut wrong = hill();
     wrong[2].0 = json!({ "elev": 170 });
