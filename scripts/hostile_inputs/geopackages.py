@@ -9,14 +9,15 @@ from hostile_inputs.maps import hill
 def gpkg(path, blob=None, *, table="lines", definition=None, more=""):
     db = sqlite3.connect(path)
     db.executescript(
-        """CREATE TABLE gpkg_spatial_ref_sys (srs_name, srs_id, organization, organization_coordsys_id, definition);
-        CREATE TABLE gpkg_contents (table_name, data_type, identifier, srs_id);
+        """CREATE TABLE gpkg_spatial_ref_sys (srs_name, srs_id, organization, organization_coordsys_id, definition, description);
+        CREATE TABLE gpkg_contents (
+            table_name, data_type, identifier, description, last_change, min_x, min_y, max_x, max_y, srs_id);
         CREATE TABLE gpkg_geometry_columns (table_name, column_name, geometry_type_name, srs_id, z, m);"""
     )
     name = '"' + table.replace('"', '""') + '"'
     db.execute("INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', 'LINESTRING', 7, 0, 0)", [table])
     if definition is not None:
-        db.execute("INSERT INTO gpkg_spatial_ref_sys VALUES ('a', 7, 'NONE', 7, ?)", [definition])
+        db.execute("INSERT INTO gpkg_spatial_ref_sys VALUES ('a', 7, 'NONE', 7, ?, NULL)", [definition])
     if blob is not None:
         db.execute(f"CREATE TABLE {name} (fid INTEGER PRIMARY KEY, geom BLOB, elev)")
         for k, feature in enumerate(hill()):

@@ -55,12 +55,14 @@ def is_whole(name):
     """The layer of the other program is as it was before."""
 
     def look(folder):
-        path = pathlib.Path(folder) / name
-        db = sqlite3.connect(path)
-        lines = db.execute("SELECT count(*) FROM lines").fetchone()[0]
-        notes = db.execute("SELECT count(*) FROM notes").fetchone()[0]
-        sound = db.execute("PRAGMA integrity_check").fetchone()[0]
-        db.close()
+        db = sqlite3.connect(pathlib.Path(folder) / name)
+        try:
+            lines, notes = (db.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in ("lines", "notes"))
+            sound = db.execute("PRAGMA integrity_check").fetchone()[0]
+        except sqlite3.Error as e:
+            return f"the layers of the other program are gone: {e}"
+        finally:
+            db.close()
         if (lines, notes, sound) != (4, 0, "ok"):
             return f"{lines} lines and {notes} notes are there, {sound}"
 
