@@ -15,10 +15,11 @@ from pathlib import Path
 
 from hostile_inputs.running import Row, digest, environment_of_tests
 
+LATE = 0.15  # seconds
 COMMANDS = {
     "a new layer in a GeoPackage": ("out.gpkg", "densify big.gpkg -i 5 -o out.gpkg -q"),
     "the same layer again": ("out.gpkg", "densify big.gpkg -i 10 -o out.gpkg -q"),
-    "a layer in its own input": ("big.gpkg", "densify big.gpkg --layer contours -i 5 -o big.gpkg -q"),
+    "a layer in its own input": ("big.gpkg", "densify big.gpkg --layer contours_20m -i 5 -o big.gpkg -q"),
     "a GeoTIFF": ("out.tif", "dem big.gpkg --cell 20 -o out.tif -q"),
     "a drawing": ("out.dxf", "densify big.gpkg -i 10 -o out.dxf -q"),
 }
@@ -100,7 +101,8 @@ def fault_after(folder, name, old, new, command, program, seconds):
 
 def prepare(program, folder, sample, name, command):
     """The folder before the run; gives what the output holds before and after an undisturbed run, and its duration."""
-    shutil.copy(sample, folder / "big.gpkg")
+    part = f"densify {sample} -i 20 --extent 744000,4017500,747500,4020500 -o big.gpkg -q"
+    assert finish(started(program, folder, part), 120)[0] == 0
     first = command.replace("-i 5", "-i 10").replace("--cell 20", "--cell 40")
     if name != "big.gpkg":
         finish(started(program, folder, first), 120)
@@ -125,7 +127,7 @@ def rows(program, sample, o):
             old, new, duration = prepare(program, sound, sample, name, command)
             for number in range(each):
                 late = number % 2 == 1
-                moment = moments.uniform(0, 0.15 if late else duration)
+                moment = moments.uniform(0, LATE if late else duration)
                 with tempfile.TemporaryDirectory() as folder:
                     folder = Path(folder)
                     shutil.copytree(sound, folder, dirs_exist_ok=True)

@@ -163,10 +163,10 @@ def cases():
         folder = with_one(lambda path: path.mkdir(), name)
         yield Case(f"place: written to a folder, {name}", folder, f"{command} --overwrite", says="is a folder", keeps=(name,), **QUICK)
         yield Case(f"place: written to a protected file, {name}", with_one(protected, name), f"{command} --overwrite", says="write-protected", keeps=(name,), **QUICK)
-        yield Case(f"place: written to a link to nowhere, {name}", with_one(nowhere, name), f"{command} --overwrite", seconds=20)
+        yield Case(f"place: written to a link to nowhere, {name}", with_one(nowhere, name), f"{command} --overwrite")
         full = Case(f"place: a file of 100 bytes at most, {name}", base, f"{command} --overwrite", file_size=100, refused=True)
         yield full
-        if is_mountable() and name != "out.dbf":
+        if is_mountable() and name not in ("out.dbf", "out.json"):  # a run file is smaller than the disk
             moved = command.replace(" out.", " disk/out.") + " --overwrite"
             yield Case(f"place: a full disk, {name}", full_disk(name), moved, refused=True, look=earlier_alone(name))
     yield Case("place: written to a folder that is missing", base, "densify hill.geojson -i 5 -o gone/out.gpkg", **QUICK)

@@ -55,7 +55,10 @@ pub(super) fn check_input(path: &Path) -> Result<()> {
     for beside in names.map(|name| path.with_file_name(name)) {
         let Ok(meta) = fs::metadata(&beside) else { continue };
         check_ordinary(&beside)?;
-        let holds_data = beside.extension().and_then(OsStr::to_str).is_some_and(|e| WITH_DATA.iter().any(|d| d.eq_ignore_ascii_case(e)));
+        let holds_data = beside
+            .extension()
+            .and_then(OsStr::to_str)
+            .is_some_and(|e| WITH_DATA.iter().any(|d| d.eq_ignore_ascii_case(e)));
         if !holds_data && meta.len() > MAX_DESCRIPTION {
             return Err(Error::file(&beside, "is too large for a file that describes another one"));
         }
@@ -93,7 +96,10 @@ fn check_ordinary(path: &Path) -> Result<()> {
         return Err(Error::file(path, "is a folder; name a file in it"));
     }
     if !meta.is_file() {
-        return Err(Error::file(path, "is not an ordinary file, but a device, a pipe or a socket; copy it to a file first"));
+        return Err(Error::file(
+            path,
+            "is not an ordinary file, but a device, a pipe or a socket; copy it to a file first",
+        ));
     }
     Ok(())
 }

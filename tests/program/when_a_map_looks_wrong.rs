@@ -29,7 +29,8 @@ fn lines(lines: &[(Value, Value)]) -> String {
 /// The words in the page that look like codes of findings: lower-case words with hyphens between them.
 fn codes() -> BTreeSet<&'static str> {
     let is_code = |text: &str| {
-        text.contains('-') && text.split('-').all(|word| !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase()))
+        text.contains('-')
+            && text.split('-').all(|word| !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase()))
     };
     let quoted = PAGE.split('`').skip(1).step_by(2);
     quoted.filter(|text| is_code(text) || matches!(*text, "gap" | "spike" | "excluded")).collect()

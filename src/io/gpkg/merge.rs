@@ -59,7 +59,8 @@ fn run(added: &Path, target: &Path) -> rusqlite::Result<bool> {
 /// Whether the target has another system under the id of one that the added layers use. The id was chosen when the layers
 /// were written; since then, another run may have chosen it too.
 fn has_other_systems(db: &Connection) -> rusqlite::Result<bool> {
-    let others = "SELECT count(*) FROM added.gpkg_spatial_ref_sys AS a JOIN main.gpkg_spatial_ref_sys AS b USING (srs_id)
+    let others =
+        "SELECT count(*) FROM added.gpkg_spatial_ref_sys AS a JOIN main.gpkg_spatial_ref_sys AS b USING (srs_id)
          WHERE srs_id > 0 AND srs_id IN (SELECT srs_id FROM added.gpkg_contents)
          AND CASE upper(a.organization) WHEN 'EPSG'
              THEN upper(b.organization) <> 'EPSG' OR a.organization_coordsys_id <> b.organization_coordsys_id

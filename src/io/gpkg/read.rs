@@ -53,9 +53,7 @@ pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     let broken = |e: rusqlite::Error| in_words(path, "the GeoPackage cannot be read", e);
     let has_layers: bool = db
         .query_row("SELECT count(*) FROM sqlite_master WHERE name = 'gpkg_geometry_columns'", [], |row| row.get(0))
-        .map_err(|e| {
-            in_words(path, "the file is not a GeoPackage, or it is broken; copy or export it again", e)
-        })?;
+        .map_err(|e| in_words(path, "the file is not a GeoPackage, or it is broken; copy or export it again", e))?;
     if !has_layers {
         return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
     }
