@@ -9,7 +9,7 @@ from pathlib import Path
 from hostile_inputs.kills import finish, hidden, started
 from hostile_inputs.running import Row
 
-ROUNDS = 12
+ROUNDS = 6
 
 
 def layers(path):

@@ -68,7 +68,7 @@ mod tests {
         // The first length exceeds any memory. The file is sparse: its zeros take no space on the disk.
         for (length, start) in [(1 << 42, ""), (1 << 20, "{\"type\":")] {
             std::fs::write(&path, start).unwrap();
-            let file = File::options().write(true).open(&path).unwrap();
+            let file = std::fs::File::options().write(true).open(&path).unwrap();
             if file.set_len(length).is_err() {
                 // A file system without sparse files cannot hold this file.
                 file.set_len(1 << 20).unwrap();
