@@ -22,6 +22,7 @@ pages! {
     coordinates = "coordinates.md",
     base_map = "base_map.md",
     checking = "checking.md",
+    when_a_map_looks_wrong = "when_a_map_looks_wrong.md",
     uncertainty = "uncertainty.md",
     comparing = "comparing.md",
     slope = "slope.md",

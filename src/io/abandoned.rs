@@ -36,7 +36,8 @@ pub(super) fn remove_abandoned(folder: &Path) {
 
 fn is_abandoned(staging: &Path) -> bool {
     let path = staging.join(LOCK);
-    let age = fs::metadata(&path).and_then(|meta| meta.modified()).ok().and_then(|time| time.elapsed().ok());
+    let meta = fs::metadata(&path).ok().filter(fs::Metadata::is_file);
+    let age = meta.and_then(|meta| meta.modified().ok()).and_then(|time| time.elapsed().ok());
     if age.is_none_or(|age| age <= YOUNG) {
         return false;
     }

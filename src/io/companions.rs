@@ -3,6 +3,7 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
+use super::ordinary::{MAX_DESCRIPTION, read_small};
 use crate::base::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is the
@@ -82,7 +83,7 @@ pub(super) fn foreign_prj(staging: &Path, folder: &Path, names: &[OsString]) -> 
         let Some(other) = others.filter(|other| other.as_os_str() != name).find(|o| folder.join(o).is_file()) else {
             continue;
         };
-        let text = |folder: &Path| std::fs::read(folder.join(&prj)).ok();
+        let text = |folder: &Path| read_small(&folder.join(&prj), MAX_DESCRIPTION, "a .prj").ok();
         if !names.contains(&other.clone().into_os_string()) && text(staging) != text(folder) {
             let message = format!(
                 "also gives the coordinate reference system of {}, which is another one; choose another name for the output",

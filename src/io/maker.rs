@@ -10,6 +10,8 @@ use std::path::Path;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
+use super::ordinary::open_to_read;
+
 /// The name of the program in files.
 pub(super) const PROGRAM: &str = "tokosen";
 /// The statement in the properties of a GeoJSON, FlatGeobuf, DXF or page.
@@ -35,7 +37,7 @@ const STATEMENTS: &[(&[&str], &[u8])] = &[
 
 /// Whether this program made the file, or the file is empty. A file that cannot be read was made by another program.
 pub(super) fn is_own(path: &Path) -> bool {
-    let Ok(file) = File::open(path) else { return false };
+    let Ok(file) = open_to_read(path) else { return false };
     if file.metadata().is_ok_and(|meta| meta.len() == 0) {
         return true;
     }

@@ -32,6 +32,7 @@ mod lines;
 mod maker;
 pub mod mesh;
 mod meter;
+mod ordinary;
 mod paths;
 pub mod raster;
 mod shapefile;
@@ -68,6 +69,7 @@ pub use format::VectorFormat;
 pub use in_memory::{Attribute, Features, InMemory};
 pub use lines::Waterways;
 pub use maker::SAVED_RUN;
+pub use ordinary::{open_to_read, read_small};
 pub use paths::{PlannedOutput, check_paths, files_of_input};
 pub use staged::{StagedOutput, discard_unfinished};
 pub use vector_source::VectorSource;
@@ -270,8 +272,9 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         return text_points::read(path, &request);
     }
     let format = InputFormat::from_path(path)?;
+    ordinary::check_input(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
-    if meta.is_file() && meta.len() == 0 {
+    if meta.len() == 0 {
         return Err(Error::empty(path));
     }
     let has_layers = matches!(
@@ -357,7 +360,7 @@ pub fn write_layers(out: &StagedOutput, layers: &[Layer<'_>], crs: Option<&Crs>)
         return Err(Error::file(out.target(), "points are written as .gpkg or .geojson"));
     }
     if format == VectorFormat::GeoPackage {
-        let target = Some(out.target()).filter(|target| gpkg::is_there(target));
+        let target = if gpkg::is_there(out.target())? { Some(out.target()) } else { None };
         gpkg::write(&out.path(), layers, crs, target).map_err(|e| out.with_final_name(e))?;
         return Ok(files);
     }

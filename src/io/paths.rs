@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::companions::read_beside;
 use super::format::VectorFormat;
+use super::ordinary::check_replaceable;
 use super::{gpkg, maker};
 use crate::base::error::{Error, Result};
 
@@ -31,7 +32,8 @@ impl<'a> From<&'a Path> for PlannedOutput<'a> {
 ///
 /// # Errors
 /// [`Error::Parameter`] names the first output that conflicts with an input or another output, [`Error::Exists`] and
-/// [`Error::LayerExists`] the first that would be lost. [`Error::File`] if a GeoPackage cannot be read.
+/// [`Error::LayerExists`] the first that would be lost. [`Error::File`] if a GeoPackage cannot be read, and if an output is
+/// a folder, no ordinary file, or write-protected.
 pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: bool) -> Result<()> {
     let inputs: Vec<PathBuf> = inputs.iter().map(|path| identity(path)).collect();
     let mut taken = Vec::new();
@@ -48,6 +50,7 @@ pub fn check_paths(inputs: &[&Path], outputs: &[PlannedOutput<'_>], overwrite: b
         if taken.contains(&file) {
             return Err(Error::Parameter(format!("{} is the name of two outputs", path.display())));
         }
+        parts(path).try_for_each(|part| check_replaceable(&part))?;
         if is_database {
             gpkg::check_layers(path, layers, overwrite, is_input)?;
         } else if !overwrite && let Some(path) = parts(path).find(|path| path.exists() && !maker::is_own(path)) {

@@ -10,6 +10,7 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -19,6 +20,7 @@ use super::abandoned::{LOCK, PREFIX, lock, remove_abandoned};
 use super::companions::{foreign_prj, stale};
 use super::format::VectorFormat;
 use super::gpkg;
+use super::ordinary::check_replaceable;
 use crate::base::error::{Error, Result};
 
 /// The hidden folders of all unfinished outputs. The list is global because a signal is for the whole process. While
@@ -73,19 +75,7 @@ impl StagedOutput {
         } else {
             target.to_owned()
         };
-        match fs::metadata(&target) {
-            Ok(meta) if meta.is_dir() => {
-                return Err(Error::file(&target, "is a folder; name a file in it to write to"));
-            }
-            Ok(meta) if !meta.is_file() => {
-                return Err(Error::file(&target, "is not an ordinary file; name one to write to"));
-            }
-            // The folder's permissions would allow replacing the file. Its owner protected it, so this is refused.
-            Ok(meta) if meta.permissions().readonly() => {
-                return Err(Error::file(&target, "is write-protected; take the protection off, or name another file"));
-            }
-            _ => {}
-        }
+        check_replaceable(&target)?;
         let folder = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
@@ -152,7 +142,10 @@ impl StagedOutput {
                 .map_err(|e| Error::io("write", &self.folder.join(name), e))?;
         }
         foreign_prj(self.staging.path(), &self.folder, &names)?;
-        let (added, moved): (Vec<&OsString>, Vec<&OsString>) = names.iter().partition(|name| self.is_added(name));
+        let (mut added, mut moved) = (Vec::new(), Vec::new());
+        for name in &names {
+            if self.is_added(name)? { added.push(name) } else { moved.push(name) }
+        }
         for name in &moved {
             for stale in stale(name).into_iter().filter(|stale| !names.contains(stale)) {
                 let path = self.folder.join(stale);
@@ -165,8 +158,7 @@ impl StagedOutput {
             gpkg::merge(&self.sibling(name), &self.folder.join(name))?;
         }
         for name in moved {
-            let goal = self.folder.join(name);
-            fs::rename(self.sibling(name), &goal).map_err(|e| Error::io("replace", &goal, e))?;
+            self.put(name)?;
         }
         // The file names are only safe on the disk after the folder is flushed. Not every file system can do that. The
         // content is already safe, therefore a failure here is ignored.
@@ -179,9 +171,25 @@ impl StagedOutput {
     }
 
     /// Whether the file's layers are added to a GeoPackage that exists.
-    fn is_added(&self, name: &OsStr) -> bool {
-        let is_database = matches!(VectorFormat::from_path(Path::new(name)), Ok(VectorFormat::GeoPackage));
-        is_database && gpkg::is_there(&self.folder.join(name))
+    fn is_added(&self, name: &OsStr) -> Result<bool> {
+        Ok(is_database(name) && gpkg::is_there(&self.folder.join(name))?)
+    }
+
+    /// Gives a file its final name. If another run has just made a GeoPackage of that name, the layers are added to it.
+    fn put(&self, name: &OsStr) -> Result<()> {
+        let (staged, goal) = (self.sibling(name), self.folder.join(name));
+        // A second name is refused where a file has it; a rename would replace that file. Some file systems have no second
+        // names.
+        if is_database(name) && !goal.exists() {
+            match fs::hard_link(&staged, &goal) {
+                Ok(()) => return fs::remove_file(&staged).map_err(|e| Error::io("replace", &goal, e)),
+                Err(e) if e.kind() == ErrorKind::AlreadyExists && gpkg::is_there(&goal)? => {
+                    return gpkg::merge(&staged, &goal);
+                }
+                Err(_) => {}
+            }
+        }
+        fs::rename(&staged, &goal).map_err(|e| Error::io("replace", &goal, e))
     }
 
     /// The names of the staged files in order, the main file last.
@@ -195,6 +203,10 @@ impl StagedOutput {
         names.sort_by_key(|name| (Some(name.as_os_str()) == main, name.clone()));
         Ok(names)
     }
+}
+
+fn is_database(name: &OsStr) -> bool {
+    matches!(VectorFormat::from_path(Path::new(name)), Ok(VectorFormat::GeoPackage))
 }
 
 /// The system's message, without the temporary file's name, which means nothing to the user.
@@ -295,6 +307,25 @@ pub(super) mod tests {
         drop(StagedOutput::create(&dir.path().join("c.tif")).unwrap());
         assert!(!unfinished().contains(&folder), "the next one looks after those that were dropped");
         assert_eq!(names_in(dir.path()), ["a.tif"]);
+    }
+
+    #[test]
+    fn a_geopackage_that_appears_meanwhile_keeps_its_layers() {
+        use crate::io::layer::{Geometry, Layer};
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gpkg");
+        let layer = |name| [Layer { name, geometry: Geometry::Lines, columns: &[], rows: Vec::new() }];
+        let staged = ["one", "two"].map(|name| {
+            let staged = StagedOutput::create(&path).unwrap();
+            crate::io::write_layers(&staged, &layer(name), None).unwrap();
+            staged
+        });
+        // As if both runs had looked at the same moment, and seen that there is no file.
+        for staged in staged {
+            staged.put(OsStr::new("a.gpkg")).unwrap();
+        }
+        assert!(gpkg::check_layers(&path, &["one"], false, true).is_err(), "the layer is there");
+        assert!(gpkg::check_layers(&path, &["two"], false, true).is_err(), "the layer is there");
     }
 
     #[cfg(unix)]

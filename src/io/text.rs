@@ -1,11 +1,11 @@
 //! Reads a whole file that must be text.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use crate::base::error::{Error, Result};
 use crate::base::memory::check;
+use crate::io::ordinary::open_to_read;
 
 /// Text has no zero byte. This many bytes are checked before the rest is read. That is enough to recognise files that
 /// are not text, such as a file that has a length but no content.
@@ -25,7 +25,7 @@ pub(super) fn read(
     other_format: fn(&[u8]) -> Option<&'static str>,
 ) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = open_to_read(path)?;
     let length = file.metadata().map_err(unreadable)?.len();
     let mut bytes = Vec::new();
     (&mut file).take(BEGINNING).read_to_end(&mut bytes).map_err(unreadable)?;
@@ -68,7 +68,7 @@ mod tests {
         // The first length exceeds any memory. The file is sparse: its zeros take no space on the disk.
         for (length, start) in [(1 << 42, ""), (1 << 20, "{\"type\":")] {
             std::fs::write(&path, start).unwrap();
-            let file = File::options().write(true).open(&path).unwrap();
+            let file = std::fs::File::options().write(true).open(&path).unwrap();
             if file.set_len(length).is_err() {
                 // A file system without sparse files cannot hold this file.
                 file.set_len(1 << 20).unwrap();

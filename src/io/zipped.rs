@@ -14,6 +14,7 @@ use super::shapefile;
 use super::table::{Request, Table};
 use super::xml::unreadable;
 use crate::base::error::{Error, Result};
+use crate::io::ordinary::open_to_read;
 
 const BUFFER: usize = 1 << 17;
 
@@ -25,7 +26,7 @@ type Names = Vec<(String, usize)>;
 
 /// Whether an archive holds shapefiles and no files of 基盤地図情報. Of what cannot be opened, the reader will tell.
 pub(super) fn is_shapefile(path: &Path) -> bool {
-    let Ok(file) = File::open(path) else { return false };
+    let Ok(file) = open_to_read(path) else { return false };
     let Ok(archive) = ZipArchive::new(BufReader::new(file)) else { return false };
     let mut found = false;
     for name in archive.file_names().flatten() {
@@ -105,7 +106,7 @@ pub(super) fn each_document(
 
 /// Opens an archive: its names in the order of the archive, and its length in bytes.
 fn open(path: &Path) -> Result<(ZipArchive<BufReader<File>>, Names, u64)> {
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let archive = ZipArchive::new(BufReader::with_capacity(BUFFER, file))
         .map_err(|e| Error::file_cause(path, "the file is not a zip archive, or it is not complete", e))?;

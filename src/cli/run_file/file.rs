@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tokosen::base::error::{Error, Result};
-use tokosen::io::SAVED_RUN;
+use tokosen::io::{SAVED_RUN, read_small};
 
 /// The version of the layout of the file. A file with another one is refused.
 const LAYOUT: u32 = 1;
+/// The largest file that is read, bytes. With thousands of inputs, the file has less than a megabyte.
+const MAX_BYTES: u64 = 16 << 20;
 
 /// A run: what is needed to repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,9 +62,9 @@ impl RunFile {
     /// Reads a run.
     ///
     /// # Errors
-    /// The file cannot be read, is no saved run, is broken, or has another layout.
+    /// The file cannot be read, is too large, is no saved run, is broken, or has another layout.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+        let text = read_small(path, MAX_BYTES, "a saved run")?;
         let head = serde_json::from_slice::<Head>(&text).ok().filter(|head| head.description == SAVED_RUN);
         let Some(head) = head else {
             return Err(Error::file(path, "is no run that 'tokosen VERB ... --save-run FILE.json' saved"));

@@ -1,13 +1,12 @@
 //! The size and the checksum of the files that a run reads.
 
 use std::collections::HashSet;
-use std::fs::File;
 use std::io::{BufReader, Read, sink};
 use std::path::{Path, PathBuf};
 
 use flate2::CrcReader;
 use tokosen::base::error::{Error, Result};
-use tokosen::io::files_of_input;
+use tokosen::io::{files_of_input, open_to_read};
 
 use super::file::{InputFile, RunFile};
 
@@ -49,7 +48,7 @@ fn files(paths: &[&Path]) -> Result<Vec<PathBuf>> {
 /// The file cannot be read.
 pub fn input(path: &Path) -> Result<InputFile> {
     let unread = |e| Error::io("read", path, e);
-    let file = File::open(path).map_err(unread)?;
+    let file = open_to_read(path)?;
     let mut reader = CrcReader::new(BufReader::with_capacity(BLOCK, file));
     let bytes = std::io::copy(&mut reader.by_ref(), &mut sink()).map_err(unread)?;
     Ok(InputFile { file: path.to_owned(), bytes, crc32: format!("{:08x}", reader.crc().sum()) })

@@ -9,6 +9,7 @@ use ::flatgeobuf::{Header, size_prefixed_root_as_feature, size_prefixed_root_as_
 use super::{geometry, properties};
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
+use crate::io::ordinary::open_to_read;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Table};
 
 /// The first bytes of a file: the format's name and version, twice. The last byte may have any value.
@@ -86,7 +87,7 @@ struct FileReader<'a> {
 
 impl<'a> FileReader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+        let file = open_to_read(path)?;
         let remaining = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
         Ok(Self { path, file: BufReader::with_capacity(1 << 16, file), remaining })
     }

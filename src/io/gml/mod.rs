@@ -8,7 +8,6 @@ mod axes;
 mod geometry;
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -17,6 +16,7 @@ use super::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 use super::xml::{Step, Xml};
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::memory;
+use crate::io::ordinary::open_to_read;
 use axes::Axes;
 use geometry::{Geometry, is_geometry};
 
@@ -62,7 +62,7 @@ struct Reading<'a> {
 
 /// Reads the features of a file. They are numbered from 0, in the order of the file.
 pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let remedy = "clip the map first, or save it as a GeoPackage";
     let what = format!("reading {} as a whole", path.display());

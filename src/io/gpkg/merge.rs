@@ -6,10 +6,11 @@
 
 use std::path::Path;
 
-use rusqlite::{Connection, OpenFlags, OptionalExtension, Params, params};
+use rusqlite::{Connection, OptionalExtension, Params, params};
 
+use super::engine::{in_words, open_to_write};
 use super::quoted::quoted;
-use super::target::{PATIENCE, index_of};
+use super::target::index_of;
 use super::write::EXTENSIONS_TABLE;
 use crate::base::error::{Error, Result};
 
@@ -20,21 +21,30 @@ const REGISTERS: &[&str] =
 
 /// Moves the layers of the GeoPackage `added` into `target`. Layers of the same name are replaced.
 pub(in crate::io) fn merge(added: &Path, target: &Path) -> Result<()> {
-    run(added, target).map_err(|e| {
+    let is_added = run(added, target).map_err(|e| {
         let message =
             "the layers cannot be added to the GeoPackage, which is as before; is it open in another program?";
-        Error::file_cause(target, message, e)
-    })
+        in_words(target, message, e)
+    })?;
+    if is_added {
+        return Ok(());
+    }
+    let message = "another program has meanwhile added another coordinate reference system under the same number, so the \
+                   layers are not added; run the command again";
+    Err(Error::file(target, message))
 }
 
-fn run(added: &Path, target: &Path) -> rusqlite::Result<()> {
-    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let mut db = Connection::open_with_flags(target, flags)?;
-    db.busy_timeout(PATIENCE)?;
+/// Whether the layers are added. They are not if the target has meanwhile got another coordinate reference system under the
+/// id of theirs.
+fn run(added: &Path, target: &Path) -> rusqlite::Result<bool> {
+    let mut db = open_to_write(target)?;
     // The rows of a layer are in several tables. They are removed and added together.
     db.execute_batch("PRAGMA foreign_keys = OFF")?;
     db.execute("ATTACH DATABASE ?1 AS added", [added.to_string_lossy()])?;
     let transaction = db.transaction_with_behavior(rusqlite::TransactionBehavior::Immediate)?;
+    if has_other_systems(&transaction)? {
+        return Ok(false);
+    }
     transaction.execute_batch(EXTENSIONS_TABLE)?;
     add_systems(&transaction)?;
     for layer in &texts(&transaction, "SELECT table_name FROM added.gpkg_contents ORDER BY rowid", [])? {
@@ -43,7 +53,19 @@ fn run(added: &Path, target: &Path) -> rusqlite::Result<()> {
     }
     transaction.commit()?;
     db.execute_batch("DETACH DATABASE added")?;
-    db.close().map_err(|(_, e)| e)
+    db.close().map(|()| true).map_err(|(_, e)| e)
+}
+
+/// Whether the target has another system under the id of one that the added layers use. The id was chosen when the layers
+/// were written; since then, another run may have chosen it too.
+fn has_other_systems(db: &Connection) -> rusqlite::Result<bool> {
+    let others =
+        "SELECT count(*) FROM added.gpkg_spatial_ref_sys AS a JOIN main.gpkg_spatial_ref_sys AS b USING (srs_id)
+         WHERE srs_id > 0 AND srs_id IN (SELECT srs_id FROM added.gpkg_contents)
+         AND CASE upper(a.organization) WHEN 'EPSG'
+             THEN upper(b.organization) <> 'EPSG' OR a.organization_coordsys_id <> b.organization_coordsys_id
+             ELSE a.definition <> b.definition END";
+    db.query_row(others, [], |row| row.get::<_, i64>(0)).map(|count| count > 0)
 }
 
 /// Adds the coordinate reference systems that the target has not.

@@ -1,17 +1,18 @@
 //! Reads layers of a GeoPackage into a table.
 
-use std::fs::File;
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
+use rusqlite::{Connection, OptionalExtension, Row};
 
+use super::engine::{self, in_words};
 use super::quoted::quoted;
 use super::wkb;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::memory;
 use crate::crs::Crs;
 use crate::io::attributes::{is_depth_name, is_elevation_name, is_open_name, upper_of};
+use crate::io::ordinary::open_to_read;
 use crate::io::table::{Feature, NO_GEOMETRY, Purpose, Request, Table, Value};
 
 /// Steps of the database engine that reading a file with views may take, besides those for each byte of the file. They take about
@@ -49,16 +50,13 @@ enum LayerGeometry {
 /// those). A single layer of points beside a single layer of lines is read too.
 pub(in crate::io) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
     // SQLite does not report why it cannot open a file; the operating system does.
-    File::open(path).map_err(|e| Error::io("read", path, e))?;
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let mut db = Connection::open_with_flags(path, flags)
-        .map_err(|e| Error::file_cause(path, "the file cannot be opened as a GeoPackage", e))?;
-    let broken = |e: rusqlite::Error| Error::file_cause(path, "the GeoPackage cannot be read", e);
+    open_to_read(path)?;
+    let mut db =
+        engine::open_to_read(path).map_err(|e| in_words(path, "the file cannot be opened as a GeoPackage", e))?;
+    let broken = |e: rusqlite::Error| in_words(path, "the GeoPackage cannot be read", e);
     let has_layers: bool = db
         .query_row("SELECT count(*) FROM sqlite_master WHERE name = 'gpkg_geometry_columns'", [], |row| row.get(0))
-        .map_err(|e| {
-            Error::file_cause(path, "the file is not a GeoPackage, or it is broken; copy or export it again", e)
-        })?;
+        .map_err(|e| in_words(path, "the file is not a GeoPackage, or it is broken; copy or export it again", e))?;
     if !has_layers {
         return Err(Error::file(path, "the file is a database, but not a GeoPackage with vector layers"));
     }
@@ -301,7 +299,7 @@ fn unread(path: &Path, layer: &Layer, cause: rusqlite::Error) -> Error {
         let message = format!("the layer {:?} is a view that does not come to an end; save it as a table", layer.table);
         return Error::file(path, message);
     }
-    Error::file_cause(path, format!("the layer {:?} cannot be read; the file may be broken", layer.table), cause)
+    in_words(path, &format!("the layer {:?} cannot be read; the file may be broken", layer.table), cause)
 }
 
 /// The value of a cell.

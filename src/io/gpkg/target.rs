@@ -2,16 +2,16 @@
 //! it has their coordinate reference system.
 
 use std::path::Path;
-use std::time::Duration;
 
-use rusqlite::{Connection, OpenFlags, OptionalExtension};
+use rusqlite::{Connection, OptionalExtension};
 
+use super::engine::{in_words, is_about_access, open_to_read};
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::io::maker::MADE_BY;
 
-/// How long to wait for another program that writes to the file.
-pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+/// The message if a file cannot be read for another reason than a lock.
+const UNREADABLE: &str = "the GeoPackage cannot be read";
 
 /// The smallest id for systems without an EPSG code. Ids of EPSG systems are their codes, which are smaller.
 pub(super) const OWN_SRS_ID: i32 = 100_000;
@@ -35,8 +35,14 @@ impl SrsRow {
 }
 
 /// Whether there is a file that layers are added to. An empty file is none.
-pub(in crate::io) fn is_there(path: &Path) -> bool {
-    path.metadata().is_ok_and(|meta| meta.len() > 0) && open(path).is_ok_and(|db| is_geopackage(&db).unwrap_or(false))
+///
+/// # Errors
+/// It is not known: another program holds the file, or the file cannot be opened.
+pub(in crate::io) fn is_there(path: &Path) -> Result<bool> {
+    if !path.metadata().is_ok_and(|meta| meta.is_file() && meta.len() > 0) {
+        return Ok(false);
+    }
+    open_to_read(path).and_then(|db| is_geopackage(&db)).map_err(|e| in_words(path, UNREADABLE, e))
 }
 
 /// Checks that layers of these names may be written to a file.
@@ -44,14 +50,14 @@ pub(in crate::io) fn is_there(path: &Path) -> bool {
 /// # Errors
 /// [`Error::LayerExists`] if the file has a layer of that name that this program did not make, and `overwrite` is not
 /// set, or if the file is an input. [`Error::Exists`] if it is no GeoPackage and `overwrite` is not set. [`Error::File`]
-/// if it has a table of that name that is no layer, or cannot be read.
+/// if it has a table of that name that is no layer, cannot be read, or is locked by another program.
 pub(in crate::io) fn check_layers(path: &Path, layers: &[&str], overwrite: bool, is_input: bool) -> Result<()> {
     if !path.metadata().is_ok_and(|meta| meta.is_file() && meta.len() > 0) {
         return Ok(());
     }
-    let failed = |e| Error::file_cause(path, "the GeoPackage cannot be read", e);
-    let db = open(path).map_err(failed)?;
-    if !is_geopackage(&db).unwrap_or(false) {
+    let failed = |e| in_words(path, UNREADABLE, e);
+    let db = open_to_read(path).map_err(failed)?;
+    if !is_geopackage(&db).map_err(failed)? {
         return if overwrite { Ok(()) } else { Err(Error::Exists { path: path.to_owned() }) };
     }
     for &layer in layers {
@@ -101,22 +107,20 @@ pub(super) fn index_of(layer: &str) -> String {
     format!("rtree_{layer}_geom")
 }
 
-fn open(path: &Path) -> rusqlite::Result<Connection> {
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let db = Connection::open_with_flags(path, flags)?;
-    db.busy_timeout(PATIENCE)?;
-    Ok(db)
-}
-
+/// Whether the file is a GeoPackage. A file that is broken, or no database, is none.
 fn is_geopackage(db: &Connection) -> rusqlite::Result<bool> {
     let tables = "SELECT count(*) FROM sqlite_master WHERE name IN ('gpkg_contents', 'gpkg_spatial_ref_sys')";
-    db.query_row(tables, [], |row| row.get::<_, i64>(0)).map(|count| count == 2)
+    match db.query_row(tables, [], |row| row.get::<_, i64>(0)) {
+        Ok(count) => Ok(count == 2),
+        Err(e) if is_about_access(&e) => Err(e),
+        Err(_) => Ok(false),
+    }
 }
 
 /// The id under which a file has, or can have, a coordinate reference system.
 pub(in crate::io) fn srs_id_in(path: &Path, row: &SrsRow) -> Result<i32> {
     let find = || -> rusqlite::Result<i32> {
-        let db = open(path)?;
+        let db = open_to_read(path)?;
         let known = match &row.code {
             Some(code) => db.query_row(
                 "SELECT srs_id FROM gpkg_spatial_ref_sys
@@ -146,5 +150,5 @@ pub(in crate::io) fn srs_id_in(path: &Path, row: &SrsRow) -> Result<i32> {
         let last: Option<i32> = db.query_row(last, [OWN_SRS_ID], |row| row.get(0))?;
         Ok(last.map_or(OWN_SRS_ID, |last| last.saturating_add(1)))
     };
-    find().map_err(|e| Error::file_cause(path, "the GeoPackage cannot be read", e))
+    find().map_err(|e| in_words(path, UNREADABLE, e))
 }

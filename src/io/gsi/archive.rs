@@ -5,7 +5,6 @@
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +12,7 @@ use zip::ZipArchive;
 
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::io::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
+use crate::io::ordinary::open_to_read;
 use crate::io::xml::unreadable;
 
 /// The largest nesting depth of archives in archives, and of folders in folders.
@@ -109,7 +109,7 @@ impl Walk<'_> {
     }
 
     fn file(&mut self, path: &Path) -> Result<()> {
-        let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+        let file = open_to_read(path)?;
         let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
         if has_extension(path, "zip") {
             return self.archive(path, BufReader::with_capacity(BUFFER, file), 0, &mut budget(length));

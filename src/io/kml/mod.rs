@@ -8,7 +8,6 @@
 mod description;
 mod shapes;
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -20,6 +19,7 @@ use super::zipped;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::memory;
 use crate::crs::Crs;
+use crate::io::ordinary::open_to_read;
 use shapes::Shapes;
 
 const BUFFER: usize = 1 << 17;
@@ -52,7 +52,7 @@ pub(super) fn read(path: &Path, request: &Request<'_>) -> Result<Table> {
         reading.links = if documents > 1 { 0 } else { reading.links };
         return Ok(reading.finish());
     }
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let remedy = "clip the map first, or save it as a GeoPackage";
     memory::check(

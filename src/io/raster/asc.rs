@@ -20,6 +20,7 @@ use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
+use crate::io::ordinary::open_to_read;
 use crate::io::text;
 
 /// The longest word that is accepted. Doubles written out in full have about 330 digits.
@@ -125,7 +126,7 @@ struct Header {
 }
 
 fn open(path: &Path) -> Result<(Header, Words)> {
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let mut words =
         Words { input: BufReader::with_capacity(1 << 18, file), length, word: Vec::new(), again: false, offset: 0 };

@@ -5,7 +5,6 @@
 //! 0, corner x) and (0, minus cell height, corner y). The coordinate reference system is the text `gdal:crsWkt`. GDAL
 //! reads no EXR attribute for nodata, therefore the nodata value is in `.exr.aux.xml`.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -25,6 +24,7 @@ use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::maker::PROGRAM;
+use crate::io::ordinary::open_to_read;
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";
@@ -100,7 +100,7 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
         exr::error::Error::Io(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
         other => Error::file_cause(path, "is not an OpenEXR file that can be read, or it is cut off", other),
     };
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     // The sizes in the header are checked before the library allocates memory for them.
     let meta = MetaData::read_from_buffered(BufReader::new(&file), true).map_err(wrong)?;

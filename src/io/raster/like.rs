@@ -18,6 +18,7 @@ use super::sidecar::{self, Aux, Placement};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
+use crate::io::ordinary::open_to_read;
 
 /// An open TIFF and what its header says.
 pub(super) struct Tiff {
@@ -53,7 +54,7 @@ pub(super) fn wrong(path: &Path, message: &str, error: TiffError) -> Error {
 /// # Errors
 /// The file cannot be read, is not a TIFF, has no georeferencing, or is rotated, sheared or mirrored.
 pub(super) fn open(path: &Path) -> Result<Tiff> {
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let wrong = |error| wrong(path, "is not a TIFF file that can be read", error);
     let mut decoder = Decoder::new(BufReader::with_capacity(1 << 16, file)).map_err(wrong)?;

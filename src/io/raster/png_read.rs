@@ -6,7 +6,6 @@
 //! same files. A picture that does not state it is read as a tile of GSI, with a note, because these tiles do not. Terrarium and Mapbox are
 //! never assumed. The placement of tiles is in the path or in the world file.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -20,6 +19,7 @@ use super::sidecar::{self, Aux, Placement};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::crs::Crs;
 use crate::dem::Dem;
+use crate::io::ordinary::open_to_read;
 
 /// The coordinate reference system of elevation tiles.
 const WEB_MERCATOR: u32 = 3857;
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         DecodingError::IoError(e) if e.raw_os_error().is_some() => Error::io("read", path, e),
         other => Error::file_cause(path, "is not a PNG file that can be read, or it is cut off", other),
     };
-    let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+    let file = open_to_read(path)?;
     let length = file.metadata().map_err(|e| Error::io("read", path, e))?.len();
     let mut decoder = Decoder::new_with_limits(BufReader::new(file), Limits { bytes: SIDE_MEMORY });
     decoder.set_transformations(Transformations::EXPAND);

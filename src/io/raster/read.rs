@@ -12,6 +12,7 @@ use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::crs_finding::crs_finding;
 use crate::io::gsi::{self, GsiDem, Product};
+use crate::io::ordinary::open_to_read;
 
 /// The extensions that [`read_dem`] accepts, for messages and help texts.
 pub const READABLE_EXTENSIONS: [&str; 6] = ["tif", "tiff", "asc", "exr", "png", "xyz"];
@@ -114,13 +115,10 @@ fn unknown(path: &Path) -> Error {
     Error::file(path, message)
 }
 
-/// Refuses a folder and an empty file.
+/// Refuses a folder, an empty file, and what is no ordinary file.
 fn check_file(path: &Path) -> Result<()> {
-    let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
-    if meta.is_dir() {
-        return Err(Error::file(path, "is a folder; name a file in it"));
-    }
-    if meta.is_file() && meta.len() == 0 {
+    let meta = open_to_read(path)?.metadata().map_err(|e| Error::io("read", path, e))?;
+    if meta.len() == 0 {
         return Err(Error::empty(path));
     }
     Ok(())

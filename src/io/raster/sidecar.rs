@@ -12,6 +12,7 @@ use super::output::beside;
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
+use crate::io::ordinary::{MAX_DESCRIPTION, read_small};
 
 /// The placement of a raster's cells, and the order of its rows in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,19 +84,12 @@ pub(super) struct Aux {
     pub encoding: Option<String>,
 }
 
-/// The largest sidecar file that is read, bytes. Files with statistics of many bands have some hundred kilobytes.
-const MAX_LENGTH: u64 = 64 << 20;
-
 /// The content of a small text file, if it exists.
 pub(super) fn read_text(path: &Path) -> Result<Option<String>> {
-    match std::fs::metadata(path) {
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Ok(meta) if meta.len() > MAX_LENGTH => {
-            return Err(Error::file(path, "is too large for a file that describes a raster"));
-        }
-        _ => {}
+    if std::fs::metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
+        return Ok(None);
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let bytes = read_small(path, MAX_DESCRIPTION, "a file that describes a raster")?;
     Ok(Some(String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}').to_owned()))
 }
 

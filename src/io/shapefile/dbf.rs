@@ -14,6 +14,7 @@ use encoding_rs::Encoding;
 use super::encoding::{self, Guess};
 use crate::base::error::{Error, Result};
 use crate::io::layer::{Cell, Column, Kind, Row};
+use crate::io::ordinary::open_to_read;
 use crate::io::table::Value;
 
 /// A table that is read record by record.
@@ -37,7 +38,7 @@ struct Descriptor {
 impl Reader {
     /// Reads the header. `label` is the content of the `.cpg` file, and `named` the field that the user named.
     pub fn open(path: &Path, label: Option<&str>, named: Option<&str>) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::io("read", path, e))?;
+        let file = open_to_read(path)?;
         let mut source = BufReader::new(file);
         let broken = |e: std::io::Error| Error::file_cause(path, "the attribute table's header is not complete", e);
         let mut head = [0; 32];

@@ -11,6 +11,7 @@ use super::companion::companion;
 use super::{dbf, polygon};
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
+use crate::io::ordinary::open_to_read;
 use crate::io::table::{Feature, NO_GEOMETRY, Request, Spot, Table};
 
 /// Reads a shapefile. Records are numbered from 0, as GIS programs show them.
@@ -88,7 +89,7 @@ fn mismatch(path: &Path, shapes: &str, records: u32) -> Error {
 }
 
 fn open(path: &Path) -> Result<ShapeReader<BufReader<File>>> {
-    let source = || File::open(path).map(BufReader::new).map_err(|e| Error::io("read", path, e));
+    let source = || open_to_read(path).map(BufReader::new);
     if let Ok(index) = File::open(companion(path, "shx"))
         && let Ok(reader) = ShapeReader::with_shx(source()?, BufReader::new(index))
     {

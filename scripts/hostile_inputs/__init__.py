@@ -1,0 +1,1 @@
+"""The inputs of hostile.py: a module for each kind."""
