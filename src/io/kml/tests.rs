@@ -96,7 +96,7 @@ fn a_kmz_holds_one_kml_or_several() {
     let data = "<ExtendedData><Data name=\"elev\"><value>10</value></Data></ExtendedData>";
     let text = format!("{START}{}</Document></kml>", line(data, "1,2 3,4"));
     let path = dir.path().join("in.kmz");
-    let mut archive = zip::ZipWriter::new(File::create(&path).expect("a file"));
+    let mut archive = zip::ZipWriter::new(std::fs::File::create(&path).expect("a file"));
     let link = "<kml><Document><NetworkLink><href>layers/contours.kml</href></NetworkLink></Document></kml>";
     for (name, text) in [("doc.kml", link), ("layers/contours.kml", text.as_str())] {
         archive.start_file(name, zip::write::SimpleFileOptions::default()).expect("an entry");
