@@ -180,7 +180,7 @@ impl StagedOutput {
         let (staged, goal) = (self.sibling(name), self.folder.join(name));
         // A second name is refused where a file has it; a rename would replace that file. Some file systems have no second
         // names.
-        if is_database(name) && !goal.exists() {
+        if is_database(name) {
             match fs::hard_link(&staged, &goal) {
                 Ok(()) => return fs::remove_file(&staged).map_err(|e| Error::io("replace", &goal, e)),
                 Err(e) if e.kind() == ErrorKind::AlreadyExists && gpkg::is_there(&goal)? => {
