@@ -167,6 +167,9 @@ fn contradictions(regions: &Regions, tin: &Tin, level: f64, kinds: &[Option<Kind
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An elevation and the points of its line.
+    type Line<'a> = (f64, &'a [(f64, f64)]);
     use crate::contour::{Contour, Interval};
     use crate::subdomains::{regions, with_water};
     use crate::tin::{TinInput, VertexKind, triangulate};
@@ -183,7 +186,7 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let found = regions(&tin, &Interval { step: 10.0, base: 0.0 });
-        let contour = |(k, (elevation, points)): (u64, &(f64, &[(f64, f64)]))| Contour {
+        let contour = |(k, (elevation, points)): (u64, &Line)| Contour {
             elevation: *elevation,
             points: points.iter().map(|&p| p.into()).collect(),
             feature: k.into(),
@@ -254,7 +257,7 @@ mod tests {
     fn contours_in_the_sea_do_not_make_it_land() {
         let at = |x: f64| ring(x, 50.0, 6.0);
         let (one, two, three) = (at(-40.0), at(0.0), at(40.0));
-        let cases: [(&[(f64, &[(f64, f64)])], &[u64]); 6] = [
+        let cases: [(&[Line], &[u64]); 6] = [
             (&[], &[]),
             (&[(10.0, &one)], &[6]),
             (&[(10.0, &one), (10.0, &two), (10.0, &three)], &[6, 7, 8]),

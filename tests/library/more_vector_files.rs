@@ -372,8 +372,11 @@ fn with_blocks(dir: &TempDir, blocks: &[&str], entities: &[&str]) -> PathBuf {
     path
 }
 
+/// The elevation and the points of a line.
+type Line = (f64, Vec<[f64; 2]>);
+
 /// Elevations and vertices of the contours of a drawing, and its findings.
-fn contours_of(path: &Path, options: &ReadOptions) -> (Vec<(f64, Vec<[f64; 2]>)>, String) {
+fn contours_of(path: &Path, options: &ReadOptions) -> (Vec<Line>, String) {
     let report = read_contours(path, options).unwrap();
     let rounded = |p: &DVec2| p.to_array().map(|c| (c * 1e9).round() / 1e9 + 0.0);
     let lines = report.value.contours.iter().map(|c| (c.elevation, c.points.iter().map(rounded).collect())).collect();
