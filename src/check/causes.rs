@@ -13,7 +13,9 @@ use crate::base::error::{Finding, FindingKind, Proposal};
 pub fn first_causes(mut findings: Vec<Finding>) -> Vec<Finding> {
     use FindingKind::{FarAway, Gap, LevelJump, LooksLikeDegrees, OpenEnd, WrongLabel, ZeroElevation};
     let mut zero = HashSet::new();
-    findings.retain(|f| f.kind != ZeroElevation || f.features.iter().fold(false, |new, n| zero.insert(*n) | new));
+    // Spot heights belong to no feature of lines.
+    let mut is_new = |f: &Finding| f.features.iter().fold(f.features.is_empty(), |new, n| zero.insert(*n) | new);
+    findings.retain(|f| f.kind != ZeroElevation || is_new(f));
 
     let frame_is_moved =
         findings.iter().any(|f| matches!(f.kind, FarAway | LooksLikeDegrees) && !f.features.is_empty());

@@ -32,6 +32,8 @@ const SLACK: f64 = 1.5;
 const WIDEST: f64 = 4.0;
 /// If fewer squares than this meet contours, they are too large for the test.
 const FEW_SQUARES: usize = 500;
+/// If more than this share of the vertices would have no ground, the lines are too few or too straight to tell what is near.
+const LOST: f64 = 0.05;
 /// The search for the ground near contours ends when it changes by no more than this share.
 const STABLE: f64 = 0.1;
 /// It ends after this many rounds.
@@ -119,21 +121,24 @@ fn outline(map: &ContourMap) -> Option<Outline> {
     if near > TOLD {
         return None;
     }
+    let starts = line_starts(map);
+    let spans = open_spans(&tin, &removed, &starts);
+    if vertices_of(map, lines_without_ground(&spans, removed.len())) > LOST * map.vertex_count() as f64 {
+        return None;
+    }
     if near > FOLLOWED {
         return Some(Outline { near, kept: None });
     }
     let widest = WIDEST * REACH * near * hull / length;
     let too_wide = removed.partition_point(|removed| removed.narrowest > widest);
     let count = too_wide.max(1 + left.partition_point(|&left| left > SLACK * near * hull));
-    let starts = line_starts(map);
-    let spans = open_spans(&tin, &removed, &starts);
     let count = without_parts_of_lines(&spans, count);
     if left[..count].last().is_none_or(|left| *left > FOLLOWED.max(SLACK * near) * hull) {
         return Some(Outline { near, kept: None });
     }
     let mut is_kept = vec![true; tin.len()];
     removed[..count].iter().for_each(|removed| is_kept[removed.triangle as usize] = false);
-    let lines = (0..spans.len()).filter(|&line| spans[line].is_some_and(|[_, last]| last < count)).collect();
+    let lines = lines_without_ground(&spans, count).collect();
     let spots = spots_without_ground(map, &tin, &is_kept, starts[map.contours.len()]);
     Some(Outline { near, kept: Some(Kept { area: rings(map, &tin, &is_kept), lines, spots }) })
 }
@@ -291,6 +296,16 @@ fn open_spans(tin: &Tin, removed: &[Removed], starts: &[u32]) -> Vec<Option<[usi
         }
     }
     spans.into_iter().map(|span| span.filter(|[first, _]| *first < usize::MAX)).collect()
+}
+
+/// The contours that have no ground along any piece after so many removals.
+fn lines_without_ground(spans: &[Option<[usize; 2]>], count: usize) -> impl Iterator<Item = usize> {
+    (0..spans.len()).filter(move |&line| spans[line].is_some_and(|[_, last]| last < count))
+}
+
+/// The number of vertices of some contours.
+fn vertices_of(map: &ContourMap, lines: impl Iterator<Item = usize>) -> f64 {
+    lines.map(|line| map.contours[line].points.len()).sum::<usize>() as f64
 }
 
 /// The largest number of removals, at most `count`, after which each contour has ground along all of its pieces or along

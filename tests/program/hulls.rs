@@ -121,7 +121,7 @@ fn what_lies_far_away_does_not_coarsen_the_map() {
             (found - plain).abs() < 0.05 * plain && of == cells,
             "{what}: {found} m at {of} cells, and {plain} m without"
         );
-        assert!(said.contains("the contours fill"), "{what}: {said}");
+        assert!(said.contains("the contours fill") || said.contains("stand for no data"), "{what}: {said}");
     }
     std::fs::write(folder.path("zero.csv"), "x,y,z\n0,0,0\n").unwrap();
     let said = folder.succeeds("dem plain.geojson --points zero.csv --like like.asc -o stray.tif");

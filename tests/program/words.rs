@@ -48,7 +48,7 @@ fn flags_of_other_programs_get_the_right_one() {
         assert!(message.contains(&format!("'{right}'")), "{line}: {message}");
     }
     // A verb that lacks the flag does not propose it.
-    assert!(!folder.ends("mesh in.geojson -o a.glb --bbox 0,0,1,1", 2).contains("--extent"));
+    assert!(!folder.ends("compare in.geojson b.tif --bbox 0,0,1,1", 2).contains("--extent"));
 }
 
 #[test]
