@@ -125,10 +125,10 @@ impl<'a> Drawing<'a> {
             if group.begins("ENDSEC") {
                 return Ok(());
             }
-            if group.code == 0 {
-                if let Some(item) = Item::read(group.word(), groups)? {
-                    self.add(item)?;
-                }
+            if group.code == 0
+                && let Some(item) = Item::read(group.word(), groups)?
+            {
+                self.add(item)?;
             }
         }
     }

@@ -186,7 +186,7 @@ fn heights_if_any(path: &Path, table: &Table, named: Option<&str>, items: Vec<It
             }
         };
     }
-    let source = choose(&items, &table.fields, named).map_err(|error| noted(error, &table).in_file(path))?;
+    let source = choose(&items, &table.fields, named).map_err(|error| noted(error, table).in_file(path))?;
     let mut heights = BTreeMap::new();
     for item in &items {
         match elevation(source, &table.fields, item) {

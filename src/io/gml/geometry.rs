@@ -194,10 +194,10 @@ pub(super) fn positions(element: &str, text: &str, dimension: Option<usize>) -> 
     let dimension = match (element, dimension) {
         ("pos", _) => numbers.len(),
         (_, Some(dimension)) => dimension,
-        (_, None) if numbers.len() % 2 == 1 && numbers.len() % 3 == 0 => 3,
+        (_, None) if !numbers.len().is_multiple_of(2) && numbers.len().is_multiple_of(3) => 3,
         (_, None) => 2,
     };
-    if !matches!(dimension, 2 | 3) || numbers.len() % dimension != 0 {
+    if !matches!(dimension, 2 | 3) || !numbers.len().is_multiple_of(dimension) {
         return Err(format!("its positions have {dimension} numbers each, but there are {} numbers", numbers.len()));
     }
     let of = |p: &[f64]| [p[0], p[1], p.get(2).copied().unwrap_or(f64::NAN)];

@@ -95,6 +95,9 @@ const METHODS: &[(u16, &str, &[Parameter])] = &[
     (27, "Transverse_Mercator_South_Orientated", &[LATITUDE, MERIDIAN, SCALE, EASTING, NORTHING]),
 ];
 
+/// The method of a projection by its name in well-known text, and its parameters with their values.
+type Method = (&'static str, Vec<(&'static str, Quantity, f64)>);
+
 /// A part of a system: its text and the size of its unit, radians or metres.
 struct Unit {
     text: String,
@@ -150,7 +153,7 @@ impl GeoKeys {
     }
 
     /// The method of the projection and its parameters.
-    fn method(&self) -> Result<(&'static str, Vec<(&'static str, Quantity, f64)>), String> {
+    fn method(&self) -> Result<Method, String> {
         let code = self.code(METHOD).ok_or("describe a projection without its method")?;
         let mut problem = format!("describe a projection by the method {code}, which is not known here");
         for (_, method, parameters) in METHODS.iter().filter(|(known, ..)| *known == code) {
@@ -276,7 +279,7 @@ impl GeoKeys {
 }
 
 /// Method and parameters of a zone of UTM by the EPSG code of its projection, lengths in a unit of this many metres.
-fn of_utm(code: u16, metres: f64) -> Result<(&'static str, Vec<(&'static str, Quantity, f64)>), String> {
+fn of_utm(code: u16, metres: f64) -> Result<Method, String> {
     let (zone, northing) = match code {
         16001..=16060 => (code - 16000, 0.0),
         16101..=16160 => (code - 16100, 10_000_000.0),
