@@ -372,8 +372,11 @@ fn with_blocks(dir: &TempDir, blocks: &[&str], entities: &[&str]) -> PathBuf {
     path
 }
 
-/// Elevations and vertices of the contours of a drawing, and its findings.
-fn contours_of(path: &Path, options: &ReadOptions) -> (Vec<(f64, Vec<[f64; 2]>)>, String) {
+/// Elevation and vertices of a contour.
+type Level = (f64, Vec<[f64; 2]>);
+
+/// The contours of a drawing, and its findings.
+fn contours_of(path: &Path, options: &ReadOptions) -> (Vec<Level>, String) {
     let report = read_contours(path, options).unwrap();
     let rounded = |p: &DVec2| p.to_array().map(|c| (c * 1e9).round() / 1e9 + 0.0);
     let lines = report.value.contours.iter().map(|c| (c.elevation, c.points.iter().map(rounded).collect())).collect();
