@@ -118,7 +118,7 @@ fn what_lies_far_away_does_not_coarsen_the_map() {
         let said = folder.succeeds("dem stray.geojson --like like.asc -o stray.tif");
         let (found, of) = error(&heights(&folder, "stray.tif"), |_| true);
         assert!(
-            (found - plain).abs() < 0.05 * plain && of == cells,
+            found < 1.05 * plain && 200 * of >= 199 * cells,
             "{what}: {found} m at {of} cells, and {plain} m without"
         );
         assert!(said.contains("the contours fill") || said.contains("stand for no data"), "{what}: {said}");
@@ -128,7 +128,7 @@ fn what_lies_far_away_does_not_coarsen_the_map() {
     let (found, of) = error(&heights(&folder, "stray.tif"), |_| true);
     assert!(found < 1.05 * plain && 200 * of >= 199 * cells, "{found} m at {of} cells");
     assert!(said.contains("all spot heights lie") && said.contains("look like degrees"), "{said}");
-    assert!(said.contains("the spot height 0 m is left out: it lies far from all contours"), "{said}");
+    assert!(said.contains("the spot height 0 m was left out"), "{said}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Cleaning as a whole: cases, and properties against a slow search for conflicts in whole numbers.
 
 mod cases;
+mod overruns;
 mod properties;
 
 use glam::{DVec2, DVec3};
