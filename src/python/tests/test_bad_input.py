@@ -50,7 +50,7 @@ def test_empty_frames_and_frames_without_lines():
 def test_missing_and_mixed_geometries_are_findings():
     given = frame()
     others = geopandas.GeoDataFrame(
-        {"elev": [10.0, 20.0, 10.0]}, geometry=[None, shapely.Point(0, 0).buffer(5), shapely.LineString()], crs=6677
+        {"elev": [10.0, np.nan, 10.0]}, geometry=[None, shapely.Point(0, 0).buffer(5), shapely.LineString()], crs=6677
     )
     with pytest.warns(tokosen.FindingWarning):
         dem = tokosen.dem(pandas.concat([given, others]), 20)
