@@ -34,6 +34,9 @@ const WIDEST: f64 = 4.0;
 const FEW_SQUARES: usize = 500;
 /// If more than this share of the vertices would have no ground, the lines are too few or too straight to tell what is near.
 const LOST: f64 = 0.05;
+/// Squares along a side of the box, and squares that lines meet, at most.
+const MOST_ACROSS: f64 = 65_536.0;
+const MOST_MET: f64 = 1e7;
 /// The search for the ground near contours ends when it changes by no more than this share.
 const STABLE: f64 = 0.1;
 /// It ends after this many rounds.
@@ -147,7 +150,9 @@ fn outline(map: &ContourMap) -> Option<Outline> {
 fn roughly_near(map: &ContourMap, ring: &FrameRing, length: f64) -> f64 {
     let ((lo, hi), hull) = (ring.extent(), ring.area.unsigned_area());
     let size = hi - lo;
-    let side = (hull / SQUARES[0]).max(size.x * size.y / SQUARES[1]).sqrt();
+    // Long narrow maps and long lines would need many more squares.
+    let least = (size.max_element() / MOST_ACROSS).max(length / MOST_MET);
+    let side = (hull / SQUARES[0]).max(size.x * size.y / SQUARES[1]).sqrt().max(least);
     let [cols, rows] = (size / side).ceil().max(DVec2::ONE).to_array().map(|n| n as usize);
     let mut is_met = vec![false; cols * rows];
     let mut meet = |p: DVec2| {
