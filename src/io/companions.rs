@@ -1,9 +1,11 @@
-//! The files beside an output that describe it: which of them a new output removes, and which it must not change.
+//! The files beside an input that are read with it, and those beside an output that describe it: which of them a new output
+//! removes, and which it must not change.
 
 use std::ffi::{OsStr, OsString};
+use std::fs;
 use std::path::Path;
 
-use super::ordinary::{MAX_DESCRIPTION, read_small};
+use super::ordinary::{MAX_DESCRIPTION, check_ordinary, read_small};
 use crate::base::error::{Error, Result};
 
 /// Files beside an output that describe its former content and would be wrong for the new one. The first column is the
@@ -36,6 +38,9 @@ const READ_ENDINGS: &[(&str, &[&str])] = &[
 /// The same, for the ending that is appended to the whole name.
 const WITH_AUX_XML: [&str; 4] = ["png", "tif", "tiff", "exr"];
 
+/// Files beside an input that hold its data, and may be large.
+const WITH_DATA: [&str; 2] = ["shx", "dbf"];
+
 /// Formats whose coordinate reference system is in the `.prj` of their name.
 const WITH_PRJ: [&str; 2] = ["shp", "asc"];
 
@@ -56,6 +61,35 @@ pub(super) fn read_beside(name: &OsStr) -> Vec<OsString> {
     let replaced = replaced.map(|ending| path.with_extension(ending).into_os_string());
     let appended = WITH_AUX_XML.contains(&extension.as_str()).then(|| with_ending(name, ".aux.xml"));
     replaced.chain(appended).collect()
+}
+
+/// Refuses a file that is no ordinary one, and one beside it that is read with it.
+///
+/// # Errors
+/// As [`open_to_read`], for the file or for one beside it. A file beside it is too large.
+pub(super) fn check_input(path: &Path) -> Result<()> {
+    check_ordinary(path)?;
+    let names = read_beside(path.file_name().unwrap_or_default()).into_iter();
+    // Old shapefiles have names in capitals.
+    let names = names.flat_map(|name| [in_capitals(&name), name]);
+    for beside in names.map(|name| path.with_file_name(name)) {
+        let Ok(meta) = fs::metadata(&beside) else { continue };
+        check_ordinary(&beside)?;
+        let holds_data = beside
+            .extension()
+            .and_then(OsStr::to_str)
+            .is_some_and(|e| WITH_DATA.iter().any(|d| d.eq_ignore_ascii_case(e)));
+        if !holds_data && meta.len() > MAX_DESCRIPTION {
+            return Err(Error::file(&beside, "is too large for a file that describes another one"));
+        }
+    }
+    Ok(())
+}
+
+/// The name with its extension in capitals.
+fn in_capitals(name: &OsStr) -> OsString {
+    let path = Path::new(name);
+    path.extension().map_or_else(OsString::new, |e| path.with_extension(e.to_ascii_uppercase()).into_os_string())
 }
 
 /// The endings for an extension.
@@ -145,5 +179,19 @@ mod tests {
         commit(Some("old"), "b.asc").unwrap();
         commit(Some("new"), "a.shp").unwrap_err();
         assert_eq!(names_in(dir.path()), ["a.asc", "b.asc", "b.prj", "b.shp"]);
+    }
+
+    #[test]
+    fn a_file_beside_an_input_is_checked_with_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.shp");
+        fs::write(&path, "shapes").unwrap();
+        assert!(check_input(&path).is_ok());
+        let beside =
+            |name: &str, length: u64| fs::File::create(dir.path().join(name)).unwrap().set_len(length).unwrap();
+        beside("a.dbf", 1 << 32);
+        assert!(check_input(&path).is_ok(), "a table may be large");
+        beside("a.prj", 1 << 32);
+        assert!(check_input(&path).unwrap_err().to_string().contains("a.prj: is too large"));
     }
 }

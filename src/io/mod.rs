@@ -272,7 +272,7 @@ fn read_table(path: &Path, options: &ReadOptions, purpose: Purpose) -> Result<Ta
         return text_points::read(path, &request);
     }
     let format = InputFormat::from_path(path)?;
-    ordinary::check_input(path)?;
+    companions::check_input(path)?;
     let meta = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.len() == 0 {
         return Err(Error::empty(path));

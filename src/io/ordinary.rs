@@ -3,18 +3,14 @@
 //! To open a named pipe means to wait until another program writes to it, and a device may have no end. A file beside an
 //! input, such as a `.prj`, is small; one of some gigabytes is not what it should be.
 
-use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use super::companions::read_beside;
 use crate::base::error::{Error, Result};
 
 /// The largest file beside an input that describes it, bytes. Files with statistics of many bands have some hundred kilobytes.
 pub(super) const MAX_DESCRIPTION: u64 = 64 << 20;
-/// Files beside an input that hold its data, and may be large.
-const WITH_DATA: [&str; 2] = ["shx", "dbf"];
 
 /// Opens an ordinary file to read it.
 ///
@@ -43,29 +39,6 @@ pub fn read_small(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     Err(Error::file(path, format!("is too large for {what}, which has at most {} MB", most >> 20)))
 }
 
-/// Refuses a file that is no ordinary one, and one beside it that is read with it.
-///
-/// # Errors
-/// As [`open_to_read`], for the file or for one beside it. A file beside it is too large.
-pub(super) fn check_input(path: &Path) -> Result<()> {
-    check_ordinary(path)?;
-    let names = read_beside(path.file_name().unwrap_or_default()).into_iter();
-    // Old shapefiles have names in capitals.
-    let names = names.flat_map(|name| [in_capitals(&name), name]);
-    for beside in names.map(|name| path.with_file_name(name)) {
-        let Ok(meta) = fs::metadata(&beside) else { continue };
-        check_ordinary(&beside)?;
-        let holds_data = beside
-            .extension()
-            .and_then(OsStr::to_str)
-            .is_some_and(|e| WITH_DATA.iter().any(|d| d.eq_ignore_ascii_case(e)));
-        if !holds_data && meta.len() > MAX_DESCRIPTION {
-            return Err(Error::file(&beside, "is too large for a file that describes another one"));
-        }
-    }
-    Ok(())
-}
-
 /// Refuses to replace a folder, what is no ordinary file, and a write-protected file.
 ///
 /// # Errors
@@ -83,14 +56,8 @@ pub(super) fn check_replaceable(path: &Path) -> Result<()> {
     }
 }
 
-/// The name with its extension in capitals.
-fn in_capitals(name: &OsStr) -> OsString {
-    let path = Path::new(name);
-    path.extension().map_or_else(OsString::new, |e| path.with_extension(e.to_ascii_uppercase()).into_os_string())
-}
-
 /// Refuses a folder, a device, a named pipe and a socket. A link counts as what it leads to.
-fn check_ordinary(path: &Path) -> Result<()> {
+pub(super) fn check_ordinary(path: &Path) -> Result<()> {
     let meta = fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
     if meta.is_dir() {
         return Err(Error::file(path, "is a folder; name a file in it"));
@@ -123,19 +90,6 @@ mod tests {
         }
         assert!(read_small(dir.path(), 1, what).unwrap_err().to_string().contains("is a folder"));
         assert!(matches!(read_small(&dir.path().join("missing"), 1, what), Err(Error::Io { .. })));
-    }
-
-    #[test]
-    fn a_file_beside_an_input_is_checked_with_it() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a.shp");
-        fs::write(&path, "shapes").unwrap();
-        assert!(check_input(&path).is_ok());
-        let beside = |name: &str, length: u64| File::create(dir.path().join(name)).unwrap().set_len(length).unwrap();
-        beside("a.dbf", 1 << 32);
-        assert!(check_input(&path).is_ok(), "a table may be large");
-        beside("a.prj", 1 << 32);
-        assert!(check_input(&path).unwrap_err().to_string().contains("a.prj: is too large"));
     }
 
     #[cfg(unix)]

@@ -261,6 +261,20 @@ impl Table {
         }
     }
 
+    /// Records an attribute that a document gives as text, unless the feature has it already.
+    pub fn note_text(&mut self, feature: &mut Feature, name: &str, text: &str) {
+        let text = text.trim();
+        let value = match text.parse() {
+            _ if text.is_empty() => Value::Null,
+            Ok(number) => Value::Number(number),
+            Err(_) => Value::Text(text.to_owned()),
+        };
+        let field = self.field(name);
+        if self.wants(field) && feature.values.iter().all(|(known, _)| *known != field) {
+            self.note(&mut feature.values, field, value);
+        }
+    }
+
     /// Moves the polygons into a table of their own.
     pub fn take_polygons(&mut self) -> Self {
         let with_polygons = self.features.iter_mut().filter(|feature| !feature.polygons.is_empty());

@@ -10,6 +10,7 @@ use std::collections::BinaryHeap;
 use foldhash::HashMap;
 
 use super::lattice::Lattice;
+use crate::base::Key;
 use crate::base::parallel;
 
 /// Largest number of nodes visited in the search from one pit. It limits time. A pit that needs more stays.
@@ -73,6 +74,8 @@ fn least_cost_path(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit:
     let mut best: HashMap<u32, (f32, u32)> = HashMap::from_iter([(pit, (0.0, pit))]);
     let mut open = BinaryHeap::from([Reverse((Key(0.0), pit))]);
     while let Some(Reverse((Key(cost), n))) = open.pop() {
+        // Costs are single-precision numbers; the key is wider.
+        let cost = cost as f32;
         if best[&n].0 < cost {
             continue;
         }
@@ -101,7 +104,7 @@ fn least_cost_path(heights: &[f32], lattice: &Lattice, limits: &Limits<'_>, pit:
             let cost = cost + (depth + LENGTH_COST * limits.depth) * step(lattice, n, m) as f32;
             if best.get(&m).is_none_or(|b| cost < b.0) {
                 best.insert(m, (cost, n));
-                open.push(Reverse((Key(cost), m)));
+                open.push(Reverse((Key(f64::from(cost)), m)));
             }
         }
     }
@@ -131,24 +134,6 @@ fn lower_along(heights: &mut [f32], lattice: &Lattice, lo: &[f32], way: &[u32]) 
         if heights[n] > fall {
             heights[n] = fall.max(lo[n]);
         }
-    }
-}
-
-/// A height that can be sorted.
-#[derive(PartialEq)]
-struct Key(f32);
-
-impl Eq for Key {}
-
-impl PartialOrd for Key {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Key {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
     }
 }
 

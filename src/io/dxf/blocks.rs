@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
+use super::copies::Copies;
 use super::entity::{Entity, Polyline, read_polyline};
 use super::groups::GroupReader;
-use super::placement::{Copies, Placement};
+use super::placement::Placement;
 use crate::base::error::{Error, Result};
 
 /// The largest depth of blocks in blocks.

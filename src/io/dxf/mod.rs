@@ -10,6 +10,7 @@
 
 mod arc;
 mod blocks;
+mod copies;
 mod entity;
 mod groups;
 mod layers;

@@ -147,7 +147,7 @@ impl Reading<'_> {
                         part.geometry.end(&name, positions, &mut part.feature, &self.table);
                         part.inner = part.inner.filter(|&inner| inner != depth);
                     } else if !part.has_elements {
-                        note(&mut self.table, &mut part.feature, &name, &text);
+                        self.table.note_text(&mut part.feature, &name, &text);
                     }
                     if let Some(part) = &mut open {
                         part.has_elements = true;
@@ -277,20 +277,6 @@ impl Open {
             inner: None,
             has_elements: false,
         }
-    }
-}
-
-/// Records an attribute, unless the feature has it already.
-fn note(table: &mut Table, feature: &mut Feature, name: &str, text: &str) {
-    let text = text.trim();
-    let value = match text.parse() {
-        _ if text.is_empty() => Value::Null,
-        Ok(number) => Value::Number(number),
-        Err(_) => Value::Text(text.to_owned()),
-    };
-    let field = table.field(name);
-    if table.wants(field) && feature.values.iter().all(|(known, _)| *known != field) {
-        table.note(&mut feature.values, field, value);
     }
 }
 

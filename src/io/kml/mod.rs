@@ -13,7 +13,7 @@ use std::path::Path;
 
 use super::gsi::archive::has_extension;
 use super::meter::{DocumentReader, LimitedReader, MAX_DOCUMENT_LENGTH};
-use super::table::{Feature, NO_GEOMETRY, Request, Table, Value};
+use super::table::{Feature, NO_GEOMETRY, Request, Table};
 use super::xml::{Step, Xml};
 use super::zipped;
 use crate::base::error::{Error, Finding, FindingKind, Result};
@@ -124,17 +124,17 @@ impl Reading {
                         }
                         "SimpleData" | "value" => {
                             if let Some(name) = placemark.datum.take() {
-                                note(table, &mut placemark.feature, &name, &text);
+                                table.note_text(&mut placemark.feature, &name, &text);
                             }
                         }
                         "Data" => placemark.datum = None,
-                        "name" if is_direct => note(table, &mut placemark.feature, "name", &text),
+                        "name" if is_direct => table.note_text(&mut placemark.feature, "name", &text),
                         "description" if is_direct => {
                             let rows = description::rows(&text);
                             if rows.is_empty() {
-                                note(table, &mut placemark.feature, "description", &text);
+                                table.note_text(&mut placemark.feature, "description", &text);
                             }
-                            rows.iter().for_each(|(name, value)| note(table, &mut placemark.feature, name, value));
+                            rows.iter().for_each(|(name, value)| table.note_text(&mut placemark.feature, name, value));
                         }
                         name => {
                             let Placemark { feature, shapes, .. } = placemark;
@@ -166,20 +166,6 @@ impl Reading {
         );
         }
         table
-    }
-}
-
-/// Records an attribute, unless the placemark has it already.
-fn note(table: &mut Table, feature: &mut Feature, name: &str, text: &str) {
-    let text = text.trim();
-    let value = match text.parse() {
-        _ if text.is_empty() => Value::Null,
-        Ok(number) => Value::Number(number),
-        Err(_) => Value::Text(text.to_owned()),
-    };
-    let field = table.field(name);
-    if table.wants(field) && feature.values.iter().all(|(known, _)| *known != field) {
-        table.note(&mut feature.values, field, value);
     }
 }
 
