@@ -31,11 +31,15 @@ impl GroundScale {
     /// The scale factor of a projection is not corrected. In the plane rectangular zones and UTM, it is below one part
     /// in a thousand.
     pub fn of(dem: &Dem) -> Self {
+        Self::on(&dem.grid, dem.crs.as_ref())
+    }
+
+    /// The scale on a grid in some coordinate reference system, as [`GroundScale::of`].
+    pub fn on(grid: &Grid, crs: Option<&Crs>) -> Self {
         let rows = |at: fn(f64) -> DVec2| {
-            let grid: Grid = dem.grid;
             Self::Rows((0..grid.rows).map(|row| at(grid.center(0, row).y)).collect())
         };
-        match &dem.crs {
+        match crs {
             Some(crs) if crs.is_geographic() => rows(per_degree),
             Some(crs) if crs.horizontal().epsg == Some(WEB_MERCATOR) => rows(per_mercator_metre),
             Some(crs) => Self::Uniform(DVec2::splat(crs.length_unit().map_or(1.0, |unit| unit.metres))),
@@ -59,23 +63,36 @@ impl Dem {
     /// # Errors
     /// [`Error::Parameter`] if its system states another unit.
     pub fn with_plane_unit(self, unit: Option<ElevationUnit>) -> Result<Self> {
-        let Some(unit) = unit else { return Ok(self) };
-        let is_open = self.crs.as_ref().is_none_or(|crs| crs.kind().is_none() && crs.length_unit().is_none());
-        let own = self.crs.as_ref().and_then(Crs::length_unit);
-        if is_open {
-            return Ok(Self { crs: Some(Crs::of_plane_in(unit)), ..self });
-        }
-        match own.and_then(|own| ElevationUnit::of_size(own.metres)) == Some(unit) {
-            true => Ok(self),
-            false => Err(other_unit(unit, self.crs.as_ref())),
-        }
+        let crs = in_plane_unit(self.crs, unit)?;
+        Ok(Self { crs, ..self })
     }
 
     /// Metres on the ground per map unit, east and north, in the middle row. `None` if the unit is not known.
     pub fn metres_per_unit(&self) -> Option<DVec2> {
-        let crs = self.crs.as_ref()?;
-        let is_known = crs.is_geographic() || crs.length_unit().is_some();
-        is_known.then(|| GroundScale::of(self).row(self.grid.rows / 2))
+        metres_per_unit(&self.grid, self.crs.as_ref())
+    }
+}
+
+/// Metres on the ground per map unit, east and north, in the middle row of a grid. `None` if the unit is not known.
+pub fn metres_per_unit(grid: &Grid, crs: Option<&Crs>) -> Option<DVec2> {
+    let crs = crs?;
+    let is_known = crs.is_geographic() || crs.length_unit().is_some();
+    is_known.then(|| GroundScale::on(grid, Some(crs)).row(grid.rows / 2))
+}
+
+/// The coordinate reference system with the unit of x and y that the caller names, if one is.
+///
+/// # Errors
+/// [`Error::Parameter`] if the system states another unit.
+pub fn in_plane_unit(crs: Option<Crs>, unit: Option<ElevationUnit>) -> Result<Option<Crs>> {
+    let Some(unit) = unit else { return Ok(crs) };
+    if crs.as_ref().is_none_or(|crs| crs.kind().is_none() && crs.length_unit().is_none()) {
+        return Ok(Some(Crs::of_plane_in(unit)));
+    }
+    let own = crs.as_ref().and_then(Crs::length_unit);
+    match own.and_then(|own| ElevationUnit::of_size(own.metres)) == Some(unit) {
+        true => Ok(crs),
+        false => Err(other_unit(unit, crs.as_ref())),
     }
 }
 

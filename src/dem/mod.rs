@@ -4,15 +4,19 @@
 pub mod compare;
 pub mod contour;
 pub mod derive;
+mod gradient;
 mod ground;
 mod height_map;
 pub mod join;
 mod rasterise;
+mod rows;
 pub mod shade;
 pub mod smooth;
 
 pub(crate) use ground::other_unit;
-pub use ground::{GroundScale, looks_like_degrees};
+pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
 pub use height_map::Dem;
 pub(crate) use rasterise::{height, heights_at};
 pub use rasterise::{locate, rasterise};
+pub use rows::HeightRows;
+pub(crate) use rows::{Block, Blocks, empty};

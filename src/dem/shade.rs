@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::gradient::gradients;
 use super::ground::GroundScale;
 use super::height_map::Dem;
 use crate::base::parallel;
@@ -160,50 +161,9 @@ pub(super) fn map_gradients(
         return out;
     }
     parallel::chunks(&mut out, cols, |row, line| {
-        let step = dem.grid.cell * metres_per_unit(row) * 8.0;
-        for (col, out) in line.iter_mut().enumerate() {
-            let center = f64::from(dem.values[row * cols + col]);
-            if !center.is_finite() {
-                continue;
-            }
-            let neighbour = |right: isize, down: isize| -> Option<f64> {
-                let col = col.checked_add_signed(right).filter(|&col| col < cols)?;
-                let row = row.checked_add_signed(down).filter(|&row| row < rows)?;
-                Some(f64::from(dem.values[row * cols + col])).filter(|height| height.is_finite())
-            };
-            // A missing neighbour across an edge is extrapolated from the opposite one.
-            let across = |right: isize, down: isize| {
-                let opposite = || neighbour(-right, -down).map(|height| 2.0 * center - height);
-                neighbour(right, down).or_else(opposite)
-            };
-            let [east, north, west, south] = [across(1, 0), across(0, -1), across(-1, 0), across(0, 1)];
-            // A missing corner is extrapolated from two cells in its column or in its row. Otherwise the other corners
-            // give it, as on a plane.
-            let corner = |right: isize, down: isize| {
-                let along = |near: Option<f64>, far: Option<f64>| near.zip(far).map(|(near, far)| 2.0 * near - far);
-                let column = || along(neighbour(right, 0), neighbour(right, -down));
-                let row = || along(neighbour(0, down), neighbour(-right, down));
-                let both = || match (column(), row()) {
-                    (Some(a), Some(b)) => Some((a + b) / 2.0),
-                    (a, b) => a.or(b),
-                };
-                neighbour(right, down).or_else(both)
-            };
-            let diagonal = |right: isize, down: isize| match (corner(right, down), corner(-right, -down)) {
-                (Some(a), Some(b)) => Some(a - b),
-                (Some(a), None) => Some(2.0 * (a - center)),
-                (None, Some(b)) => Some(2.0 * (center - b)),
-                (None, None) => None,
-            };
-            let (north_east, south_east) = (diagonal(1, -1), diagonal(1, 1));
-            let diagonals = north_east.zip(south_east);
-            let straight = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a - b);
-            let east = straight(east, west).or(diagonals.map(|(ne, se)| (ne + se) / 2.0)).unwrap_or(0.0);
-            let north = straight(north, south).or(diagonals.map(|(ne, se)| (ne - se) / 2.0)).unwrap_or(0.0);
-            let (north_east, south_east) = (north_east.unwrap_or(east + north), south_east.unwrap_or(east - north));
-            let rise = DVec2::new(2.0 * east + north_east + south_east, 2.0 * north + north_east - south_east);
-            *out = value(rise / step);
-        }
+        let line_of = |row: usize| (row < rows).then(|| &dem.values[row * cols..(row + 1) * cols]);
+        let lines = [row.checked_sub(1).and_then(line_of), line_of(row), line_of(row + 1)];
+        gradients(lines, dem.grid.cell * metres_per_unit(row), |col, gradient, _| line[col] = value(gradient));
     });
     out
 }

@@ -1,6 +1,7 @@
 //! The two sides of a comparison, brought onto one grid.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use geo::MultiPolygon;
 use glam::DVec2;
@@ -13,8 +14,8 @@ use crate::base::progress::{Progress, step};
 use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Reprojection, Transform};
-use crate::dem::compare::{height_at, heights_between};
-use crate::dem::{Dem, looks_like_degrees};
+use crate::dem::compare::{Resampled, heights_at_places, heights_between};
+use crate::dem::{Dem, HeightRows, looks_like_degrees, metres_per_unit};
 use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
 
 /// One side of a comparison.
@@ -38,7 +39,7 @@ pub struct Side {
 #[derive(Debug)]
 pub enum Kind {
     /// A height map.
-    Dem(Dem),
+    Dem(Arc<dyn HeightRows>),
     /// The surface between contours.
     Surface(Box<Surface>),
 }
@@ -72,9 +73,9 @@ pub struct Pair {
     /// The reference.
     pub b: Side,
     /// The heights of A.
-    pub a_heights: Dem,
+    pub a_heights: Arc<dyn HeightRows>,
     /// The heights of B, on the same grid.
-    pub b_heights: Dem,
+    pub b_heights: Arc<dyn HeightRows>,
     /// How they were brought onto it, in sentences.
     pub notes: Vec<String>,
 }
@@ -128,7 +129,7 @@ impl Pair {
 
     /// Metres on the ground per unit of the grid's system, in x and y.
     pub fn metres_per_unit(&self) -> DVec2 {
-        self.b_heights.metres_per_unit().unwrap_or(DVec2::ONE)
+        metres_per_unit(&self.b_heights.grid(), self.b_heights.crs()).unwrap_or(DVec2::ONE)
     }
 
     /// The unit that the elevations of contours had, those of B first; metres for two height maps.
@@ -150,7 +151,7 @@ fn note(a: &Side, b: &Side, grid: &Grid) -> String {
             let [x, y] = [plain(grid.cell.x), plain(grid.cell.y)];
             format!("Both surfaces are evaluated at the centres of cells of {x} x {y}.")
         }
-        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid == *grid => "Both have the same cells.".into(),
+        (Kind::Dem(dem), Kind::Dem(_)) if dem.grid() == *grid => "Both have the same cells.".into(),
         (Kind::Dem(_), Kind::Dem(_)) => {
             "A is on another grid: it is interpolated (bilinear) at the cell centres of B, which stays as it is.".into()
         }
@@ -173,16 +174,16 @@ pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
 impl Side {
     /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard
     /// deviation, metres).
-    pub fn of_dem(path: &Path, dem: Dem, product: Option<(&str, f64)>) -> Self {
+    pub fn of_dem(path: &Path, dem: Arc<dyn HeightRows>, product: Option<(&str, f64)>) -> Self {
         let name = product.map_or("height map", |(name, _)| name);
-        let Grid { cols, rows, cell, .. } = dem.grid;
-        let is_degrees = dem.crs.as_ref().is_some_and(Crs::is_geographic);
+        let Grid { cols, rows, cell, .. } = dem.grid();
+        let is_degrees = dem.crs().is_some_and(Crs::is_geographic);
         let (factor, unit) = if is_degrees { (3600.0, " seconds of arc") } else { (1.0, "") };
         let [x, y] = [plain(cell.x * factor), plain(cell.y * factor)];
         let source = SideSource {
             file: path.to_owned(),
             kind: "dem",
-            crs: dem.crs.as_ref().and_then(Crs::name),
+            crs: dem.crs().and_then(Crs::name),
             about: format!("{name}, {cols} x {rows} cells of {x} x {y}{unit}"),
         };
         Self {
@@ -220,7 +221,7 @@ impl Side {
     /// The cells of a height map.
     pub fn nodes(&self) -> Option<Nodes> {
         match &self.kind {
-            Kind::Dem(dem) => Some((dem.grid, dem.crs.clone())),
+            Kind::Dem(dem) => Some((dem.grid(), dem.crs().cloned())),
             Kind::Surface(_) => None,
         }
     }
@@ -228,7 +229,7 @@ impl Side {
     /// The system that the heights are in: for contours the working one.
     pub fn crs(&self) -> Option<&Crs> {
         match &self.kind {
-            Kind::Dem(dem) => dem.crs.as_ref(),
+            Kind::Dem(dem) => dem.crs(),
             Kind::Surface(surface) => surface.map.crs.as_ref(),
         }
     }
@@ -240,26 +241,36 @@ impl Side {
         way(path, crs, self.crs())
     }
 
-    /// Heights at the cell centres of a grid in some system.
-    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Dem> {
+    /// Heights at the cell centres of a grid in some system. Those of a height map are computed when they are read, as far as no
+    /// coordinates have to be transformed.
+    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn HeightRows>> {
         let way = self.way_from(crs, &self.source.file)?;
+        let surface = match &self.kind {
+            Kind::Surface(surface) => surface,
+            Kind::Dem(dem) if way.is_none() && dem.grid() == *grid && dem.crs() == crs => return Ok(dem.clone()),
+            Kind::Dem(dem) if way.is_none() => {
+                return Ok(Arc::new(Resampled { source: dem.clone(), grid: *grid, crs: crs.cloned() }));
+            }
+            Kind::Dem(dem) => {
+                let dem = dem.whole()?;
+                let to_side = |p: DVec2| along(way.as_ref(), p);
+                let values = step(progress, "interpolating", || heights_between(&dem, grid, &to_side));
+                return Ok(Arc::new(Dem { grid: *grid, values, crs: crs.cloned() }));
+            }
+        };
         let to_side = |p: DVec2| along(way.as_ref(), p);
-        let values = match &self.kind {
-            Kind::Dem(dem) if dem.grid == *grid && way.is_none() => dem.values.clone(),
-            Kind::Dem(dem) => step(progress, "interpolating", || heights_between(dem, grid, &to_side)),
-            Kind::Surface(surface) if way.is_none() => heights(surface, grid, progress).values,
-            Kind::Surface(surface) => heights_on(surface, grid, &to_side, progress),
+        let values = match &way {
+            None => heights(surface, grid, progress).values,
+            Some(_) => heights_on(surface, grid, &to_side, progress),
         };
         let mut dem = Dem { grid: *grid, values, crs: crs.cloned() };
-        if let Kind::Surface(surface) = &self.kind {
-            let from_side = |p: DVec2| way.as_ref().map_or(Some(p), |way| way.inverse(p));
-            let other = InOther { to_surface: &to_side, from_surface: &from_side };
-            drain_heights(surface, &mut dem, way.is_some().then_some(other));
-        }
+        let from_side = |p: DVec2| way.as_ref().map_or(Some(p), |way| way.inverse(p));
+        let other = InOther { to_surface: &to_side, from_surface: &from_side };
+        drain_heights(surface, &mut dem, way.is_some().then_some(other));
         if let Some(area) = &self.part {
             mask(&mut dem, area, &to_side);
         }
-        Ok(dem)
+        Ok(Arc::new(dem))
     }
 
     /// Heights at check points, NaN where there are none. `path` is the file of the points, for the error.
@@ -268,7 +279,8 @@ impl Side {
         let place = |k: usize| checks.points.get(k).and_then(|p| along(way.as_ref(), p.truncate()));
         Ok(match &self.kind {
             Kind::Dem(dem) => {
-                (0..checks.points.len()).map(|k| place(k).map_or(f64::NAN, |p| height_at(dem, p))).collect()
+                let places: Vec<DVec2> = (0..checks.points.len()).map(|k| place(k).unwrap_or(DVec2::NAN)).collect();
+                heights_at_places(&**dem, &places)?
             }
             Kind::Surface(surface) => {
                 // Each point is treated as a cell of one row.

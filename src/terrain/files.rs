@@ -3,7 +3,7 @@
 use std::mem::take;
 use std::path::{Path, PathBuf};
 
-use super::compare::{Pair, Side};
+use super::compare::{Kind, Pair, Side};
 use super::grid::GridSpec;
 use super::input::{Input, InputOptions, Signs, in_metres};
 use super::measure::add_check_points;
@@ -16,7 +16,7 @@ use crate::check::placeholder_heights;
 use crate::contour::SpotHeights;
 use crate::crs::Crs;
 use crate::dem::compare::Comparison;
-use crate::io::raster::{DemFile, read_dem, read_grid};
+use crate::io::raster::{DemFile, DemRows, open_dem, read_dem, read_grid};
 use crate::io::{
     ReadOptions, Stated, VectorSource, Waterways, read_area, read_break_lines, read_cliffs, read_coast_stated,
     read_contours, read_excluded, read_sinks, read_spot_heights, read_streams, read_water_stated,
@@ -248,14 +248,23 @@ impl GridSpec {
 }
 
 impl Side {
-    /// Reads a height map.
+    /// Opens a height map. The rows of a GeoTIFF are read when they are needed; [`Side::late_findings`] then tells about their
+    /// heights.
     ///
     /// # Errors
-    /// As [`read_dem`].
+    /// As [`open_dem`].
     pub fn read_height_map(path: &Path, progress: &dyn Progress) -> Result<Report<Self>> {
-        let Report { value: DemFile { dem, product }, findings } = step(progress, "reading", || read_dem(path))?;
+        let Report { value: DemRows { heights, product }, findings } = step(progress, "reading", || open_dem(path))?;
         let product = product.map(|product| (product.name(), product.sigma()));
-        Ok(Report { value: Self::of_dem(path, dem, product), findings })
+        Ok(Report { value: Self::of_dem(path, heights, product), findings })
+    }
+
+    /// The findings about heights that were read since the side was opened. Each call gives all of them.
+    pub fn late_findings(&self) -> Vec<Finding> {
+        match &self.kind {
+            Kind::Dem(dem) => dem.findings(),
+            Kind::Surface(_) => Vec::new(),
+        }
     }
 }
 

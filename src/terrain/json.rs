@@ -83,7 +83,7 @@ struct Json<'a> {
 /// # Errors
 /// [`Error::Data`] if a figure cannot be written as JSON.
 pub fn comparison_json(pair: &Pair, found: &Comparison, findings: &[Finding]) -> Result<String> {
-    let grid = &pair.b_heights.grid;
+    let grid = pair.b_heights.grid();
     let json = Json {
         sources: [&pair.a.source, &pair.b.source],
         notes: &pair.notes,

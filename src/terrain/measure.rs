@@ -30,11 +30,12 @@ pub struct MeasureOptions {
 /// # Errors
 /// As [`compare`](fn@compare).
 pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -> Result<Comparison> {
-    let (a, b) = (&pair.a_heights, &pair.b_heights);
+    let (a, b) = (&*pair.a_heights, &*pair.b_heights);
     let distances = match pair.side_with_surface() {
         Some((side, surface)) => {
-            let way = side.way_from(b.crs.as_ref(), &pair.b.source.file)?;
+            let way = side.way_from(b.crs(), &pair.b.source.file)?;
             let to_map = |p: DVec2| along(way.as_ref(), p);
+            let (a, b) = (a.whole()?, b.whole()?);
             let known = |i: usize| a.values[i].is_finite() && b.values[i].is_finite();
             let contours = &surface.map.contours;
             Some(step(progress, "measuring distances", || contour_distances(contours, &b.grid, &to_map, known)))
@@ -50,9 +51,9 @@ pub fn measure(pair: &Pair, options: &MeasureOptions, progress: &dyn Progress) -
     for (figures, side) in [(&mut found.a, &pair.a), (&mut found.b, &pair.b)] {
         // Interpolation changes decimals and removes terraces, so the original heights are examined.
         if let Kind::Dem(dem) = &side.kind
-            && (dem.grid != b.grid || dem.crs != b.crs)
+            && (dem.grid() != b.grid() || dem.crs() != b.crs())
         {
-            *figures = height_figures(&dem.values, interval.as_ref());
+            *figures = height_figures(&**dem, interval.as_ref())?;
         }
     }
     found.bands = bands(pair, progress)?;
@@ -80,6 +81,7 @@ fn bands(pair: &Pair, progress: &dyn Progress) -> Result<Option<BandShare>> {
         (Kind::Dem(_), Kind::Surface(surface)) => (&pair.b, surface, &pair.a_heights),
         _ => return Ok(None),
     };
+    let dem = &*dem.whole()?;
     let way = side.way_from(dem.crs.as_ref(), &side.source.file)?;
     let triangles = match &way {
         None => locate(&surface.tin, &dem.grid, progress),

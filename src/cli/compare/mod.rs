@@ -36,12 +36,16 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
         }
         Ok(found)
     });
+    for (letter, side) in [("A", &pair.a), ("B", &pair.b)] {
+        let told = |finding: Finding| Finding { message: format!("{letter}: {}", finding.message), ..finding };
+        findings.extend(side.late_findings().into_iter().map(told));
+    }
     let placed: Vec<Finding> = findings.iter().map(Finding::with_place_in_words).collect();
     let found = measured.map_err(|error| summary::after_findings(error, &placed, console))?;
-    let (a, b) = (&pair.a_heights, &pair.b_heights);
+    let (a, b) = (&*pair.a_heights, &*pair.b_heights);
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
-        let written = console.step("writing", || write_raster(&staged.path(), &difference(a, b), &params));
+        let written = console.step("writing", || write_raster(&staged.path(), &difference(a, b)?, &params));
         written.map_err(|e| staged.with_final_name(e))?;
     }
     if let Some(staged) = &page {
@@ -121,7 +125,7 @@ pub fn open_page(path: &Path) -> Result<StagedOutput, Failure> {
 pub fn summarise(pair: &Pair, found: &Comparison, console: &Console) {
     console.say(&format!("A          {}", pair.a.source.title()));
     console.say(&format!("B          {}", pair.b.source.title()));
-    let grid = &pair.b_heights.grid;
+    let grid = pair.b_heights.grid();
     console.say(&format!(
         "compared   {} cells of {} x {} ({:.1} %), differences A − B in metres",
         found.overall.cells,

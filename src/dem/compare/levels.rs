@@ -9,9 +9,6 @@
 //! A lake, a plain or the sea also puts many heights on one level. Terraces occur at the majority of the levels. So the
 //! levels vote.
 
-use std::collections::BTreeMap;
-
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Precision;
@@ -31,8 +28,24 @@ const FEWEST_HEIGHTS: u64 = 100;
 const FEWEST_LEVELS: usize = 3;
 /// Largest number of levels between the lowest and the highest height. With more, the interval is not used.
 const MOST_INTERVALS: f64 = 1e6;
-/// Contour intervals that are tried if none is known, metres: those usual on maps, the smallest first.
-const USUAL: [f64; 12] = [1.0, 2.0, 2.5, 3.048, 5.0, 6.096, 10.0, 12.192, 20.0, 25.0, 50.0, 100.0];
+/// Contour intervals that are tried if none is known, metres: those usual on maps, the smallest first. Beside each, which of
+/// [`FINE`] divides it, and how often.
+const USUAL: [(f64, usize, i64); 12] = [
+    (1.0, 0, 2),
+    (2.0, 0, 4),
+    (2.5, 0, 5),
+    (3.048, 1, 1),
+    (5.0, 0, 10),
+    (6.096, 1, 2),
+    (10.0, 0, 20),
+    (12.192, 1, 4),
+    (20.0, 0, 40),
+    (25.0, 0, 50),
+    (50.0, 0, 100),
+    (100.0, 0, 200),
+];
+/// Intervals whose counts give those of all usual ones, metres. So heights are counted twice and not twelve times.
+const FINE: [f64; 2] = [0.5, 3.048];
 
 /// Heights modulo the contour interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,62 +72,148 @@ pub struct LevelHistogram {
 
 /// Counts heights modulo an interval. `None` if there are no heights, or if the interval is too small for them.
 pub fn level_histogram(heights: &[f32], interval: &Interval, precision: Option<Precision>) -> Option<LevelHistogram> {
-    let (lowest, highest) = heights
-        .par_iter()
-        .filter(|h| h.is_finite())
-        .map(|&h| (h, h))
-        .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let count = f64::from(highest - lowest) / interval.step;
-    // The condition is also false for NaN, when there are no heights.
-    if !(interval.step > 0.0 && (0.0..MOST_INTERVALS).contains(&count)) {
-        return None;
-    }
-    let tally = |mut levels: BTreeMap<i64, [u64; BINS]>, height: &f32| {
-        if height.is_finite() {
-            let height = precision.map_or(f64::from(*height), |p| p.decimal(*height));
-            let bin = (BINS as f64 * (height - interval.base) / interval.step).floor() as i64;
-            // Half of the bins of a level are below it.
-            let level = (bin + BINS as i64 / 2).div_euclid(BINS as i64);
-            levels.entry(level).or_insert([0; BINS])[bin.rem_euclid(BINS as i64) as usize] += 1;
-        }
-        levels
-    };
-    let merge = |mut a: BTreeMap<i64, [u64; BINS]>, b: BTreeMap<i64, [u64; BINS]>| {
-        for (level, bins) in b {
-            a.entry(level).or_insert([0; BINS]).iter_mut().zip(bins).for_each(|(a, b)| *a += b);
-        }
-        a
-    };
-    let by_level = heights.par_iter().fold(BTreeMap::new, tally).reduce(BTreeMap::new, merge);
+    let mut counts = LevelCounts::new(range(heights), Some(interval), precision);
+    counts.add(heights);
+    counts.histogram()
+}
 
-    let mut bins = [0u64; BINS];
-    by_level.values().for_each(|level| bins.iter_mut().zip(level).for_each(|(sum, n)| *sum += n));
-    let total: u64 = bins.iter().sum();
-    // Counts by parity of the level: levels with enough heights, and those of them with terraces.
-    let (mut levels, mut terraced) = ([0usize; 2], [0usize; 2]);
-    for (level, bins) in &by_level {
+/// The lowest and the highest height. The first is larger than the second if there is none.
+pub(super) fn range(heights: &[f32]) -> (f32, f32) {
+    let finite = heights.iter().filter(|h| h.is_finite());
+    finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)))
+}
+
+/// Counts heights modulo an interval, or modulo all usual ones.
+#[derive(Debug)]
+pub(super) struct LevelCounts {
+    precision: Option<Precision>,
+    interval: Option<Interval>,
+    fine: Vec<Counts>,
+}
+
+impl LevelCounts {
+    /// Counts of heights in a range. Usual intervals are tried if none is given.
+    pub fn new(range: (f32, f32), interval: Option<&Interval>, precision: Option<Precision>) -> Self {
+        let tried = FINE.map(|step| Interval { step, base: 0.0 });
+        let fine = interval.map_or(tried.as_slice(), std::slice::from_ref);
+        let fine = fine.iter().filter_map(|interval| Counts::new(range, *interval, precision)).collect();
+        Self { precision, interval: interval.copied(), fine }
+    }
+
+    /// Counts heights, which are in the range.
+    pub fn add(&mut self, heights: &[f32]) {
+        let precision = self.precision;
+        self.fine.iter_mut().for_each(|counts| counts.add(heights, precision));
+    }
+
+    /// The heights modulo the given interval. Without one, modulo the smallest usual interval at whose levels there are terraces.
+    ///
+    /// At half the true interval, only every second level has terraces. At twice the true interval, all levels have. So the
+    /// smallest interval that passes is the true one.
+    pub fn histogram(&self) -> Option<LevelHistogram> {
+        if let Some(interval) = &self.interval {
+            return self.fine.first()?.histogram(1, interval, self.precision);
+        }
+        USUAL.iter().find_map(|&(step, fine, times)| {
+            let found = self.fine.get(fine)?.histogram(times, &Interval { step, base: 0.0 }, self.precision);
+            found.filter(|h| h.terraced == Some(true))
+        })
+    }
+}
+
+/// Counts of heights in bins, from the lowest height to the highest.
+#[derive(Debug)]
+struct Counts {
+    interval: Interval,
+    /// The number of the first bin; bin 0 begins at the base of the interval.
+    first: i64,
+    counts: Vec<u32>,
+}
+
+impl Counts {
+    fn new((lowest, highest): (f32, f32), interval: Interval, precision: Option<Precision>) -> Option<Self> {
+        let count = f64::from(highest - lowest) / interval.step;
+        // The condition is also false for NaN, when there are no heights.
+        if !(interval.step > 0.0 && (0.0..MOST_INTERVALS).contains(&count)) {
+            return None;
+        }
+        let [first, last] = [lowest, highest].map(|height| bin(height, &interval, precision));
+        Some(Self { interval, first, counts: vec![0; (last - first + 1) as usize] })
+    }
+
+    fn add(&mut self, heights: &[f32], precision: Option<Precision>) {
+        for &height in heights.iter().filter(|h| h.is_finite()) {
+            self.counts[(bin(height, &self.interval, precision) - self.first) as usize] += 1;
+        }
+    }
+
+    /// The histogram for an interval that is `times` as long.
+    fn histogram(&self, times: i64, interval: &Interval, precision: Option<Precision>) -> Option<LevelHistogram> {
+        let mut bins = [0u64; BINS];
+        let mut votes = Votes::default();
+        let mut level = (i64::MIN, [0u64; BINS]);
+        for (fine, &count) in (self.first..).zip(&self.counts).filter(|(_, count)| **count > 0) {
+            let bin = fine.div_euclid(times);
+            // Half of the bins of a level are below it.
+            let number = (bin + BINS as i64 / 2).div_euclid(BINS as i64);
+            if number != level.0 {
+                votes.add(level.0, &level.1);
+                level = (number, [0; BINS]);
+            }
+            let bin = bin.rem_euclid(BINS as i64) as usize;
+            level.1[bin] += u64::from(count);
+            bins[bin] += u64::from(count);
+        }
+        votes.add(level.0, &level.1);
+        let total: u64 = bins.iter().sum();
+        let (near, beside) = near_and_beside(&bins);
+        Some(LevelHistogram {
+            interval: interval.step,
+            base: interval.base,
+            shares: bins.iter().map(|&n| n as f64 / total as f64).collect(),
+            near: near as f64 / total as f64,
+            expected: beside as f64 / 2.0 / total as f64,
+            levels: votes.levels.iter().sum(),
+            terraced_levels: votes.terraced.iter().sum(),
+            terraced: votes.are_many(interval, precision),
+        })
+    }
+}
+
+/// The bin of a height.
+fn bin(height: f32, interval: &Interval, precision: Option<Precision>) -> i64 {
+    let height = precision.map_or(f64::from(height), |p| p.decimal(height));
+    let place = BINS as f64 * (height - interval.base) / interval.step;
+    // As `floor`, which is a call of a function on most processors.
+    let whole = place as i64;
+    whole - i64::from(whole as f64 > place)
+}
+
+/// Counts of levels by parity: those with enough heights, and those of them with terraces.
+#[derive(Default)]
+struct Votes {
+    levels: [usize; 2],
+    terraced: [usize; 2],
+}
+
+impl Votes {
+    fn add(&mut self, level: i64, bins: &[u64; BINS]) {
         let (near, beside) = near_and_beside(bins);
         if near + beside >= FEWEST_HEIGHTS {
             let parity = level.rem_euclid(2) as usize;
-            levels[parity] += 1;
-            terraced[parity] += usize::from(near as f64 >= EXCESS * beside as f64 / 2.0);
+            self.levels[parity] += 1;
+            self.terraced[parity] += usize::from(near as f64 >= EXCESS * beside as f64 / 2.0);
         }
     }
-    let (near, beside) = near_and_beside(&bins);
-    let too_coarse = precision.is_some_and(|p| !divides(p.step(), interval.step / 10.0));
-    let can_tell = levels.iter().sum::<usize>() >= FEWEST_LEVELS && !too_coarse;
-    // At half the true interval every second level has terraces and the others have none.
-    let are_many = (0..2).all(|parity| terraced[parity] as f64 >= MANY_LEVELS * levels[parity] as f64);
-    Some(LevelHistogram {
-        interval: interval.step,
-        base: interval.base,
-        shares: bins.iter().map(|&n| n as f64 / total as f64).collect(),
-        near: near as f64 / total as f64,
-        expected: beside as f64 / 2.0 / total as f64,
-        levels: levels.iter().sum(),
-        terraced_levels: terraced.iter().sum(),
-        terraced: can_tell.then_some(are_many),
-    })
+
+    /// Whether many levels have terraces, if that can be told.
+    fn are_many(&self, interval: &Interval, precision: Option<Precision>) -> Option<bool> {
+        let too_coarse = precision.is_some_and(|p| !divides(p.step(), interval.step / 10.0));
+        let can_tell = self.levels.iter().sum::<usize>() >= FEWEST_LEVELS && !too_coarse;
+        // At half the true interval every second level has terraces and the others have none.
+        let share = |parity: usize| self.terraced[parity] as f64 >= MANY_LEVELS * self.levels[parity] as f64;
+        can_tell.then(|| (0..2).all(share))
+    }
 }
 
 /// Whether a range is a whole number of steps. Only then do ranges of this size hold equally many heights.
@@ -129,13 +228,10 @@ fn near_and_beside(bins: &[u64; BINS]) -> (u64, u64) {
 }
 
 /// The smallest usual contour interval at whose levels the heights have terraces, if there is one.
-///
-/// At half the true interval, only every second level has terraces. At twice the true interval, all levels have. So the
-/// smallest interval that passes is the true one.
 pub fn find_terraces(heights: &[f32], precision: Option<Precision>) -> Option<LevelHistogram> {
-    USUAL.iter().find_map(|&step| {
-        level_histogram(heights, &Interval { step, base: 0.0 }, precision).filter(|h| h.terraced == Some(true))
-    })
+    let mut counts = LevelCounts::new(range(heights), None, precision);
+    counts.add(heights);
+    counts.histogram()
 }
 
 #[cfg(test)]
@@ -197,5 +293,21 @@ mod tests {
         assert_eq!(level_histogram(&[0.0, 1.0], &Interval { step: 0.0, base: 0.0 }, None), None);
         assert_eq!(level_histogram(&[0.0, f32::MAX], &TEN, None), None);
         assert_eq!(level_histogram(&[5.0], &TEN, None).unwrap().terraced, None);
+    }
+
+    #[test]
+    fn fine_counts_are_those_of_each_usual_interval() {
+        let height = |k: u32| ((f64::from(k) * 12.9898).sin() * 43_758.545).fract() * 900.0;
+        for precision in [None, Some(Precision::WholeMetres), Some(Precision::Tenths)] {
+            let step = precision.map_or(1e-3, Precision::step);
+            let heights: Vec<f32> = (0..60_000).map(|k| ((height(k) / step).round() * step) as f32).collect();
+            let mut all = LevelCounts::new(range(&heights), None, precision);
+            all.add(&heights);
+            for (step, fine, times) in USUAL {
+                let interval = Interval { step, base: 0.0 };
+                let found = all.fine[fine].histogram(times, &interval, precision);
+                assert_eq!(found, level_histogram(&heights, &interval, precision), "{step} {precision:?}");
+            }
+        }
     }
 }

@@ -6,33 +6,48 @@
 //!
 //! All calculations are in double precision, from the heights as they are stored. The results do not depend on the
 //! number of threads.
+//!
+//! Both are read three times, some rows at a time. So the memory does not depend on the number of rows. The first pass finds the
+//! range of heights, from which the classes follow. The second one sums up and counts. The third one needs the means of the
+//! second, and collects the few differences that the exact quantiles lie between.
 
 mod bands;
+mod bins;
 mod classes;
 mod distance;
+mod group;
+mod heights;
 mod levels;
 mod precision;
+mod resampled;
+mod rows;
 mod sample;
 mod statistics;
+mod tally;
 
 pub use bands::{BandShare, outside_bands};
 pub use classes::{Class, SLOPE_BOUNDS};
 pub use distance::contour_distances;
 pub use levels::{BINS, LevelHistogram, find_terraces, level_histogram};
 pub use precision::{Precision, precision};
-pub use sample::{height_at, heights_between};
+pub use heights::{HeightFigures, height_figures};
+pub use resampled::Resampled;
+pub(crate) use sample::Strip;
+pub use sample::{height_at, heights_at_places, heights_between};
 pub use statistics::{Extreme, Statistics, statistics};
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::Dem;
-use super::shade::steepness;
+use super::{Blocks, Dem, HeightRows, empty};
+use crate::base::Grid;
 use crate::base::error::{Error, Result};
-use crate::base::parallel;
 use crate::contour::Interval;
 use classes::{distance_bounds, elevation_bounds, round_up};
-use statistics::sum;
+use group::{Group, SecondGroup};
+use heights::Scan;
+use levels::LevelCounts;
+use rows::{Row, each_block, fill};
 
 /// Number of standard deviations that a difference exceeds by chance once in twenty times.
 const SIGNIFICANT: f64 = 1.96;
@@ -104,38 +119,14 @@ pub struct Significance {
     pub rmse_beyond: f64,
 }
 
-/// Properties of the heights of one side.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HeightFigures {
-    /// Cells with a height.
-    pub cells: usize,
-    /// The step that all heights are multiples of, if it is coarse.
-    pub precision: Option<Precision>,
-    /// Heights modulo the contour interval. Without a given interval, `None` unless there are terraces.
-    pub levels: Option<LevelHistogram>,
-    /// Statistics of height − check height at check points. `None` if there are no check points here.
-    pub points: Option<Statistics>,
-}
-
-/// Finds the properties of the heights of one side.
-pub fn height_figures(heights: &[f32], interval: Option<&Interval>) -> HeightFigures {
-    let precision = precision(heights);
-    let levels = match interval {
-        Some(interval) => level_histogram(heights, interval, precision),
-        None => find_terraces(heights, precision),
-    };
-    let cells = parallel::count(heights.len(), |i| heights[i].is_finite());
-    HeightFigures { cells, precision, levels, points: None }
-}
-
 /// Compares two height maps on the same grid.
 ///
 /// # Errors
 /// [`Error::Parameter`] when the grids differ. [`Error::OutOfRange`] when a parameter is out of range. [`Error::Data`] when no
-/// cell has a height in both.
-pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Comparison> {
-    let grid = b.grid;
-    if a.grid != grid || a.values.len() != grid.len() || b.values.len() != grid.len() {
+/// cell has a height in both. As [`HeightRows::read`].
+pub fn compare(a: &dyn HeightRows, b: &dyn HeightRows, params: &CompareParams<'_>) -> Result<Comparison> {
+    let grid = b.grid();
+    if a.grid() != grid {
         return Err(Error::Parameter(
             "height maps are compared on one grid: evaluate A at the cells of B first".into(),
         ));
@@ -146,46 +137,208 @@ pub fn compare(a: &Dem, b: &Dem, params: &CompareParams<'_>) -> Result<Compariso
         let (name, must) = ("standard deviation", "more than 0");
         return Err(Error::OutOfRange { name, value: sigma, unit: " m", must });
     }
-    let differences = differences(a, b);
+    let first = First::of([a, b], params)?;
+    let second = Sums::of([a, b], params, &first)?;
+    let (slope, beyond) = (second.slopes.error(), second.beyond);
+    let levels = [&second.a, &second.b];
+    let [of_a, of_b] = std::array::from_fn(|side| first.sides[side].figures(levels[side]));
     let place = |i: usize| grid.center(i % grid.cols, i / grid.cols);
-    let Some(overall) = statistics(&differences, &place, &|_| true) else {
-        return Err(Error::Data("there is no place where both A and B have heights: do they overlap at all?".into()));
-    };
-    let classes = |bounds: &[f64], value: &(dyn Fn(usize) -> f64 + Sync)| -> Vec<Class> {
-        let class = |bound: &[f64]| Class {
-            from: bound[0],
-            to: Some(bound[1]).filter(|to| to.is_finite()),
-            statistics: statistics(&differences, &place, &|i| (bound[0]..bound[1]).contains(&value(i))),
-        };
-        bounds.windows(2).map(class).collect()
-    };
-    let (steep_a, steep_b) = (steepness(a, params.metres_per_unit), steepness(b, params.metres_per_unit));
-    let by_slope = classes(&SLOPE_BOUNDS, &|i| degrees(steep_b[i]));
-    let compared = || differences.iter().zip(&b.values).filter(|(d, _)| d.is_finite()).map(|(_, &height)| height);
-    let lowest = compared().fold(f32::INFINITY, f32::min);
-    let highest = compared().fold(f32::NEG_INFINITY, f32::max);
-    let by_elevation = classes(&elevation_bounds(lowest.into(), highest.into()), &|i| f64::from(b.values[i]));
-    let by_distance = params.distances.map_or_else(Vec::new, |distances| {
-        let of_compared = distances.iter().zip(&differences).filter(|(_, d)| d.is_finite()).map(|(d, _)| *d);
-        classes(&distance_bounds(of_compared), &|i| distances[i])
-    });
+    let [overall, by_slope, by_elevation, by_distance] =
+        second.groups.third([a, b], params)?.map(|group| group.classes(&place));
+    let Some(overall) = overall.first().and_then(|class| class.statistics) else { return Err(no_overlap()) };
     Ok(Comparison {
         overall,
         by_slope,
         by_elevation,
         by_distance,
-        slope: slope_error(a, b, &steep_a, &steep_b),
-        significance: params.sigma.map(|sigma| significance(&differences, &overall, sigma)),
+        slope,
+        significance: params.sigma.map(|sigma| significance(beyond, &overall, sigma)),
         bands: None,
-        a: height_figures(&a.values, params.interval.as_ref()),
-        b: height_figures(&b.values, params.interval.as_ref()),
+        a: of_a,
+        b: of_b,
     })
 }
 
+fn no_overlap() -> Error {
+    Error::Data("there is no place where both A and B have heights: do they overlap at all?".into())
+}
+
+/// What the first pass finds.
+struct First {
+    sides: [Scan; 2],
+    /// The bounds of the classes of elevation and of distance.
+    elevations: Vec<f64>,
+    distances: Vec<f64>,
+}
+
+impl First {
+    fn of(sides: [&dyn HeightRows; 2], params: &CompareParams<'_>) -> Result<Self> {
+        let [mut of_a, mut of_b] = [Scan::new(); 2];
+        let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
+        let mut known = Vec::new();
+        each_block(sides, |a, b, _| {
+            let compared = || a.heights().iter().zip(b.heights()).map(|(a, b)| a.is_finite() && b.is_finite());
+            let range = || {
+                for (height, _) in b.heights().iter().zip(compared()).filter(|(_, is_compared)| *is_compared) {
+                    (lowest, highest) = (lowest.min(*height), highest.max(*height));
+                }
+            };
+            rayon::join(|| of_a.add(a.heights()), || rayon::join(|| of_b.add(b.heights()), range));
+            let first = b.rows.start * sides[1].grid().cols;
+            let distances = params.distances.and_then(|distances| distances.get(first..)).unwrap_or_default();
+            known.extend(distances.iter().zip(compared()).filter(|(_, is_compared)| *is_compared).map(|(d, _)| *d));
+        })?;
+        if lowest > highest {
+            return Err(no_overlap());
+        }
+        let elevations = elevation_bounds(lowest.into(), highest.into());
+        Ok(Self { sides: [of_a, of_b], elevations, distances: distance_bounds(known.into_iter()) })
+    }
+}
+
+/// Classes: all cells, by slope, by elevation, by distance.
+struct Groups<G>([G; 4]);
+
+/// What the second pass sums up.
+struct Sums {
+    groups: Groups<Group>,
+    slopes: Slopes,
+    /// Number of differences beyond the accuracy that is stated.
+    beyond: usize,
+    a: LevelCounts,
+    b: LevelCounts,
+}
+
+impl Sums {
+    fn of(sides: [&dyn HeightRows; 2], params: &CompareParams<'_>, first: &First) -> Result<Self> {
+        let Grid { cell, cols, .. } = sides[1].grid();
+        let cell = cell * params.metres_per_unit;
+        let limit = params.sigma.map_or(f64::INFINITY, |sigma| SIGNIFICANT * sigma);
+        let steepness = SLOPE_BOUNDS.map(steepness_of).to_vec();
+        let mut all = Group::new(&[f64::NEG_INFINITY, f64::INFINITY]);
+        let mut by_slope = Group::compared(&SLOPE_BOUNDS, steepness);
+        let (mut by_elevation, mut by_distance) = (Group::new(&first.elevations), Group::new(&first.distances));
+        let (mut slopes, mut beyond) = (Slopes::default(), 0);
+        let [mut of_a, mut of_b] = [0, 1].map(|side: usize| first.sides[side].levels(params.interval.as_ref()));
+        each_block(sides, |a, b, rows| {
+            fill(b, rows, |row, out| {
+                out.subtract(a.row(row), b.row(row));
+                out.compare_slopes(a.around(row), b.around(row), cell);
+            });
+            let numbered = || b.rows.clone().zip(rows.iter());
+            // Each task goes through the rows in order. So sums do not depend on the threads.
+            rayon::scope(|scope| {
+                scope.spawn(|_| of_a.add(a.heights()));
+                scope.spawn(|_| of_b.add(b.heights()));
+                scope.spawn(|_| {
+                    for (row, Row { differences, slopes: of_row, .. }) in numbered() {
+                        all.add(differences, |_| 0.0, row * cols);
+                        slopes.add(of_row);
+                        beyond += differences.iter().filter(|d| d.abs() > limit).count();
+                    }
+                });
+                scope.spawn(|_| {
+                    for (row, Row { differences, steepness, .. }) in numbered() {
+                        by_slope.add(differences, |col| steepness[col].into(), row * cols);
+                    }
+                });
+                scope.spawn(|_| {
+                    for (row, Row { differences, .. }) in numbered() {
+                        let heights = b.row(row);
+                        by_elevation.add(differences, |col| heights[col].into(), row * cols);
+                    }
+                });
+                if let Some(distances) = params.distances {
+                    let by_distance = &mut by_distance;
+                    scope.spawn(move |_| {
+                        for (row, Row { differences, .. }) in numbered() {
+                            by_distance.add(differences, |col| distances[row * cols + col], row * cols);
+                        }
+                    });
+                }
+            });
+        })?;
+        Ok(Self { groups: Groups([all, by_slope, by_elevation, by_distance]), slopes, beyond, a: of_a, b: of_b })
+    }
+}
+
+impl Groups<Group> {
+    /// The third pass.
+    fn third(self, sides: [&dyn HeightRows; 2], params: &CompareParams<'_>) -> Result<[SecondGroup; 4]> {
+        let Grid { cell, cols, .. } = sides[1].grid();
+        let cell = cell * params.metres_per_unit;
+        let [mut all, mut by_slope, mut by_elevation, mut by_distance] = self.0.map(Group::second);
+        each_block(sides, |a, b, rows| {
+            fill(b, rows, |row, out| {
+                out.subtract(a.row(row), b.row(row));
+                out.incline(b.around(row), cell);
+            });
+            let numbered = || b.rows.clone().zip(rows.iter());
+            rayon::scope(|scope| {
+                scope.spawn(|_| numbered().for_each(|(_, row)| all.add(&row.differences, |_| 0.0)));
+                scope.spawn(|_| {
+                    for (_, Row { differences, steepness, .. }) in numbered() {
+                        by_slope.add(differences, |col| steepness[col].into());
+                    }
+                });
+                scope.spawn(|_| {
+                    for (row, Row { differences, .. }) in numbered() {
+                        let heights = b.row(row);
+                        by_elevation.add(differences, |col| heights[col].into());
+                    }
+                });
+                if let Some(distances) = params.distances {
+                    let by_distance = &mut by_distance;
+                    scope.spawn(move |_| {
+                        for (row, Row { differences, .. }) in numbered() {
+                            by_distance.add(differences, |col| distances[row * cols + col]);
+                        }
+                    });
+                }
+            });
+        })?;
+        Ok([all, by_slope, by_elevation, by_distance])
+    }
+}
+
+/// Sums of the differences of slopes.
+#[derive(Debug, Default)]
+struct Slopes {
+    cells: usize,
+    sum: f64,
+    squares: f64,
+}
+
+impl Slopes {
+    fn add(&mut self, row: &[f64]) {
+        self.cells += row.len();
+        self.sum += row.iter().sum::<f64>();
+        self.squares += row.iter().map(|d| d * d).sum::<f64>();
+    }
+
+    fn error(&self) -> Option<SlopeError> {
+        let count = self.cells as f64;
+        let error = || SlopeError { cells: self.cells, rmse: (self.squares / count).sqrt(), bias: self.sum / count };
+        (self.cells > 0).then(error)
+    }
+}
+
 /// The difference A − B of two height maps on one grid. NaN where one of them has no height.
-pub fn difference(a: &Dem, b: &Dem) -> Dem {
-    let values = differences(a, b).into_iter().map(|d| d as f32).collect();
-    Dem { grid: b.grid, values, crs: b.crs.clone() }
+///
+/// # Errors
+/// As [`HeightRows::read`]. If there is not enough memory.
+pub fn difference(a: &dyn HeightRows, b: &dyn HeightRows) -> Result<Dem> {
+    let mut values = empty(b.grid().len())?;
+    let (mut rows_a, mut rows_b) = (Blocks::of(a), Blocks::of(b));
+    while let (Some(a), Some(b)) = (rows_a.next()?, rows_b.next()?) {
+        values.extend(a.heights().iter().zip(b.heights()).map(|(a, b)| subtract(*a, *b)));
+    }
+    Ok(Dem { grid: b.grid(), values, crs: b.crs().cloned() })
+}
+
+/// The difference of two heights. NaN if one of them is no number.
+pub(crate) fn subtract(a: f32, b: f32) -> f32 {
+    if a.is_finite() && b.is_finite() { (f64::from(a) - f64::from(b)) as f32 } else { f32::NAN }
 }
 
 /// Statistics of height − check height. `heights` are the heights of a surface or a height map at the check points, NaN
@@ -201,42 +354,25 @@ pub fn round_limit(statistics: &Statistics) -> f64 {
     round_up(most)
 }
 
-fn differences(a: &Dem, b: &Dem) -> Vec<f64> {
-    parallel::values(b.values.len(), |i| {
-        let (a, b) = (a.values[i], b.values[i]);
-        if a.is_finite() && b.is_finite() { f64::from(a) - f64::from(b) } else { f64::NAN }
-    })
-}
-
 fn degrees(steepness: f32) -> f64 {
     f64::from(steepness).atan().to_degrees()
 }
 
-/// The difference of slopes where all neighbours are known in both. So no height is extrapolated.
-fn slope_error(a: &Dem, b: &Dem, steep_a: &[f32], steep_b: &[f32]) -> Option<SlopeError> {
-    let (cols, rows) = (b.grid.cols, b.grid.rows);
-    let is_whole = |i: usize| {
-        let (col, row) = (i % cols, i / cols);
-        let inside = col > 0 && row > 0 && col + 1 < cols && row + 1 < rows;
-        let known = |j: usize| a.values[j].is_finite() && b.values[j].is_finite();
-        inside && [i - cols, i, i + cols].into_iter().all(|j| known(j - 1) && known(j) && known(j + 1))
-    };
-    let differences =
-        parallel::flat_map(b.grid.len(), |i| is_whole(i).then(|| degrees(steep_a[i]) - degrees(steep_b[i])));
-    let count = differences.len() as f64;
-    (count > 0.0).then(|| SlopeError {
-        cells: differences.len(),
-        rmse: (sum(&differences, |d| d * d) / count).sqrt(),
-        bias: sum(&differences, |d| d) / count,
-    })
+/// The smallest slope, as rise over run in single precision, of at least some degrees. Slopes are compared with it, which takes
+/// less time than their arc tangents.
+fn steepness_of(bound: f64) -> f64 {
+    let (mut low, mut high) = (0, f32::INFINITY.to_bits());
+    while low < high {
+        let middle = low.midpoint(high);
+        if degrees(f32::from_bits(middle)) >= bound { high = middle } else { low = middle + 1 }
+    }
+    f32::from_bits(low).into()
 }
 
-fn significance(differences: &[f64], overall: &Statistics, sigma: f64) -> Significance {
-    let limit = SIGNIFICANT * sigma;
-    let beyond = parallel::count(differences.len(), |i| differences[i].abs() > limit);
+fn significance(beyond: usize, overall: &Statistics, sigma: f64) -> Significance {
     Significance {
         sigma,
-        limit,
+        limit: SIGNIFICANT * sigma,
         share: beyond as f64 / overall.cells as f64,
         rmse_beyond: (overall.rmse * overall.rmse - sigma * sigma).max(0.0).sqrt(),
     }

@@ -32,14 +32,36 @@ impl Precision {
 
 /// The step that all heights are multiples of. `None` if it is finer than tenths, or if there are no heights.
 pub fn precision(heights: &[f32]) -> Option<Precision> {
-    heights.iter().find(|h| h.is_finite())?;
-    let all = |test: fn(f32) -> bool| heights.iter().all(|&h| !h.is_finite() || test(h));
-    if all(|h| h == h.round()) {
-        Some(Precision::WholeMetres)
-    } else if all(|h| h == Precision::Tenths.decimal(h) as f32) {
-        Some(Precision::Tenths)
-    } else {
-        None
+    let mut decimals = Decimals::default();
+    decimals.add(heights);
+    decimals.precision()
+}
+
+/// The decimals of the heights that were looked at.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Decimals {
+    is_any: bool,
+    beyond_whole: bool,
+    beyond_tenths: bool,
+}
+
+impl Decimals {
+    /// Looks at heights.
+    pub fn add(&mut self, heights: &[f32]) {
+        let all = |test: fn(f32) -> bool| heights.iter().all(|&h| !h.is_finite() || test(h));
+        self.is_any |= heights.iter().any(|h| h.is_finite());
+        self.beyond_whole |= !all(|h| h == h.round());
+        self.beyond_tenths |= self.beyond_whole && !all(|h| h == Precision::Tenths.decimal(h) as f32);
+    }
+
+    /// The step that all of them are multiples of.
+    pub fn precision(self) -> Option<Precision> {
+        match self {
+            Self { is_any: false, .. } => None,
+            Self { beyond_whole: false, .. } => Some(Precision::WholeMetres),
+            Self { beyond_tenths: false, .. } => Some(Precision::Tenths),
+            _ => None,
+        }
     }
 }
 

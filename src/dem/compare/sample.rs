@@ -2,8 +2,9 @@
 
 use glam::DVec2;
 
+use crate::base::error::Result;
 use crate::base::{Grid, parallel};
-use crate::dem::Dem;
+use crate::dem::{Dem, HeightRows, empty};
 
 /// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
 const ON_CENTRE: f64 = 1e-6;
@@ -12,7 +13,11 @@ const ON_CENTRE: f64 = 1e-6;
 ///
 /// Heights are not extrapolated beyond the outermost centres.
 pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
-    let grid = &dem.grid;
+    height_by(&dem.grid, place, |col, row| dem.values[row * dem.grid.cols + col])
+}
+
+/// [`height_at`] with the heights of cells by column and row.
+fn height_by(grid: &Grid, place: DVec2, height_of: impl Fn(usize, usize) -> f32) -> f64 {
     let settled = |v: f64| if (v - v.round()).abs() < ON_CENTRE { v.round() } else { v };
     let (x, y) = grid.place(place).to_array().map(settled).into();
     let inside = |v: f64, count: usize| v >= 0.0 && v <= count as f64 - 1.0;
@@ -27,10 +32,65 @@ pub fn height_at(dem: &Dem, place: DVec2) -> f64 {
     for (i, j, across, along) in corners {
         let weight: f64 = across * along;
         if weight > 0.0 {
-            height += weight * f64::from(dem.values[(row as usize + j) * grid.cols + col as usize + i]);
+            height += weight * f64::from(height_of(col as usize + i, row as usize + j));
         }
     }
     height
+}
+
+/// Some rows of a raster, for heights between their cell centres.
+#[derive(Debug)]
+pub(crate) struct Strip {
+    grid: Grid,
+    first: usize,
+    heights: Vec<f32>,
+}
+
+impl Strip {
+    /// Reads the rows between two y, and those that heights between them need.
+    ///
+    /// # Errors
+    /// As [`HeightRows::read`]. If there is not enough memory.
+    pub fn read(source: &dyn HeightRows, (low, high): (f64, f64)) -> Result<Self> {
+        let grid = source.grid();
+        let row = |y: f64| grid.place(DVec2::new(grid.corner.x, y)).y;
+        // Conversion to a whole number takes what is beyond the raster to its border, and NaN to 0.
+        let (first, last) = ((row(high) - 1.0).floor() as usize, (row(low) + 2.0).ceil() as usize);
+        let end = last.saturating_add(1).min(grid.rows);
+        let first = first.min(end);
+        let cells = (end - first) * grid.cols;
+        let mut heights = empty(cells)?;
+        heights.resize(cells, f32::NAN);
+        source.read(first, &mut heights)?;
+        Ok(Self { grid, first, heights })
+    }
+
+    /// The height at a position, as [`height_at`]. NaN beyond the rows.
+    pub fn height_at(&self, place: DVec2) -> f64 {
+        let cols = self.grid.cols;
+        height_by(&self.grid, place, |col, row| {
+            let height = row.checked_sub(self.first).and_then(|row| self.heights.get(row * cols + col));
+            height.copied().unwrap_or(f32::NAN)
+        })
+    }
+}
+
+/// The heights at positions, as [`height_at`].
+///
+/// # Errors
+/// As [`HeightRows::read`].
+pub fn heights_at_places(source: &dyn HeightRows, places: &[DVec2]) -> Result<Vec<f64>> {
+    let row = |place: DVec2| source.grid().place(place).y.floor();
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    // A file is read from its first row to its last.
+    order.sort_by(|&a, &b| row(places[a]).total_cmp(&row(places[b])));
+    let mut heights = vec![f64::NAN; places.len()];
+    for same in order.chunk_by(|&a, &b| row(places[a]) == row(places[b])) {
+        let ys = same.iter().map(|&k| places[k].y);
+        let strip = Strip::read(source, (ys.clone().fold(f64::INFINITY, f64::min), ys.fold(f64::NEG_INFINITY, f64::max)))?;
+        same.iter().for_each(|&k| heights[k] = strip.height_at(places[k]));
+    }
+    Ok(heights)
 }
 
 /// The heights of `dem` at the cell centres of another grid, see [`height_at`]. `to_dem` converts a position on `grid`
@@ -61,6 +121,18 @@ mod tests {
         assert!((height(111.0, 184.0) - (0.6 * 2.0 - 0.3 * 8.0)).abs() < 1e-12);
         assert_eq!(height(135.0, 150.0), 6.0 - 16.0);
         assert!(height(104.0, 190.0).is_nan() && height(120.0, 195.0).is_nan() && height(f64::NAN, 190.0).is_nan());
+    }
+
+    #[test]
+    fn rows_on_demand_give_the_same_heights() {
+        let dem = dem();
+        let places: Vec<DVec2> = (0..400)
+            .map(|k| DVec2::new(95.0 + f64::from(k * 7 % 53), 205.0 - f64::from(k * 13 % 71)))
+            .chain([DVec2::NAN, DVec2::splat(1e300), DVec2::splat(-1e300)])
+            .collect();
+        let heights = heights_at_places(&dem, &places).unwrap();
+        let expected = places.iter().map(|place| height_at(&dem, *place));
+        assert!(heights.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Number of values per block. The sums of blocks are added up in order.
 const BLOCK: usize = 1 << 16;
 /// Factor from the median of absolute deviations to the standard deviation of a normal distribution.
-const NORMAL: f64 = 1.4826;
+pub(super) const NORMAL: f64 = 1.4826;
 
 /// A difference and its position.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -7,7 +7,6 @@ use plotters::prelude::*;
 
 use super::profile::Profile;
 use crate::base::error::{Error, Result};
-use crate::dem::Dem;
 use crate::dem::compare::{Comparison, LevelHistogram};
 
 /// Width and height, in units that are pixels at full size.
@@ -23,15 +22,28 @@ const BARS_COUNT: usize = 51;
 /// Cells of the scatter plot along each axis.
 const SCATTER: usize = 72;
 
-/// Histogram of the differences. Those beyond 1.5 times LE95 are counted in the outermost bars.
-pub(super) fn difference_histogram(difference: &Dem, found: &Comparison) -> Result<String> {
-    let limit = (1.5 * found.overall.le95).max(1e-3);
-    let width = 2.0 * limit / BARS_COUNT as f64;
-    let mut bars = [0usize; BARS_COUNT];
-    for d in difference.values.iter().filter(|d| d.is_finite()) {
-        let bar = ((f64::from(*d) + limit) / width).floor().clamp(0.0, BARS_COUNT as f64 - 1.0);
-        bars[bar as usize] += 1;
+/// Counts for the histogram of the differences. Those beyond 1.5 times LE95 are counted in the outermost bars.
+pub(super) struct Bars {
+    limit: f64,
+    width: f64,
+    counts: [usize; BARS_COUNT],
+}
+
+impl Bars {
+    pub fn new(found: &Comparison) -> Self {
+        let limit = (1.5 * found.overall.le95).max(1e-3);
+        Self { limit, width: 2.0 * limit / BARS_COUNT as f64, counts: [0; BARS_COUNT] }
     }
+
+    /// Counts a difference.
+    pub fn add(&mut self, difference: f32) {
+        let bar = ((f64::from(difference) + self.limit) / self.width).floor().clamp(0.0, BARS_COUNT as f64 - 1.0);
+        self.counts[bar as usize] += 1;
+    }
+}
+
+/// Histogram of the differences.
+pub(super) fn difference_histogram(&Bars { limit, width, counts: bars }: &Bars, found: &Comparison) -> Result<String> {
     let share = |n: usize| 100.0 * n as f64 / found.overall.cells as f64;
     let top = share(bars.iter().copied().max().unwrap_or(0)).max(1e-3) * 1.08;
     draw(|root| {
@@ -49,15 +61,32 @@ pub(super) fn difference_histogram(difference: &Dem, found: &Comparison) -> Resu
     })
 }
 
+/// Counts of cells by their heights in A and in B.
+pub(super) struct Pairs {
+    lo: f64,
+    hi: f64,
+    size: f64,
+    counts: Vec<u64>,
+}
+
+impl Pairs {
+    /// Counts for heights from the first to the second.
+    pub fn new(heights: (f32, f32)) -> Self {
+        let (lo, hi) = range([heights.0, heights.1].into_iter().map(f64::from));
+        Self { lo, hi, size: (hi - lo) / SCATTER as f64, counts: vec![0; SCATTER * SCATTER] }
+    }
+
+    /// Counts a cell.
+    pub fn add(&mut self, a: f32, b: f32) {
+        let bin = |v: f32| (((f64::from(v) - self.lo) / self.size) as usize).min(SCATTER - 1);
+        let i = bin(a) * SCATTER + bin(b);
+        self.counts[i] += 1;
+    }
+}
+
 /// Heights of A against heights of B; darker means more cells.
-pub(super) fn scatter(a: &Dem, b: &Dem) -> Result<String> {
-    let pairs = || a.values.iter().zip(&b.values).filter(|(a, b)| a.is_finite() && b.is_finite());
-    let all = || pairs().flat_map(|(a, b)| [f64::from(*a), f64::from(*b)]);
-    let (lo, hi) = range(all());
-    let size = (hi - lo) / SCATTER as f64;
-    let mut counts = vec![0u64; SCATTER * SCATTER];
-    let bin = |v: f32| (((f64::from(v) - lo) / size) as usize).min(SCATTER - 1);
-    pairs().for_each(|(a, b)| counts[bin(*a) * SCATTER + bin(*b)] += 1);
+pub(super) fn scatter(Pairs { lo, hi, size, counts }: &Pairs) -> Result<String> {
+    let (lo, hi, size) = (*lo, *hi, *size);
     let most = counts.iter().copied().max().unwrap_or(1).max(2) as f64;
     draw(|root| {
         let mut chart = frame(&root)?.build_cartesian_2d(lo..hi, lo..hi)?;

@@ -7,10 +7,9 @@ use base64::engine::general_purpose::STANDARD;
 use glam::DVec2;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
-use rayon::prelude::*;
 
 use crate::base::error::{Error, Result};
-use crate::base::{Grid, parallel};
+use crate::base::Grid;
 use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade};
 
@@ -40,24 +39,28 @@ pub(super) struct Window {
 /// Width of the margin around the cells with data, as a share of the longer side of their bounding box.
 const MARGIN: f64 = 0.05;
 
+/// The bounding box of the cells with data.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct DataBox(Option<[usize; 4]>);
+
+impl DataBox {
+    /// Takes a row. `is_known` tells whether the cell in a column has data.
+    pub fn add(&mut self, row: usize, cols: usize, is_known: impl Fn(usize) -> bool) {
+        let Some(first) = (0..cols).find(|col| is_known(*col)) else { return };
+        let last = (first..cols).rfind(|col| is_known(*col)).unwrap_or(first);
+        let [west, east, north, _] = self.0.unwrap_or([first, last, row, row]);
+        self.0 = Some([west.min(first), east.max(last), north, row]);
+    }
+}
+
 impl Window {
     /// The bounding box of the cells with data, with a margin. Otherwise a small map would be a spot in its pictures.
-    pub fn around_data(dem: &Dem) -> Self {
-        let Grid { cols, rows, .. } = dem.grid;
-        let row_box = |row: usize| {
-            let values = &dem.values[row * cols..(row + 1) * cols];
-            let first = values.iter().position(|v| v.is_finite())?;
-            Some((first, values.iter().rposition(|v| v.is_finite())?, row, row))
-        };
-        let union = |a: (usize, usize, usize, usize), b: (usize, usize, usize, usize)| {
-            (a.0.min(b.0), a.1.max(b.1), a.2.min(b.2), a.3.max(b.3))
-        };
-        let found = (0..rows).into_par_iter().filter_map(row_box).reduce_with(union);
-        let Some((west, east, north, south)) = found else { return Self { cols: 0..cols, rows: 0..rows } };
+    pub fn around(data: DataBox, Grid { cols, rows, .. }: &Grid) -> Self {
+        let Some([west, east, north, south]) = data.0 else { return Self { cols: 0..*cols, rows: 0..*rows } };
         let margin = (MARGIN * (east - west + 1).max(south - north + 1) as f64).ceil() as usize;
         let with_margin =
             |low: usize, high: usize, count: usize| low.saturating_sub(margin)..(high + margin + 1).min(count);
-        Self { cols: with_margin(west, east, cols), rows: with_margin(north, south, rows) }
+        Self { cols: with_margin(west, east, *cols), rows: with_margin(north, south, *rows) }
     }
 
     /// Its cells.
@@ -68,30 +71,47 @@ impl Window {
 }
 
 /// The mean heights of blocks of cells in a window; no side has more than [`LONGEST`] blocks.
-pub(super) fn reduced(dem: &Dem, window: &Window) -> Dem {
-    let shown = window.of(&dem.grid);
-    let Grid { corner, cell, cols, rows } = shown;
-    let step = reduction(&shown);
-    let cell_row = |row: usize| {
-        let start = (row + window.rows.start) * dem.grid.cols + window.cols.start;
-        &dem.values[start..start + cols]
-    };
-    let grid = Grid { corner, cell: cell * step as f64, cols: cols.div_ceil(step), rows: rows.div_ceil(step) };
-    let mean = |i: usize| {
-        let (col, row) = (i % grid.cols * step, i / grid.cols * step);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for r in row..(row + step).min(rows) {
-            for value in &cell_row(r)[col..(col + step).min(cols)] {
-                if value.is_finite() {
-                    sum += f64::from(*value);
-                    count += 1.0;
-                }
-            }
+#[derive(Debug)]
+pub(super) struct Reduced {
+    window: Window,
+    step: usize,
+    grid: Grid,
+    /// The sum and the number of the heights of each block in the row of blocks that is not complete yet.
+    sums: Vec<(f64, f64)>,
+    values: Vec<f32>,
+}
+
+impl Reduced {
+    pub fn new(grid: &Grid, window: &Window) -> Self {
+        let shown = window.of(grid);
+        let step = reduction(&shown);
+        let Grid { corner, cell, cols, rows } = shown;
+        let grid = Grid { corner, cell: cell * step as f64, cols: cols.div_ceil(step), rows: rows.div_ceil(step) };
+        let sums = vec![(0.0, 0.0); grid.cols];
+        Self { window: window.clone(), step, grid, sums, values: Vec::with_capacity(grid.len()) }
+    }
+
+    /// Takes a row. `height` gives the height in a column. Rows come in order.
+    pub fn add(&mut self, row: usize, height: impl Fn(usize) -> f32) {
+        let Window { cols, rows } = &self.window;
+        if !rows.contains(&row) {
+            return;
         }
-        if count > 0.0 { (sum / count) as f32 } else { f32::NAN }
-    };
-    let values = parallel::values(grid.len(), mean);
-    Dem { grid, values, crs: None }
+        for (k, height) in cols.clone().map(height).enumerate().filter(|(_, height)| height.is_finite()) {
+            let (sum, count) = &mut self.sums[k / self.step];
+            *sum += f64::from(height);
+            *count += 1.0;
+        }
+        if (row + 1 - rows.start).is_multiple_of(self.step) || row + 1 == rows.end {
+            let mean = |(sum, count): (f64, f64)| if count > 0.0 { (sum / count) as f32 } else { f32::NAN };
+            self.values.extend(self.sums.iter_mut().map(|sum| mean(std::mem::take(sum))));
+        }
+    }
+
+    /// The map of the means, after the last row.
+    pub fn map(self) -> Dem {
+        Dem { grid: self.grid, values: self.values, crs: None }
+    }
 }
 
 /// The hillshade of a reduced height map as a data URI.
@@ -142,6 +162,19 @@ fn data_uri(grid: &Grid, pixels: &[u8]) -> Result<String> {
 mod tests {
     use super::*;
 
+    fn around_data(dem: &Dem) -> Window {
+        let mut data = DataBox::default();
+        let cols = dem.grid.cols;
+        (0..dem.grid.rows).for_each(|row| data.add(row, cols, |col| dem.values[row * cols + col].is_finite()));
+        Window::around(data, &dem.grid)
+    }
+
+    fn reduced(dem: &Dem, window: &Window) -> Dem {
+        let mut reduced = Reduced::new(&dem.grid, window);
+        (0..dem.grid.rows).for_each(|row| reduced.add(row, |col| dem.values[row * dem.grid.cols + col]));
+        reduced.map()
+    }
+
     #[test]
     fn large_height_maps_are_averaged() {
         let grid = Grid { corner: DVec2::ZERO, cell: DVec2::ONE, cols: 1501, rows: 3 };
@@ -160,14 +193,14 @@ mod tests {
         let values = (0..grid.len()).map(|i| if inside(i) { i as f32 } else { f32::NAN }).collect();
         let dem = Dem { grid, values, crs: None };
         // A cell of margin around 20 x 2 cells, and none beyond the last row.
-        let window = Window::around_data(&dem);
+        let window = around_data(&dem);
         assert_eq!(window, Window { cols: 9..31, rows: 27..30 });
         let small = reduced(&dem, &window);
         assert_eq!(small.grid, Grid { corner: DVec2::new(118.0, -31.0), cols: 22, rows: 3, ..grid });
         assert_eq!((small.values[23], small.values[42]), ((28 * 40 + 10) as f32, (28 * 40 + 29) as f32));
         assert!(small.values[22].is_nan() && small.values[..22].iter().all(|v| v.is_nan()));
         let empty = Dem { values: vec![f32::NAN; grid.len()], ..dem };
-        assert_eq!(Window::around_data(&empty), Window { cols: 0..40, rows: 0..30 });
+        assert_eq!(around_data(&empty), Window { cols: 0..40, rows: 0..30 });
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod maps;
 mod page;
 mod pair;
 mod profile;
+mod survey;
 mod table;
 mod view;
 mod words;

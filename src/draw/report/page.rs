@@ -4,14 +4,15 @@ use glam::DVec2;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::charts;
-use super::maps::{self, Window};
+use super::maps;
 use super::profile::{self, Profile};
+use super::survey::{Survey, survey};
 use super::table::{Row, decimals_for, groups, number, thousands};
 use super::view::{View, Width};
 use super::words::{HeightSource, remarks};
 use crate::base::error::Result;
-use crate::dem::Dem;
-use crate::dem::compare::{Comparison, difference, round_limit};
+use crate::dem::HeightRows;
+use crate::dem::compare::{Comparison, round_limit};
 
 const STYLE: &str = include_str!("style.css");
 
@@ -27,9 +28,9 @@ pub struct ComparisonPage<'a> {
     /// Notes in sentences, such as how both were brought onto one grid.
     pub notes: &'a [String],
     /// Heights of A.
-    pub a: &'a Dem,
+    pub a: &'a dyn HeightRows,
     /// Heights of B at the same cells.
-    pub b: &'a Dem,
+    pub b: &'a dyn HeightRows,
     /// The figures.
     pub found: &'a Comparison,
     /// Metres per map unit in x and y, as for the figures.
@@ -39,12 +40,18 @@ pub struct ComparisonPage<'a> {
 /// The map of the differences A − B over the relief of B, as PNG in a data URI.
 ///
 /// # Errors
-/// If the picture cannot be made.
-pub fn difference_map(a: &Dem, b: &Dem, found: &Comparison, metres_per_unit: DVec2) -> Result<String> {
-    let d = difference(a, b);
-    let window = Window::around_data(&d);
-    let ground = maps::reduced(b, &window);
-    maps::differences(&maps::reduced(&d, &window), &ground, round_limit(&found.overall), metres_per_unit)
+/// If the picture cannot be made. As [`HeightRows::read`].
+pub fn difference_map(
+    a: &dyn HeightRows,
+    b: &dyn HeightRows,
+    found: &Comparison,
+    metres_per_unit: DVec2,
+) -> Result<String> {
+    picture(&survey(a, b, found)?, found, metres_per_unit)
+}
+
+fn picture(survey: &Survey, found: &Comparison, metres_per_unit: DVec2) -> Result<String> {
+    maps::differences(&survey.difference, &survey.b, round_limit(&found.overall), metres_per_unit)
 }
 
 /// The page as HTML: one file that needs no other file.
@@ -52,16 +59,14 @@ pub fn difference_map(a: &Dem, b: &Dem, found: &Comparison, metres_per_unit: DVe
 /// Long because the template of the page is one piece.
 ///
 /// # Errors
-/// If a chart or a picture cannot be made.
+/// If a chart or a picture cannot be made. As [`HeightRows::read`].
 pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let &ComparisonPage { a_name, b_name, sources, notes, a, b, found, metres_per_unit } = page;
-    let d = difference(a, b);
-    let profile = profile::profile(found, a, b, metres_per_unit);
-    let window = Window::around_data(&d);
-    let (small_a, small_b) = (maps::reduced(a, &window), maps::reduced(b, &window));
+    let profile = profile::profile(found, a, b, metres_per_unit)?;
+    let survey = survey(a, b, found)?;
     let limit = round_limit(&found.overall);
-    let map = difference_map(a, b, found, metres_per_unit)?;
-    let shown = window.of(&b.grid);
+    let map = picture(&survey, found, metres_per_unit)?;
+    let shown = survey.window.of(&b.grid());
     let [view, half] = [Width::Page, Width::Half].map(|width| View::new(&shown, b, metres_per_unit, width));
     let levels = match (&found.a.levels, &found.b.levels) {
         (None, None) => None,
@@ -103,18 +108,18 @@ pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
                     figcaption {
                         "A − B over the relief of B: blue where A is lower, red where it is higher; grey: no data. "
                         "Circles: the extreme differences. Line: the profile below."
-                        @if shown.len() < b.grid.len() { " The pictures end where there is nothing to compare." }
+                        @if shown.len() < b.grid().len() { " The pictures end where there is nothing to compare." }
                     }
                 }
                 h2 { "Both side by side" }
                 div.pair {
-                    figure { (half.picture(&maps::shaded(&small_a, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.a { "A" } } }
-                    figure { (half.picture(&maps::shaded(&small_b, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.b { "B" } } }
+                    figure { (half.picture(&maps::shaded(&survey.a, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.a { "A" } } }
+                    figure { (half.picture(&maps::shaded(&survey.b, metres_per_unit)?, html! {})) figcaption { "Hillshade of " span.b { "B" } } }
                 }
                 h2 { "Charts" }
                 div.pair {
-                    (chart(charts::difference_histogram(&d, found)?, html! { "How often which difference occurs; red line: the bias." }))
-                    (chart(charts::scatter(a, b)?, html! { "A against B, cell by cell; red line: equal heights." }))
+                    (chart(charts::difference_histogram(&survey.bars, found)?, html! { "How often which difference occurs; red line: the bias." }))
+                    (chart(charts::scatter(&survey.pairs)?, html! { "A against B, cell by cell; red line: equal heights." }))
                     (chart(charts::profile(&profile)?, html! { "Heights of " (letters) " along the line in the map, through the largest difference." }))
                     @if let Some(svg) = levels {
                         (chart(svg, html! { "Heights of " (letters) " above the contour level below; grey line: ground without terraces." }))

@@ -59,8 +59,8 @@ pub fn page(pair: &Pair, found: &Comparison) -> Result<String> {
         b_name: &pair.b.source.title(),
         sources: height_sources(pair),
         notes: &pair.notes,
-        a: &pair.a_heights,
-        b: &pair.b_heights,
+        a: &*pair.a_heights,
+        b: &*pair.b_heights,
         found,
         metres_per_unit: pair.metres_per_unit(),
     })

@@ -2,8 +2,9 @@
 
 use glam::DVec2;
 
-use crate::dem::Dem;
-use crate::dem::compare::{Comparison, height_at};
+use crate::base::error::Result;
+use crate::dem::HeightRows;
+use crate::dem::compare::{Comparison, Strip};
 
 /// Cells from the middle of the line to each end.
 const REACH: f64 = 60.0;
@@ -21,12 +22,21 @@ pub(super) struct Profile {
 }
 
 /// The profile through the larger of the two extreme differences.
-pub(super) fn profile(found: &Comparison, a: &Dem, b: &Dem, metres_per_unit: DVec2) -> Profile {
+pub(super) fn profile(
+    found: &Comparison,
+    a: &dyn HeightRows,
+    b: &dyn HeightRows,
+    metres_per_unit: DVec2,
+) -> Result<Profile> {
     let (lowest, highest) = (found.overall.lowest, found.overall.highest);
     let middle = if lowest.value.abs() > highest.value.abs() { lowest.place } else { highest.place };
-    let cell = b.grid.cell;
+    let cell = b.grid().cell;
+    let size = (cell * metres_per_unit).min_element();
+    let reach = (REACH * size / metres_per_unit.y).max(LOOK * cell.y);
+    let near = (middle.y - reach, middle.y + reach);
+    let (a, b) = (Strip::read(a, near)?, Strip::read(b, near)?);
     let rise = |step: DVec2| {
-        let d = height_at(b, middle + step * LOOK) - height_at(b, middle - step * LOOK);
+        let d = b.height_at(middle + step * LOOK) - b.height_at(middle - step * LOOK);
         if d.is_finite() { d } else { 0.0 }
     };
     let east = rise(DVec2::new(cell.x, 0.0)) / (cell.x * metres_per_unit.x);
@@ -34,10 +44,9 @@ pub(super) fn profile(found: &Comparison, a: &Dem, b: &Dem, metres_per_unit: DVe
     let down = DVec2::new(-east, -north).try_normalize().unwrap_or(DVec2::X);
     // From west to east, as a map is read.
     let ahead = if down.x < 0.0 { -down } else { down };
-    let size = (cell * metres_per_unit).min_element();
     let step = ahead * size / metres_per_unit / DENSITY;
     let count = (REACH * DENSITY) as i32;
-    let is_known = |k: i32| height_at(b, middle + step * f64::from(k)).is_finite();
+    let is_known = |k: i32| b.height_at(middle + step * f64::from(k)).is_finite();
     let (mut first, mut last) = (0, 0);
     (-count..=count).filter(|&k| is_known(k)).for_each(|k| {
         first = first.min(k);
@@ -45,7 +54,7 @@ pub(super) fn profile(found: &Comparison, a: &Dem, b: &Dem, metres_per_unit: DVe
     });
     let at = |k: i32| middle + step * f64::from(k);
     let points = (first..=last)
-        .map(|k| (f64::from(k - first) * size / DENSITY, [height_at(a, at(k)), height_at(b, at(k))]))
+        .map(|k| (f64::from(k - first) * size / DENSITY, [a.height_at(at(k)), b.height_at(at(k))]))
         .collect();
-    Profile { ends: [at(first), at(last)], points }
+    Ok(Profile { ends: [at(first), at(last)], points })
 }

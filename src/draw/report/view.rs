@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::maps;
 use crate::base::Grid;
-use crate::dem::Dem;
+use crate::dem::{HeightRows, metres_per_unit as metres_per_unit_of};
 use crate::draw::coordinates::{Notation, Tick, Ticks, ticks};
 use crate::draw::scale::{self, Bar};
 
@@ -39,7 +39,7 @@ pub(super) struct View {
 
 impl View {
     /// The cells of a height map that are shown, and the metres in a map unit.
-    pub fn new(grid: &Grid, dem: &Dem, metres_per_unit: DVec2, width: Width) -> Self {
+    pub fn new(grid: &Grid, dem: &dyn HeightRows, metres_per_unit: DVec2, width: Width) -> Self {
         let extent = grid.cell * DVec2::new(grid.cols as f64, grid.rows as f64) * metres_per_unit;
         let longest = match width {
             Width::Page => 1000.0,
@@ -47,14 +47,14 @@ impl View {
         };
         let per_metre = longest / extent.max_element();
         let scale = metres_per_unit * per_metre;
-        let notation = match &dem.crs {
+        let notation = match dem.crs() {
             Some(crs) if crs.is_geographic() => Notation::Degrees,
             Some(_) => Notation::Plane,
             None => Notation::Plain,
         };
         let place = |p: DVec2| Some(grid.corner + DVec2::new(p.x, -p.y) / scale);
         let ticks = ticks(extent * per_metre, notation, place);
-        let metres = dem.metres_per_unit().map(|_| 1.0 / per_metre);
+        let metres = metres_per_unit_of(&dem.grid(), dem.crs()).map(|_| 1.0 / per_metre);
         Self { grid: *grid, scale, ticks, bar: scale::bar(extent.x * per_metre, metres, 1.0 / scale.x) }
     }
 
@@ -128,6 +128,7 @@ impl View {
 mod tests {
     use super::*;
     use crate::crs::Crs;
+    use crate::dem::Dem;
 
     #[test]
     fn maps_have_a_scale_bar_and_coordinates_of_their_system() {

@@ -7,17 +7,18 @@
 use std::path::Path;
 
 use tiff::ColorType;
-use tiff::decoder::{ChunkType, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use super::chunks::Chunks;
+use super::geotiff_rows::{GeoTiffRows, Stored};
 use super::height_unit::height_unit;
-use super::heights::{Coding, Heights, check_size, room};
+use super::heights::{Coding, check_size, room};
 use super::like::{self, Tiff};
 use super::quantity::STANDARD_ERROR;
 use super::sidecar::{Aux, elements};
-use super::zstd::{self, Storage, ZSTD};
+use super::zstd::{Storage, ZSTD};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::dem::Dem;
+use crate::dem::{Dem, HeightRows};
 
 /// GDAL's own tag: scale, offset and unit of the values.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
@@ -46,59 +47,39 @@ pub(super) fn read_errors(path: &Path) -> Result<Option<Dem>> {
 
 /// Reads one of the bands, counted from 0.
 fn read_band(path: &Path, band: usize) -> Result<Report<Dem>> {
+    let Opened { rows, mut findings, crs_problem } = open(path, band)?;
+    let grid = rows.grid();
+    let mut values = room(path, grid.cols as u64, grid.rows as u64, rows.length)?;
+    rows.read(0, &mut values)?;
+    findings.extend(rows.findings());
+    findings.extend(crs_problem);
+    Ok(Report { value: Dem { grid, values, crs: rows.crs().cloned() }, findings })
+}
+
+/// A GeoTIFF whose heights were not read yet, and what its header gives reason to say.
+pub(super) struct Opened {
+    pub rows: GeoTiffRows,
+    pub findings: Vec<Finding>,
+    /// The finding about a coordinate reference system that cannot be used.
+    pub crs_problem: Option<Finding>,
+}
+
+/// Opens one of the bands, counted from 0.
+pub(super) fn open(path: &Path, band: usize) -> Result<Opened> {
     let mut tiff = like::open(path)?;
     let mut findings = Vec::new();
     let (samples, sample_bytes) = samples(path, &mut tiff, &mut findings)?;
     let coding = coding(path, &mut tiff, &mut findings)?;
     let chunks = Chunks::of(path, &mut tiff, samples)?;
     let zstd = zstd_storage(path, &mut tiff, samples, sample_bytes)?;
-
     let grid = tiff.placement.grid;
-    let mut values = room(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
-    let mut heights = Heights::new(coding);
-    let limits = chunks.limits(tiff.length);
-    let Tiff { decoder, placement, crs, crs_problem, .. } = tiff;
-    let mut decoder = decoder.with_limits(limits);
-    // Tiles at the border are decoded with their padding, in one call of the decompressor. Without the padding there
-    // would be one call per row, which the LZW decompressor sometimes answers with an error.
-    let stride = chunks.size.0 * samples;
-    let mut decoded = DecodingResult::U8(Vec::new());
-    for index in 0..chunks.count() {
-        if chunks.ranges[index as usize] == (0, 0) {
-            continue;
-        }
-        let message = format!("part {} of {} cannot be decoded; the file is broken", index + 1, chunks.count());
-        // Bands are stored one after the other, or interleaved.
-        let (skipped, beside) =
-            if samples == 1 { (band as u32 * chunks.count(), 0) } else { (0, band.min(samples - 1)) };
-        let (width, height) = decoder.chunk_data_dimensions(index);
-        let (width, height) = (width as usize, height as usize);
-        match zstd {
-            // Only this program writes a second band, and never with this compression.
-            Some(storage) if skipped == 0 => {
-                // Tiles are stored whole, strips as far as the map reaches.
-                let rows = if chunks.are_tiles { chunks.size.1 } else { height };
-                let range = chunks.ranges[index as usize];
-                decoded = zstd::unpack(decoder.inner(), range, (chunks.size.0, rows), storage)
-                    .map_err(|why| Error::file(path, format!("part {} of {}: {why}", index + 1, chunks.count())))?;
-            }
-            _ => decoder
-                .read_chunk_to_buffer(&mut decoded, index + skipped, stride * sample_bytes)
-                .map_err(|e| like::wrong(path, &unsupported(&e, message), e))?,
-        }
-        let (left, top) = chunks.origin(index);
-        for line in 0..height {
-            let row = placement.row(top + line) * grid.cols + left;
-            let out = &mut values[row..row + width];
-            copy(&decoded, line * stride + beside, samples, out, &mut heights);
-        }
-    }
-    findings.extend(heights.findings());
-    if let Some(why) = crs_problem.filter(|_| crs.is_none()) {
-        findings.push(Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}")));
-    }
-    refuse_mask(path, &mut decoder)?;
-    Ok(Report { value: Dem { grid, values, crs }, findings })
+    check_size(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
+    let crs_problem = tiff.crs_problem.take().filter(|_| tiff.crs.is_none()).map(|why| {
+        Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}"))
+    });
+    refuse_mask(path)?;
+    let rows = GeoTiffRows::new(path, tiff, chunks, Stored { band, samples, sample_bytes, coding, zstd });
+    Ok(Opened { rows, findings, crs_problem })
 }
 
 /// How the values are stored, if they are compressed with Zstandard.
@@ -111,18 +92,6 @@ fn zstd_storage(path: &Path, tiff: &mut Tiff, samples: usize, bytes: usize) -> R
     let format = tiff.decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(wrong)?.unwrap_or_default();
     let format = format.first().copied().unwrap_or(1);
     Ok(Some(Storage { bytes, format, predictor, order: tiff.decoder.byte_order(), samples }))
-}
-
-/// A clearer message for an unknown compression.
-fn unsupported(error: &tiff::TiffError, message: String) -> String {
-    match error {
-        tiff::TiffError::UnsupportedError(_) => {
-            "holds its values in a way that cannot be read (LERC or JPEG, for instance); rewrite it, for example \
-             with 'gdal_translate -co COMPRESS=DEFLATE in.tif out.tif'"
-                .into()
-        }
-        _ => message,
-    }
 }
 
 /// How many values per cell are interleaved, and how many bytes each has. Pictures are refused.
@@ -209,112 +178,10 @@ fn text_tag(path: &Path, tiff: &mut Tiff, tag: Tag) -> Result<Option<String>> {
     text.map_err(|e| like::wrong(path, "has a broken header", e))
 }
 
-/// The strips or tiles of the first band.
-struct Chunks {
-    /// Width and height of a complete strip or tile, cells.
-    size: (usize, usize),
-    are_tiles: bool,
-    across: usize,
-    /// Offset and length in the file. Both are zero for missing ones.
-    ranges: Vec<(u64, u64)>,
-    /// Bytes of a complete strip or tile in memory.
-    bytes: u64,
-}
-
-impl Chunks {
-    fn of(path: &Path, tiff: &mut Tiff, samples: usize) -> Result<Self> {
-        let wrong = |e| like::wrong(path, "has a broken header", e);
-        let grid = tiff.placement.grid;
-        let (width, height) = tiff.decoder.chunk_dimensions();
-        let (kind_offsets, kind_lengths) = match tiff.decoder.get_chunk_type() {
-            ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
-            ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
-        };
-        // The height of a strip may be the greatest number of its type, which means "all rows".
-        let height = match tiff.decoder.get_chunk_type() {
-            ChunkType::Strip => u64::from(height).min(grid.rows as u64),
-            ChunkType::Tile => height.into(),
-        };
-        let values = u64::from(width).saturating_mul(height).saturating_mul(samples as u64);
-        let bytes = values.saturating_mul(size_of::<f64>() as u64);
-        check_size(path, width.into(), height.saturating_mul(samples as u64), tiff.length)?;
-        let across = grid.cols.div_ceil(width as usize);
-        let count = across * grid.rows.div_ceil(height as usize);
-        let offsets = tiff.decoder.find_tag_unsigned_vec::<u64>(kind_offsets).map_err(wrong)?.unwrap_or_default();
-        let lengths = tiff.decoder.find_tag_unsigned_vec::<u64>(kind_lengths).map_err(wrong)?.unwrap_or_default();
-        let ranges: Vec<(u64, u64)> = offsets.into_iter().zip(lengths).take(count).collect();
-        if ranges.len() < count {
-            return Err(Error::file(path, "has a broken header: strips or tiles are missing in it"));
-        }
-        for (index, &(offset, length)) in ranges.iter().enumerate() {
-            let end = offset.checked_add(length);
-            if end.is_none_or(|end| end > tiff.length) {
-                let message = format!(
-                    "is cut off: part {} of {count} should end at byte {}, and the file has {}; copy or download it again",
-                    index + 1,
-                    end.unwrap_or(u64::MAX),
-                    tiff.length
-                );
-                return Err(Error::file(path, message));
-            }
-        }
-        let are_tiles = matches!(tiff.decoder.get_chunk_type(), ChunkType::Tile);
-        Ok(Self { size: (width as usize, height as usize), are_tiles, across, ranges, bytes })
-    }
-
-    fn count(&self) -> u32 {
-        // The library has already counted them in 32 bits.
-        self.ranges.len() as u32
-    }
-
-    /// Column and stored row of the first cell.
-    fn origin(&self, index: u32) -> (usize, usize) {
-        let index = index as usize;
-        (index % self.across * self.size.0, index / self.across * self.size.1)
-    }
-
-    /// The decoder's memory limit: one strip or tile.
-    fn limits(&self, file_length: u64) -> Limits {
-        let mut limits = Limits::default();
-        let usize_of = |bytes: u64| usize::try_from(bytes).unwrap_or(usize::MAX);
-        limits.decoding_buffer_size = limits.decoding_buffer_size.max(usize_of(self.bytes));
-        limits.intermediate_buffer_size = limits.intermediate_buffer_size.max(usize_of(file_length));
-        limits
-    }
-}
-
-/// Copies one line of a band.
-fn copy(decoded: &DecodingResult, start: usize, samples: usize, out: &mut [f32], heights: &mut Heights) {
-    fn each<T: Copy>(
-        from: &[T],
-        (start, samples): (usize, usize),
-        out: &mut [f32],
-        heights: &mut Heights,
-        number: impl Fn(T) -> f64,
-    ) {
-        let line = from.get(start..).unwrap_or_default().iter().step_by(samples);
-        for (out, &value) in out.iter_mut().zip(line) {
-            *out = heights.height(number(value));
-        }
-    }
-    let at = (start, samples);
-    match decoded {
-        DecodingResult::U8(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::U16(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::U32(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::U64(from) => each(from, at, out, heights, |v| v as f64),
-        DecodingResult::I8(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::I16(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::I32(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::I64(from) => each(from, at, out, heights, |v| v as f64),
-        DecodingResult::F16(from) => each(from, at, out, heights, |v| v.to_f64()),
-        DecodingResult::F32(from) => each(from, at, out, heights, f64::from),
-        DecodingResult::F64(from) => each(from, at, out, heights, |v| v),
-    }
-}
-
 /// A mask marks cells without data. Without it, their values would be treated as heights.
-fn refuse_mask<R: std::io::Read + std::io::Seek>(path: &Path, decoder: &mut tiff::decoder::Decoder<R>) -> Result<()> {
+fn refuse_mask(path: &Path) -> Result<()> {
+    // Going to the next image changes the decoder. So it is not that of the heights.
+    let mut decoder = like::open(path)?.decoder;
     for _ in 0..MAX_SUBFILES {
         // Overviews that cannot be read do not matter for the height map.
         if !decoder.more_images() || decoder.next_image().is_err() {

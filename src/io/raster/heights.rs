@@ -88,6 +88,11 @@ impl Heights {
 
     /// The finding about undeclared nodata values, if there were any.
     pub fn findings(self) -> Option<Finding> {
+        self.finding()
+    }
+
+    /// The finding about the undeclared nodata values so far, if there were any.
+    pub fn finding(&self) -> Option<Finding> {
         let message = format!(
             "{} cells of the height map hold a value that is not a height, such as {}; they are taken as cells without data",
             self.odd, self.example

@@ -14,6 +14,7 @@
 //! Sidecar files are written beside the main file, in any directory.
 
 mod asc;
+mod chunks;
 mod cog;
 mod directory;
 mod elevation_tile;
@@ -21,6 +22,7 @@ mod exr;
 mod geokeys;
 mod geotiff;
 mod geotiff_read;
+mod geotiff_rows;
 mod height_unit;
 mod heights;
 mod like;
@@ -49,7 +51,7 @@ use quantity::Values;
 
 pub use picture::{picture_bytes, write_picture, write_shade};
 pub use quantity::{Quantity, STANDARD_ERROR};
-pub use read::{DemFile, READABLE_EXTENSIONS, read_dem, read_grid, read_standard_errors};
+pub use read::{DemFile, DemRows, READABLE_EXTENSIONS, open_dem, read_dem, read_grid, read_standard_errors};
 
 /// The extensions that [`write_dem`] accepts, for messages and help texts.
 pub const DEM_EXTENSIONS: [&str; 6] = ["tif", "tiff", "exr", "png", "asc", "xyz"];

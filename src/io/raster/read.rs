@@ -4,12 +4,14 @@
 //! if a default exists. Otherwise it is an error that says what to do.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use super::geotiff_read::Opened;
 use super::{asc, exr, geotiff_read, like, png_read, xyz_read};
-use crate::base::error::{Error, FindingKind, Report, Result};
+use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, Grid};
 use crate::crs::Crs;
-use crate::dem::Dem;
+use crate::dem::{Dem, HeightRows};
 use crate::io::crs_finding::crs_finding;
 use crate::io::gsi::{self, GsiDem, Product};
 use crate::io::ordinary::open_to_read;
@@ -58,12 +60,44 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
     let Report { value: mut dem, mut findings } = read(path)?;
     // Heights are metres now.
     dem.crs = dem.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
-    // A reader that found a description of a system, but could not use it, has said so.
+    name_missing_crs(dem.crs.as_ref(), &mut findings);
+    Ok(Report { value: DemFile { dem, product: None }, findings })
+}
+
+/// A height map whose rows are read on demand.
+#[derive(Debug)]
+pub struct DemRows {
+    /// The heights.
+    pub heights: Arc<dyn HeightRows>,
+    /// The product of 基盤地図情報, if the file is one.
+    pub product: Option<Product>,
+}
+
+/// Opens a height map, of which the heights are as [`read_dem`] gives them. The rows of a GeoTIFF are read on demand. Files in
+/// other formats are read whole.
+///
+/// # Errors
+/// As [`read_dem`]. A broken part of a GeoTIFF is an error only when its rows are read.
+pub fn open_dem(path: &Path) -> Result<Report<DemRows>> {
+    if !matches!(extension(path).as_str(), "tif" | "tiff") || gsi::is_source(path) {
+        let Report { value: DemFile { dem, product }, findings } = read_dem(path)?;
+        return Ok(Report { value: DemRows { heights: Arc::new(dem), product }, findings });
+    }
+    check_file(path)?;
+    let Opened { mut rows, mut findings, crs_problem } = geotiff_read::open(path, 0)?;
+    rows.crs = rows.crs.map(|crs| crs.with_heights_in(ElevationUnit::Metre));
+    findings.extend(crs_problem);
+    name_missing_crs(rows.crs.as_ref(), &mut findings);
+    Ok(Report { value: DemRows { heights: Arc::new(rows), product: None }, findings })
+}
+
+/// Adds the finding that there is no coordinate reference system. A reader that found a description of one, but could not use
+/// it, has said so.
+fn name_missing_crs(crs: Option<&Crs>, findings: &mut Vec<Finding>) {
     if findings.iter().all(|finding| finding.kind != FindingKind::UnknownCrs) {
         let missing = || "the height map does not name its coordinate reference system".to_owned();
-        findings.extend(crs_finding(dem.crs.as_ref(), missing));
+        findings.extend(crs_finding(crs, missing));
     }
-    Ok(Report { value: DemFile { dem, product: None }, findings })
 }
 
 /// Reads the standard errors that [`write_with_errors`](super::write_with_errors) stores beside the heights. `None` if

@@ -1,6 +1,7 @@
 //! Comparison of two height maps or surfaces.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use tokosen::GridSpec;
@@ -54,7 +55,7 @@ impl SideRecipe {
             }
             GivenSide::HeightMap(HeightMap::InMemory(raster)) => {
                 let dem: Dem = raster.get().dem(py)?;
-                Self::Ready(Some(Box::new(Side::of_dem(Path::new(name), dem, None))))
+                Self::Ready(Some(Box::new(Side::of_dem(Path::new(name), Arc::new(dem), None))))
             }
             GivenSide::HeightMap(HeightMap::File(path)) => Self::File(path.clone()),
             GivenSide::Contours(sources) => {
@@ -159,6 +160,9 @@ pub fn compare(
         Pair::refuse_degrees(&nodes, &b.source.file)?;
         let pair = Pair::on(a, b, nodes, progress)?;
         let mut found = measure(&pair, &MeasureOptions { sigma, interval }, progress)?;
+        for (letter, side) in [("A", &pair.a), ("B", &pair.b)] {
+            label(letter, side.late_findings());
+        }
         if let Some(source) = &points {
             read_check_points(&mut found, &pair, (source, unit), tokosen::cli::available_memory(), &mut findings)?;
         }
@@ -187,14 +191,14 @@ impl Comparison {
 
     /// A minus B, metres.
     fn difference(&self, py: Python<'_>) -> PyResult<Raster> {
-        let found = py.detach(|| difference(&self.pair.a_heights, &self.pair.b_heights));
+        let found = work(py, None, |_| difference(&*self.pair.a_heights, &*self.pair.b_heights))?;
         Raster::new(py, found, None, Quantity::Difference, &[])
     }
 
     /// The map of the differences, as PNG in a data URI.
     fn picture(&self, py: Python<'_>) -> PyResult<String> {
         let Pair { a_heights, b_heights, .. } = &self.pair;
-        work(py, None, |_| difference_map(a_heights, b_heights, &self.found, self.pair.metres_per_unit()))
+        work(py, None, |_| difference_map(&**a_heights, &**b_heights, &self.found, self.pair.metres_per_unit()))
     }
 
     /// The report: a page of HTML.

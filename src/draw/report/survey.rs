@@ -1,0 +1,60 @@
+//! What the pictures and charts of a report need of the heights, in two passes over their rows.
+
+use super::charts::{Bars, Pairs};
+use super::maps::{DataBox, Reduced, Window};
+use crate::base::error::Result;
+use crate::dem::compare::{Comparison, subtract};
+use crate::dem::{Blocks, Dem, HeightRows};
+
+/// What the passes find.
+pub(super) struct Survey {
+    /// The part of the grid that is shown.
+    pub window: Window,
+    /// The reduced heights of A and of B, and their reduced differences.
+    pub a: Dem,
+    pub b: Dem,
+    pub difference: Dem,
+    pub bars: Bars,
+    pub pairs: Pairs,
+}
+
+/// Goes through the heights of A and B.
+pub(super) fn survey(a: &dyn HeightRows, b: &dyn HeightRows, found: &Comparison) -> Result<Survey> {
+    let grid = b.grid();
+    let mut data = DataBox::default();
+    let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
+    each_row(a, b, |row, a, b| {
+        let is_known = |col: usize| a[col].is_finite() && b[col].is_finite();
+        data.add(row, grid.cols, is_known);
+        for col in (0..grid.cols).filter(|col| is_known(*col)) {
+            (lowest, highest) = (lowest.min(a[col]).min(b[col]), highest.max(a[col]).max(b[col]));
+        }
+    })?;
+    let window = Window::around(data, &grid);
+    let [mut small_a, mut small_b, mut small] = std::array::from_fn(|_| Reduced::new(&grid, &window));
+    let (mut bars, mut pairs) = (Bars::new(found), Pairs::new((lowest, highest)));
+    each_row(a, b, |row, a, b| {
+        small_a.add(row, |col| a[col]);
+        small_b.add(row, |col| b[col]);
+        small.add(row, |col| subtract(a[col], b[col]));
+        for (&a, &b) in a.iter().zip(b) {
+            let difference = subtract(a, b);
+            if difference.is_finite() {
+                bars.add(difference);
+                pairs.add(a, b);
+            }
+        }
+    })?;
+    let (a, b, difference) = (small_a.map(), small_b.map(), small.map());
+    Ok(Survey { window, a, b, difference, bars, pairs })
+}
+
+/// Calls `of_row` with the number of each row and the heights of both.
+fn each_row(a: &dyn HeightRows, b: &dyn HeightRows, mut of_row: impl FnMut(usize, &[f32], &[f32])) -> Result<()> {
+    let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));
+    loop {
+        let (block_a, block_b) = rayon::join(|| a.next(), || b.next());
+        let (Some(block_a), Some(block_b)) = (block_a?, block_b?) else { return Ok(()) };
+        block_b.rows.clone().for_each(|row| of_row(row, block_a.row(row), block_b.row(row)));
+    }
+}
