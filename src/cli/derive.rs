@@ -1,16 +1,17 @@
 //! `tokosen derive`: a height map or contour lines in; slope, aspect, hillshade, steep places and the flow of water out.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use tokosen::Options;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, Finding, FindingKind};
 use tokosen::contour::find_interval;
-use tokosen::dem::derive::{HeightsFrom, SteepParams, Steeps, aspect, check, shade, slope, steep, steep_note};
-use tokosen::dem::{Dem, GroundScale};
+use tokosen::dem::derive::{Derivative, Derived, HeightsFrom, SteepParams, Steeps, check, steep, steep_note};
+use tokosen::dem::{GroundScale, RasterRows, WithCrs, in_plane_unit, metres_per_unit};
 use tokosen::io::layer::{CATCHMENTS_LAYER, STEEP_LAYER, steep_areas};
-use tokosen::io::raster::{Quantity, RasterParams, read_dem, write_raster, write_shade};
+use tokosen::io::raster::{Quantity, RasterParams, open_dem, write_rows, write_shade};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, write_layers};
 use tokosen::surface::Triangles;
 use tokosen::terrain::all_right;
@@ -135,7 +136,7 @@ struct Outputs {
 
 /// The height map, what it was made from, and the findings about it.
 struct SourceDem {
-    dem: Dem,
+    heights: Arc<dyn RasterRows>,
     source: HeightsFrom,
     findings: Vec<Finding>,
     /// Number of findings outside of the part of the map that is written.
@@ -148,38 +149,52 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
     args.check(is_raster, console)?;
     let light = args.light.params()?;
     let outputs = args.open()?;
-    let SourceDem { dem, source, findings, outside } =
+    let SourceDem { heights, source, mut findings, outside } =
         if is_raster { args.read_raster(console)? } else { args.read_contours(console)? };
-    check(&dem).map_err(|error| error.in_file(args.input.map.file()))?;
+    let in_file = |error: Error| error.in_file(args.input.map.file());
+    check(&*heights).map_err(in_file)?;
+
+    let (grid, scale) = (heights.grid(), GroundScale::on(&heights.grid(), heights.crs()));
+    let tiff = args.cog.layout();
+    let rasters = [
+        (&outputs.slope, Quantity::Slope, Derivative::Slope),
+        (&outputs.aspect, Quantity::Aspect, Derivative::Aspect),
+        (&outputs.shade, Quantity::Shade, Derivative::Shade(&light)),
+    ];
+    for (staged, quantity, derivative) in rasters {
+        let derived = Derived { heights: &*heights, scale: &scale, derivative };
+        let params = RasterParams { quantity, tiff, ..RasterParams::default() };
+        write(staged.as_ref(), &params, &derived, console)?;
+    }
+    // Areas and the flow of water are found on the whole height map.
+    let is_whole = outputs.steep.is_some() || outputs.flow.is_any();
+    let whole = if is_whole { Some(console.step("reading", || heights.whole()).map_err(in_file)?) } else { None };
+    let note = steep_note(source, args.steep_height);
+    let steeps = match outputs.steep.as_ref().zip(whole.as_deref()) {
+        Some((staged, dem)) => {
+            let params = SteepParams { angle: args.steep_angle, height: args.steep_height };
+            let found = console.step("steep places", || steep(dem, &scale, &params))?;
+            console.step("writing", || write_layers(staged, &[steep_areas(&found, &note)], dem.crs.as_ref()))?;
+            Some(found)
+        }
+        None => None,
+    };
+    let catchments = match &whole {
+        Some(dem) => outputs.flow.write(dem, &scale, tiff, console)?,
+        None => None,
+    };
+    findings.extend(heights.findings());
     // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {
         let checked = all_right(&args.input.map.name(), &findings);
         checked.map_err(|error| summary::after_findings(error, &findings, console))?;
     }
 
-    let scale = GroundScale::of(&dem);
-    let tiff = args.cog.layout();
-    let params = |quantity| RasterParams { quantity, tiff, ..RasterParams::default() };
-    write(&outputs.slope, &params(Quantity::Slope), || slope(&dem, &scale), console)?;
-    write(&outputs.aspect, &params(Quantity::Aspect), || aspect(&dem, &scale), console)?;
-    write(&outputs.shade, &params(Quantity::Shade), || shade(&dem, &light, &scale), console)?;
-    let note = steep_note(source, args.steep_height);
-    let steeps = match &outputs.steep {
-        Some(staged) => {
-            let params = SteepParams { angle: args.steep_angle, height: args.steep_height };
-            let found = console.step("steep places", || steep(&dem, &scale, &params))?;
-            console.step("writing", || write_layers(staged, &[steep_areas(&found, &note)], dem.crs.as_ref()))?;
-            Some(found)
-        }
-        None => None,
-    };
-    let catchments = outputs.flow.write(&dem, &scale, tiff, console)?;
-
     summary::findings(&findings, console);
     let rasters = [outputs.slope, outputs.aspect, outputs.shade, outputs.flow.directions, outputs.flow.accumulation];
     for staged in rasters.into_iter().flatten() {
         let path = staged.commit()?;
-        console.say(&format!("written    {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
+        console.say(&format!("written    {} ({} x {} cells)", path.display(), grid.cols, grid.rows));
     }
     if let (Some(staged), Some(steeps)) = (outputs.steep, &steeps) {
         describe(&staged.commit()?, steeps, args, console);
@@ -260,19 +275,22 @@ impl DeriveArgs {
 
     fn read_raster(&self, console: &Console) -> Result<SourceDem, Failure> {
         let path = self.input.map.file();
-        let read = console.step("reading", || read_dem(path))?;
+        let read = console.step("reading", || open_dem(path))?;
         let unit = self.input.map.plane_unit.map(UnitArg::unit);
-        let dem = read.value.dem.with_plane_unit(unit).map_err(|error| error.in_file(path))?;
+        let rows = read.value.heights;
+        let crs = in_plane_unit(rows.crs().cloned(), unit).map_err(|error| error.in_file(path))?;
+        let grid = rows.grid();
         // The finding says that heights were in feet. Then x and y may be so too.
-        if dem.metres_per_unit().is_none()
+        if metres_per_unit(&grid, crs.as_ref()).is_none()
             && read.findings.iter().any(|finding| finding.kind == FindingKind::HeightUnit)
         {
             return Err(Error::PlaneUnitUnknown.in_file(path).into());
         }
-        let crs = dem.crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
-        console.say(&format!("input      {} ({} x {} cells)", path.display(), dem.grid.cols, dem.grid.rows));
-        console.say(&format!("crs        {crs}"));
-        Ok(SourceDem { dem, source: HeightsFrom::HeightMap, findings: read.findings, outside: 0 })
+        let name = crs.as_ref().and_then(|crs| crs.name()).unwrap_or_else(|| "unknown".into());
+        console.say(&format!("input      {} ({} x {} cells)", path.display(), grid.cols, grid.rows));
+        console.say(&format!("crs        {name}"));
+        let heights = Arc::new(WithCrs { rows, crs });
+        Ok(SourceDem { heights, source: HeightsFrom::HeightMap, findings: read.findings, outside: 0 })
     }
 
     fn read_contours(&self, console: &Console) -> Result<SourceDem, Failure> {
@@ -292,23 +310,22 @@ impl DeriveArgs {
         summary::surface(&terrain.surface, console);
         let map = terrain.height_map(&grid, console)?.collect(&mut terrain.findings);
         map.base.iter().for_each(|base| base::describe(base, console));
-        Ok(SourceDem { dem: map.dem, source, findings: terrain.findings, outside: terrain.findings_outside })
+        Ok(SourceDem { heights: Arc::new(map.dem), source, findings: terrain.findings, outside: terrain.findings_outside })
     }
 }
 
-/// Computes a raster and writes it, still under its temporary name, if it is asked for.
+/// Writes a raster, still under its temporary name, if it is asked for.
 pub fn write(
-    staged: &Option<StagedOutput>,
+    staged: Option<&StagedOutput>,
     params: &RasterParams,
-    compute: impl FnOnce() -> Dem,
+    rows: &dyn RasterRows,
     console: &Console,
 ) -> Result<(), Failure> {
     let Some(staged) = staged else { return Ok(()) };
-    let dem = console.step(params.quantity.name(), compute);
     let path = staged.path();
-    let written = console.step("writing", || match params.quantity {
-        Quantity::Shade if extension(&path) == "png" => write_shade(&path, &dem),
-        _ => write_raster(&path, &dem, params),
+    let written = console.step(params.quantity.name(), || match params.quantity {
+        Quantity::Shade if extension(&path) == "png" => write_shade(&path, rows),
+        _ => write_rows(&path, rows, params),
     });
     Ok(written.map_err(|e| staged.with_final_name(e))?)
 }

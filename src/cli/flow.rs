@@ -79,6 +79,11 @@ impl FlowArgs {
 }
 
 impl FlowOutputs {
+    /// Whether anything is asked for.
+    pub fn is_any(&self) -> bool {
+        [&self.directions, &self.accumulation, &self.catchments].into_iter().any(Option::is_some)
+    }
+
     /// Computes what is asked for and writes it, still under temporary names.
     pub fn write(
         &self,
@@ -87,18 +92,24 @@ impl FlowOutputs {
         tiff: TiffLayout,
         console: &Console,
     ) -> Result<Option<Written>, Failure> {
-        if [&self.directions, &self.accumulation, &self.catchments].into_iter().all(Option::is_none) {
+        if !self.is_any() {
             return Ok(None);
         }
         let params = |quantity| RasterParams { quantity, tiff, ..RasterParams::default() };
         let directions = console.step("flow direction", || flow_directions(dem, scale))?;
-        write(&self.directions, &params(Quantity::FlowDirection), || directions.raster(), console)?;
-        write(&self.accumulation, &params(Quantity::FlowAccumulation), || flow_accumulation(&directions), console)?;
+        if self.directions.is_some() {
+            let raster = directions.raster();
+            write(self.directions.as_ref(), &params(Quantity::FlowDirection), &raster, console)?;
+        }
+        if self.accumulation.is_some() {
+            let raster = console.step(Quantity::FlowAccumulation.name(), || flow_accumulation(&directions));
+            write(self.accumulation.as_ref(), &params(Quantity::FlowAccumulation), &raster, console)?;
+        }
         let Some(staged) = &self.catchments else { return Ok(None) };
         let found: Catchments = console.step("catchments", || catchments(&directions));
         let polygons = if is_raster(&staged.path()) {
             let raster = found.raster()?;
-            write(&self.catchments, &params(Quantity::Catchment), || raster, console)?;
+            write(Some(staged), &params(Quantity::Catchment), &raster, console)?;
             None
         } else {
             let parts = console.step("catchments", || catchment_parts(&found, scale));

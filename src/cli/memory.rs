@@ -19,17 +19,18 @@ pub fn available() -> Option<u64> {
 #[cfg(target_os = "linux")]
 fn left_of_address_space() -> Option<u64> {
     use rustix::param::page_size;
-    use rustix::process::{Resource, getrlimit};
+
+    use super::address_space::{is_shared, limit};
 
     /// Bytes of an arena of the GNU C library.
     const ARENA: u64 = 64 << 20;
     /// Most arenas per processor.
     const PER_PROCESSOR: usize = 8;
 
-    let limit = getrlimit(Resource::As).current?;
+    let limit = limit()?;
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').next()?.parse::<u64>().ok()?;
     let most = std::thread::available_parallelism().map_or(1, usize::from) * PER_PROCESSOR;
-    let arenas = ARENA * (rayon::current_num_threads() + 1).min(most) as u64;
+    let arenas = if is_shared() { 0 } else { ARENA * (rayon::current_num_threads() + 1).min(most) as u64 };
     // What is left is at least one byte: no limit must not be taken for none left.
     Some(limit.saturating_sub(pages * page_size() as u64 + arenas).max(1))
 }

@@ -3,6 +3,7 @@
 //!
 //! Exit status: 0 done, 1 the input or the work failed, 2 wrong usage.
 
+mod address_space;
 mod base;
 mod break_lines;
 mod check;
@@ -130,15 +131,17 @@ const WRONG_USAGE: u8 = 2;
 /// Parses the arguments, of which the first is the name of the program, runs the verb, and turns its outcome into an exit
 /// status. It installs signal handlers, and ends the process if the arguments are wrong or ask for help.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    address_space::share(&arguments);
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
         return FAILED;
     }
-    let outcome = parsed(arguments.into_iter().collect()).and_then(|run| {
-        if let Some(threads) = run.cli.common.threads
-            && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global()
+    let outcome = parsed(arguments).and_then(|run| {
+        if let Some(threads) = run.cli.common.threads.map(usize::from).or_else(address_space::most_threads)
+            && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
         {
-            let message = format!("cannot start {threads} threads: {e}");
+            let message = format!("cannot start {threads} threads: {e}; take fewer with --threads");
             return Err(Failure::Work(tokosen::Error::Data(message)));
         }
         run.run()

@@ -18,5 +18,5 @@ pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit
 pub use height_map::Dem;
 pub(crate) use rasterise::{height, heights_at};
 pub use rasterise::{locate, rasterise};
-pub use rows::HeightRows;
+pub use rows::{RasterRows, WithCrs};
 pub(crate) use rows::{Block, Blocks, empty};

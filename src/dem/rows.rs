@@ -1,4 +1,4 @@
-//! Heights of a raster, some rows at a time. So a raster may be larger than the memory.
+//! Values of a raster, some rows at a time. So a raster may be larger than the memory.
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -12,10 +12,11 @@ use crate::crs::Crs;
 /// Cells of a block of rows.
 const BLOCK: usize = 1 << 19;
 
-/// A raster of heights whose rows are read on demand: a [`Dem`], or a file.
+/// A raster whose rows are read or computed on demand: a [`Dem`], a file, or what follows from one. Values are heights in metres
+/// where nothing else is said.
 ///
 /// Reading row after row is fast. A file may have to decode many rows for one.
-pub trait HeightRows: Debug + Send + Sync {
+pub trait RasterRows: Debug + Send + Sync {
     /// The grid of cells.
     fn grid(&self) -> Grid;
 
@@ -37,7 +38,7 @@ pub trait HeightRows: Debug + Send + Sync {
     /// All heights.
     ///
     /// # Errors
-    /// As [`HeightRows::read`]. If there is not enough memory.
+    /// As [`RasterRows::read`]. If there is not enough memory.
     fn whole(&self) -> Result<Cow<'_, Dem>> {
         let grid = self.grid();
         let mut values = empty(grid.len())?;
@@ -47,11 +48,11 @@ pub trait HeightRows: Debug + Send + Sync {
     }
 }
 
-/// An empty vector with room for `cells` heights.
+/// An empty vector with room for the values of `cells` cells.
 ///
 /// # Errors
 /// [`Error::Data`] if there is not enough memory.
-pub(crate) fn empty(cells: usize) -> Result<Vec<f32>> {
+pub(crate) fn empty<T>(cells: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let room = values.try_reserve_exact(cells);
     room.map_err(|_| {
@@ -60,7 +61,7 @@ pub(crate) fn empty(cells: usize) -> Result<Vec<f32>> {
     Ok(values)
 }
 
-impl HeightRows for Dem {
+impl RasterRows for Dem {
     fn grid(&self) -> Grid {
         self.grid
     }
@@ -85,25 +86,30 @@ impl HeightRows for Dem {
     }
 }
 
-impl<T: HeightRows + ?Sized> HeightRows for Arc<T> {
+/// A raster in another coordinate reference system than it states.
+#[derive(Debug)]
+pub struct WithCrs {
+    /// The raster.
+    pub rows: Arc<dyn RasterRows>,
+    /// The system.
+    pub crs: Option<Crs>,
+}
+
+impl RasterRows for WithCrs {
     fn grid(&self) -> Grid {
-        (**self).grid()
+        self.rows.grid()
     }
 
     fn crs(&self) -> Option<&Crs> {
-        (**self).crs()
+        self.crs.as_ref()
     }
 
     fn read(&self, first: usize, heights: &mut [f32]) -> Result<()> {
-        (**self).read(first, heights)
+        self.rows.read(first, heights)
     }
 
     fn findings(&self) -> Vec<Finding> {
-        (**self).findings()
-    }
-
-    fn whole(&self) -> Result<Cow<'_, Dem>> {
-        (**self).whole()
+        self.rows.findings()
     }
 }
 
@@ -145,20 +151,20 @@ impl Block {
 /// Reads a raster block by block, from the first row to the last.
 #[derive(Debug)]
 pub(crate) struct Blocks<'a> {
-    source: &'a dyn HeightRows,
+    source: &'a dyn RasterRows,
     grid: Grid,
     length: usize,
     block: Block,
 }
 
 impl<'a> Blocks<'a> {
-    pub fn of(source: &'a dyn HeightRows) -> Self {
+    pub fn of(source: &'a dyn RasterRows) -> Self {
         let grid = source.grid();
         Self::of_length(source, (BLOCK / grid.cols.max(1)).max(1))
     }
 
     /// Blocks of `length` rows.
-    pub fn of_length(source: &'a dyn HeightRows, length: usize) -> Self {
+    pub fn of_length(source: &'a dyn RasterRows, length: usize) -> Self {
         let grid = source.grid();
         let block = Block { cols: grid.cols, rows: 0..0, held: 0..0, heights: Vec::new() };
         Self { source, grid, length, block }
@@ -167,7 +173,7 @@ impl<'a> Blocks<'a> {
     /// Reads the next block. `None` after the last one.
     ///
     /// # Errors
-    /// As [`HeightRows::read`].
+    /// As [`RasterRows::read`].
     pub fn next(&mut self) -> Result<Option<&Block>> {
         let Self { source, grid: Grid { cols, rows, .. }, length, ref mut block } = *self;
         let first = block.rows.end;

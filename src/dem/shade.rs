@@ -103,14 +103,7 @@ pub fn hillshade(dem: &Dem, params: &ShadeParams) -> Vec<f32> {
 /// [`hillshade`] with the metres per map unit from `scale` and not from `params`.
 pub fn hillshade_on(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Vec<f32> {
     let lights = Lights::new(params);
-    map_gradients(
-        dem,
-        |row| scale.row(row),
-        |gradient| {
-            let slope = gradient * params.exaggeration;
-            lights.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
-        },
-    )
+    map_gradients(dem, |row| scale.row(row), |gradient| lights.of_slope(gradient, params))
 }
 
 /// The directions towards the lights, and their shares of the brightness.
@@ -124,6 +117,12 @@ impl Lights {
         let total: f64 = params.lights.iter().map(|l| l.weight).sum();
         let lights = params.lights.iter().map(|l| (l.direction(), l.weight / total)).collect();
         Self { lights, shares: params.shares }
+    }
+
+    /// Brightness of ground with this gradient.
+    pub fn of_slope(&self, gradient: DVec2, params: &ShadeParams) -> f32 {
+        let slope = gradient * params.exaggeration;
+        self.on(DVec3::new(-slope.x, -slope.y, 1.0).normalize()) as f32
     }
 
     /// Brightness of ground with this unit normal.

@@ -15,7 +15,7 @@ use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::compare::{Resampled, heights_at_places, heights_between};
-use crate::dem::{Dem, HeightRows, looks_like_degrees, metres_per_unit};
+use crate::dem::{Dem, RasterRows, WithCrs, looks_like_degrees, metres_per_unit};
 use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
 
 /// One side of a comparison.
@@ -39,7 +39,7 @@ pub struct Side {
 #[derive(Debug)]
 pub enum Kind {
     /// A height map.
-    Dem(Arc<dyn HeightRows>),
+    Dem(Arc<dyn RasterRows>),
     /// The surface between contours.
     Surface(Box<Surface>),
 }
@@ -73,9 +73,9 @@ pub struct Pair {
     /// The reference.
     pub b: Side,
     /// The heights of A.
-    pub a_heights: Arc<dyn HeightRows>,
+    pub a_heights: Arc<dyn RasterRows>,
     /// The heights of B, on the same grid.
-    pub b_heights: Arc<dyn HeightRows>,
+    pub b_heights: Arc<dyn RasterRows>,
     /// How they were brought onto it, in sentences.
     pub notes: Vec<String>,
 }
@@ -174,7 +174,7 @@ pub(super) fn along(way: Option<&Transform>, p: DVec2) -> Option<DVec2> {
 impl Side {
     /// A height map from a file. `product` is the name of a known product and its stated accuracy (a standard
     /// deviation, metres).
-    pub fn of_dem(path: &Path, dem: Arc<dyn HeightRows>, product: Option<(&str, f64)>) -> Self {
+    pub fn of_dem(path: &Path, dem: Arc<dyn RasterRows>, product: Option<(&str, f64)>) -> Self {
         let name = product.map_or("height map", |(name, _)| name);
         let Grid { cols, rows, cell, .. } = dem.grid();
         let is_degrees = dem.crs().is_some_and(Crs::is_geographic);
@@ -243,11 +243,14 @@ impl Side {
 
     /// Heights at the cell centres of a grid in some system. Those of a height map are computed when they are read, as far as no
     /// coordinates have to be transformed.
-    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn HeightRows>> {
+    fn on(&self, grid: &Grid, crs: Option<&Crs>, progress: &dyn Progress) -> Result<Arc<dyn RasterRows>> {
         let way = self.way_from(crs, &self.source.file)?;
         let surface = match &self.kind {
             Kind::Surface(surface) => surface,
             Kind::Dem(dem) if way.is_none() && dem.grid() == *grid && dem.crs() == crs => return Ok(dem.clone()),
+            Kind::Dem(dem) if way.is_none() && dem.grid() == *grid => {
+                return Ok(Arc::new(WithCrs { rows: dem.clone(), crs: crs.cloned() }));
+            }
             Kind::Dem(dem) if way.is_none() => {
                 return Ok(Arc::new(Resampled { source: dem.clone(), grid: *grid, crs: crs.cloned() }));
             }

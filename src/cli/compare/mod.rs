@@ -8,9 +8,9 @@ pub use args::CompareArgs;
 use std::path::{Path, PathBuf};
 
 use tokosen::base::error::{Error, Finding};
-use tokosen::dem::compare::{Comparison, difference};
+use tokosen::dem::compare::{Comparison, Difference};
 use tokosen::draw::report::{page, sentences, table};
-use tokosen::io::raster::{Quantity, RasterParams, write_raster};
+use tokosen::io::raster::{Quantity, RasterParams, write_rows};
 use tokosen::io::{Content, PlannedOutput, StagedOutput, content};
 use tokosen::terrain::{MeasureOptions, Pair, comparison_json, measure, read_check_points};
 
@@ -45,7 +45,7 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<(), Failure> {
     let (a, b) = (&*pair.a_heights, &*pair.b_heights);
     if let Some(staged) = &staged {
         let params = RasterParams { quantity: Quantity::Difference, ..RasterParams::default() };
-        let written = console.step("writing", || write_raster(&staged.path(), &difference(a, b)?, &params));
+        let written = console.step("writing", || write_rows(&staged.path(), &Difference { a, b }, &params));
         written.map_err(|e| staged.with_final_name(e))?;
     }
     if let Some(staged) = &page {

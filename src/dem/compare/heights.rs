@@ -7,7 +7,7 @@ use super::levels::{LevelCounts, LevelHistogram, range};
 use super::precision::{Decimals, Precision};
 use crate::base::error::Result;
 use crate::contour::Interval;
-use crate::dem::{Blocks, HeightRows};
+use crate::dem::{Blocks, RasterRows};
 
 /// Properties of the heights of one side.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,8 +25,8 @@ pub struct HeightFigures {
 /// Finds the properties of the heights of one side.
 ///
 /// # Errors
-/// As [`HeightRows::read`].
-pub fn height_figures(heights: &dyn HeightRows, interval: Option<&Interval>) -> Result<HeightFigures> {
+/// As [`RasterRows::read`].
+pub fn height_figures(heights: &dyn RasterRows, interval: Option<&Interval>) -> Result<HeightFigures> {
     let mut scan = Scan::new();
     let mut blocks = Blocks::of(heights);
     while let Some(block) = blocks.next()? {

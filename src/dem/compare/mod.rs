@@ -39,10 +39,11 @@ pub use statistics::{Extreme, Statistics, statistics};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::{Blocks, Dem, HeightRows, empty};
+use super::{Dem, RasterRows, empty};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::contour::Interval;
+use crate::crs::Crs;
 use classes::{distance_bounds, elevation_bounds, round_up};
 use group::{Group, SecondGroup};
 use heights::Scan;
@@ -123,8 +124,8 @@ pub struct Significance {
 ///
 /// # Errors
 /// [`Error::Parameter`] when the grids differ. [`Error::OutOfRange`] when a parameter is out of range. [`Error::Data`] when no
-/// cell has a height in both. As [`HeightRows::read`].
-pub fn compare(a: &dyn HeightRows, b: &dyn HeightRows, params: &CompareParams<'_>) -> Result<Comparison> {
+/// cell has a height in both. As [`RasterRows::read`].
+pub fn compare(a: &dyn RasterRows, b: &dyn RasterRows, params: &CompareParams<'_>) -> Result<Comparison> {
     let grid = b.grid();
     if a.grid() != grid {
         return Err(Error::Parameter(
@@ -172,7 +173,7 @@ struct First {
 }
 
 impl First {
-    fn of(sides: [&dyn HeightRows; 2], params: &CompareParams<'_>) -> Result<Self> {
+    fn of(sides: [&dyn RasterRows; 2], params: &CompareParams<'_>) -> Result<Self> {
         let [mut of_a, mut of_b] = [Scan::new(); 2];
         let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
         let mut known = Vec::new();
@@ -210,7 +211,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(sides: [&dyn HeightRows; 2], params: &CompareParams<'_>, first: &First) -> Result<Self> {
+    fn of(sides: [&dyn RasterRows; 2], params: &CompareParams<'_>, first: &First) -> Result<Self> {
         let Grid { cell, cols, .. } = sides[1].grid();
         let cell = cell * params.metres_per_unit;
         let limit = params.sigma.map_or(f64::INFINITY, |sigma| SIGNIFICANT * sigma);
@@ -264,7 +265,7 @@ impl Sums {
 
 impl Groups<Group> {
     /// The third pass.
-    fn third(self, sides: [&dyn HeightRows; 2], params: &CompareParams<'_>) -> Result<[SecondGroup; 4]> {
+    fn third(self, sides: [&dyn RasterRows; 2], params: &CompareParams<'_>) -> Result<[SecondGroup; 4]> {
         let Grid { cell, cols, .. } = sides[1].grid();
         let cell = cell * params.metres_per_unit;
         let [mut all, mut by_slope, mut by_elevation, mut by_distance] = self.0.map(Group::second);
@@ -326,14 +327,37 @@ impl Slopes {
 /// The difference A − B of two height maps on one grid. NaN where one of them has no height.
 ///
 /// # Errors
-/// As [`HeightRows::read`]. If there is not enough memory.
-pub fn difference(a: &dyn HeightRows, b: &dyn HeightRows) -> Result<Dem> {
-    let mut values = empty(b.grid().len())?;
-    let (mut rows_a, mut rows_b) = (Blocks::of(a), Blocks::of(b));
-    while let (Some(a), Some(b)) = (rows_a.next()?, rows_b.next()?) {
-        values.extend(a.heights().iter().zip(b.heights()).map(|(a, b)| subtract(*a, *b)));
+/// As [`RasterRows::read`]. If there is not enough memory.
+pub fn difference(a: &dyn RasterRows, b: &dyn RasterRows) -> Result<Dem> {
+    Ok(Difference { a, b }.whole()?.into_owned())
+}
+
+/// The difference A − B of two height maps on one grid, computed when its rows are read.
+#[derive(Debug, Clone, Copy)]
+pub struct Difference<'a> {
+    /// The heights that are compared.
+    pub a: &'a dyn RasterRows,
+    /// The heights that are subtracted.
+    pub b: &'a dyn RasterRows,
+}
+
+impl RasterRows for Difference<'_> {
+    fn grid(&self) -> Grid {
+        self.b.grid()
     }
-    Ok(Dem { grid: b.grid(), values, crs: b.crs().cloned() })
+
+    fn crs(&self) -> Option<&Crs> {
+        self.b.crs()
+    }
+
+    fn read(&self, first: usize, values: &mut [f32]) -> Result<()> {
+        let mut heights = empty(values.len())?;
+        heights.resize(values.len(), f32::NAN);
+        let (of_a, of_b) = rayon::join(|| self.a.read(first, values), || self.b.read(first, &mut heights));
+        of_a.and(of_b)?;
+        values.iter_mut().zip(heights).for_each(|(a, b)| *a = subtract(*a, b));
+        Ok(())
+    }
 }
 
 /// The difference of two heights. NaN if one of them is no number.

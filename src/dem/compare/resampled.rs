@@ -6,7 +6,7 @@ use super::sample::Strip;
 use crate::base::error::{Finding, Result};
 use crate::base::{Grid, parallel};
 use crate::crs::Crs;
-use crate::dem::HeightRows;
+use crate::dem::RasterRows;
 
 /// Most cells of the source that are read at once, if one row needs no more.
 const STRIP: usize = 1 << 21;
@@ -15,7 +15,7 @@ const STRIP: usize = 1 << 21;
 #[derive(Debug)]
 pub struct Resampled {
     /// The height map.
-    pub source: Arc<dyn HeightRows>,
+    pub source: Arc<dyn RasterRows>,
     /// The cells at whose centres heights are computed.
     pub grid: Grid,
     /// The coordinate reference system that is stated. Coordinates in it are those of `source`.
@@ -31,7 +31,7 @@ impl Resampled {
     }
 }
 
-impl HeightRows for Resampled {
+impl RasterRows for Resampled {
     fn grid(&self) -> Grid {
         self.grid
     }
@@ -41,9 +41,6 @@ impl HeightRows for Resampled {
     }
 
     fn read(&self, first: usize, heights: &mut [f32]) -> Result<()> {
-        if self.source.grid() == self.grid {
-            return self.source.read(first, heights);
-        }
         let (grid, step) = (&self.grid, self.step());
         for (k, rows) in heights.chunks_mut(step * grid.cols).enumerate() {
             let first = first + k * step;

@@ -5,7 +5,7 @@ use glam::DVec2;
 use crate::base::error::Result;
 use crate::base::parallel;
 use crate::dem::gradient::gradients;
-use crate::dem::{Block, Blocks, HeightRows};
+use crate::dem::{Block, Blocks, RasterRows};
 
 /// A row of the comparison.
 #[derive(Debug, Default, Clone)]
@@ -65,7 +65,7 @@ impl Row {
 
 /// Calls `of_block` with the blocks of both, from the first rows to the last, and with room for what is computed for each row.
 pub(super) fn each_block(
-    [a, b]: [&dyn HeightRows; 2],
+    [a, b]: [&dyn RasterRows; 2],
     mut of_block: impl FnMut(&Block, &Block, &mut Vec<Row>),
 ) -> Result<()> {
     let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));

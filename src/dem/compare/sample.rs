@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::base::error::Result;
 use crate::base::{Grid, parallel};
-use crate::dem::{Dem, HeightRows, empty};
+use crate::dem::{Dem, RasterRows, empty};
 
 /// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
 const ON_CENTRE: f64 = 1e-6;
@@ -50,8 +50,8 @@ impl Strip {
     /// Reads the rows between two y, and those that heights between them need.
     ///
     /// # Errors
-    /// As [`HeightRows::read`]. If there is not enough memory.
-    pub fn read(source: &dyn HeightRows, (low, high): (f64, f64)) -> Result<Self> {
+    /// As [`RasterRows::read`]. If there is not enough memory.
+    pub fn read(source: &dyn RasterRows, (low, high): (f64, f64)) -> Result<Self> {
         let grid = source.grid();
         let row = |y: f64| grid.place(DVec2::new(grid.corner.x, y)).y;
         // Conversion to a whole number takes what is beyond the raster to its border, and NaN to 0.
@@ -78,8 +78,8 @@ impl Strip {
 /// The heights at positions, as [`height_at`].
 ///
 /// # Errors
-/// As [`HeightRows::read`].
-pub fn heights_at_places(source: &dyn HeightRows, places: &[DVec2]) -> Result<Vec<f64>> {
+/// As [`RasterRows::read`].
+pub fn heights_at_places(source: &dyn RasterRows, places: &[DVec2]) -> Result<Vec<f64>> {
     let row = |place: DVec2| source.grid().place(place).y.floor();
     let mut order: Vec<usize> = (0..places.len()).collect();
     // A file is read from its first row to its last.

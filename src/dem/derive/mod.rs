@@ -4,6 +4,7 @@ mod check;
 mod flow;
 mod note;
 mod outline;
+mod rows;
 mod slope;
 mod steep;
 
@@ -12,5 +13,6 @@ pub use flow::{
     CatchmentPart, Catchments, FlowDirections, catchment_parts, catchments, flow_accumulation, flow_directions,
 };
 pub use note::{HeightsFrom, steep_note};
+pub use rows::{Derivative, Derived};
 pub use slope::{aspect, shade, slope};
 pub use steep::{SteepArea, SteepParams, Steeps, steep};

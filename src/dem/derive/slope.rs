@@ -3,34 +3,48 @@
 //! The gradient is that of Horn (1981) over the eight neighbours, as in GDAL. At the border and beside cells without
 //! data, heights are extrapolated linearly. So every cell with a height has a value.
 
+use glam::DVec2;
+
 use crate::dem::shade::{ShadeParams, hillshade_on, map_gradients};
 use crate::dem::{Dem, GroundScale};
 
 /// The slope of every cell, degrees from level (0) to vertical (90). NaN without a height.
 pub fn slope(dem: &Dem, scale: &GroundScale) -> Dem {
-    with(dem, map_gradients(dem, |row| scale.row(row), |gradient| gradient.length().atan().to_degrees() as f32))
+    with(dem, map_gradients(dem, |row| scale.row(row), slope_of))
 }
 
 /// The aspect of every cell: the direction of steepest descent, degrees clockwise from north, 0 to less than 360. NaN
 /// on level ground and without a height.
 pub fn aspect(dem: &Dem, scale: &GroundScale) -> Dem {
-    let facing = |gradient: glam::DVec2| {
-        if gradient == glam::DVec2::ZERO {
-            return f32::NAN;
-        }
-        let degrees = (-gradient.x).atan2(-gradient.y).to_degrees().rem_euclid(360.0) as f32;
-        // Rounding may give 360, which is north again.
-        if degrees >= 360.0 { 0.0 } else { degrees }
-    };
-    with(dem, map_gradients(dem, |row| scale.row(row), facing))
+    with(dem, map_gradients(dem, |row| scale.row(row), aspect_of))
 }
 
 /// The hillshade of every cell under the lights of `params`, 1 (dark) to 255 (bright) as in GDAL. NaN without a height.
 /// `scale` replaces the metres per unit in `params`.
 pub fn shade(dem: &Dem, params: &ShadeParams, scale: &GroundScale) -> Dem {
     let mut values = hillshade_on(dem, params, scale);
-    values.iter_mut().for_each(|value| *value = 1.0 + 254.0 * *value);
+    values.iter_mut().for_each(|value| *value = brightness(*value));
     with(dem, values)
+}
+
+/// The slope of a gradient, degrees.
+pub(super) fn slope_of(gradient: DVec2) -> f32 {
+    gradient.length().atan().to_degrees() as f32
+}
+
+/// The direction of steepest descent of a gradient, degrees clockwise from north. NaN on level ground.
+pub(super) fn aspect_of(gradient: DVec2) -> f32 {
+    if gradient == DVec2::ZERO {
+        return f32::NAN;
+    }
+    let degrees = (-gradient.x).atan2(-gradient.y).to_degrees().rem_euclid(360.0) as f32;
+    // Rounding may give 360, which is north again.
+    if degrees >= 360.0 { 0.0 } else { degrees }
+}
+
+/// GDAL's number for a brightness from 0 to 1.
+pub(super) fn brightness(light: f32) -> f32 {
+    1.0 + 254.0 * light
 }
 
 fn with(dem: &Dem, values: Vec<f32>) -> Dem {
@@ -39,8 +53,6 @@ fn with(dem: &Dem, values: Vec<f32>) -> Dem {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
     use crate::base::Grid;
 

@@ -11,7 +11,7 @@ use super::table::{Row, decimals_for, groups, number, thousands};
 use super::view::{View, Width};
 use super::words::{HeightSource, remarks};
 use crate::base::error::Result;
-use crate::dem::HeightRows;
+use crate::dem::RasterRows;
 use crate::dem::compare::{Comparison, round_limit};
 
 const STYLE: &str = include_str!("style.css");
@@ -28,9 +28,9 @@ pub struct ComparisonPage<'a> {
     /// Notes in sentences, such as how both were brought onto one grid.
     pub notes: &'a [String],
     /// Heights of A.
-    pub a: &'a dyn HeightRows,
+    pub a: &'a dyn RasterRows,
     /// Heights of B at the same cells.
-    pub b: &'a dyn HeightRows,
+    pub b: &'a dyn RasterRows,
     /// The figures.
     pub found: &'a Comparison,
     /// Metres per map unit in x and y, as for the figures.
@@ -40,10 +40,10 @@ pub struct ComparisonPage<'a> {
 /// The map of the differences A − B over the relief of B, as PNG in a data URI.
 ///
 /// # Errors
-/// If the picture cannot be made. As [`HeightRows::read`].
+/// If the picture cannot be made. As [`RasterRows::read`].
 pub fn difference_map(
-    a: &dyn HeightRows,
-    b: &dyn HeightRows,
+    a: &dyn RasterRows,
+    b: &dyn RasterRows,
     found: &Comparison,
     metres_per_unit: DVec2,
 ) -> Result<String> {
@@ -59,7 +59,7 @@ fn picture(survey: &Survey, found: &Comparison, metres_per_unit: DVec2) -> Resul
 /// Long because the template of the page is one piece.
 ///
 /// # Errors
-/// If a chart or a picture cannot be made. As [`HeightRows::read`].
+/// If a chart or a picture cannot be made. As [`RasterRows::read`].
 pub fn comparison_page(page: &ComparisonPage<'_>) -> Result<String> {
     let &ComparisonPage { a_name, b_name, sources, notes, a, b, found, metres_per_unit } = page;
     let profile = profile::profile(found, a, b, metres_per_unit)?;

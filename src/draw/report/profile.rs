@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::base::error::Result;
-use crate::dem::HeightRows;
+use crate::dem::RasterRows;
 use crate::dem::compare::{Comparison, Strip};
 
 /// Cells from the middle of the line to each end.
@@ -24,8 +24,8 @@ pub(super) struct Profile {
 /// The profile through the larger of the two extreme differences.
 pub(super) fn profile(
     found: &Comparison,
-    a: &dyn HeightRows,
-    b: &dyn HeightRows,
+    a: &dyn RasterRows,
+    b: &dyn RasterRows,
     metres_per_unit: DVec2,
 ) -> Result<Profile> {
     let (lowest, highest) = (found.overall.lowest, found.overall.highest);

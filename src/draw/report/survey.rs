@@ -4,7 +4,7 @@ use super::charts::{Bars, Pairs};
 use super::maps::{DataBox, Reduced, Window};
 use crate::base::error::Result;
 use crate::dem::compare::{Comparison, subtract};
-use crate::dem::{Blocks, Dem, HeightRows};
+use crate::dem::{Blocks, Dem, RasterRows};
 
 /// What the passes find.
 pub(super) struct Survey {
@@ -19,7 +19,7 @@ pub(super) struct Survey {
 }
 
 /// Goes through the heights of A and B.
-pub(super) fn survey(a: &dyn HeightRows, b: &dyn HeightRows, found: &Comparison) -> Result<Survey> {
+pub(super) fn survey(a: &dyn RasterRows, b: &dyn RasterRows, found: &Comparison) -> Result<Survey> {
     let grid = b.grid();
     let mut data = DataBox::default();
     let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
@@ -50,7 +50,7 @@ pub(super) fn survey(a: &dyn HeightRows, b: &dyn HeightRows, found: &Comparison)
 }
 
 /// Calls `of_row` with the number of each row and the heights of both.
-fn each_row(a: &dyn HeightRows, b: &dyn HeightRows, mut of_row: impl FnMut(usize, &[f32], &[f32])) -> Result<()> {
+fn each_row(a: &dyn RasterRows, b: &dyn RasterRows, mut of_row: impl FnMut(usize, &[f32], &[f32])) -> Result<()> {
     let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));
     loop {
         let (block_a, block_b) = rayon::join(|| a.next(), || b.next());

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::maps;
 use crate::base::Grid;
-use crate::dem::{HeightRows, metres_per_unit as metres_per_unit_of};
+use crate::dem::{RasterRows, metres_per_unit as metres_per_unit_of};
 use crate::draw::coordinates::{Notation, Tick, Ticks, ticks};
 use crate::draw::scale::{self, Bar};
 
@@ -39,7 +39,7 @@ pub(super) struct View {
 
 impl View {
     /// The cells of a height map that are shown, and the metres in a map unit.
-    pub fn new(grid: &Grid, dem: &dyn HeightRows, metres_per_unit: DVec2, width: Width) -> Self {
+    pub fn new(grid: &Grid, dem: &dyn RasterRows, metres_per_unit: DVec2, width: Width) -> Self {
         let extent = grid.cell * DVec2::new(grid.cols as f64, grid.rows as f64) * metres_per_unit;
         let longest = match width {
             Width::Page => 1000.0,

@@ -19,12 +19,14 @@ use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfigurati
 
 use super::directory::{Directory, Field, Kind, beginning};
 use super::geokeys::GeoKeys;
-use super::output::create;
+use super::output::{Filled, create};
 use super::overview::{Image, overviews};
 use super::quantity::{Quantity, STANDARD_ERROR, Values};
 use super::{TiffLayout, cog};
+use crate::base::Grid;
 use crate::base::error::Result;
-use crate::dem::Dem;
+use crate::crs::Crs;
+use crate::dem::{Blocks, Dem, RasterRows};
 use crate::io::maker::PROGRAM;
 
 /// Side of a tile in cells. The format requires a multiple of 16.
@@ -85,13 +87,36 @@ struct Places {
 
 /// A raster, and how it is written.
 struct Raster<'a> {
-    dem: &'a Dem,
+    grid: Grid,
+    crs: Option<&'a Crs>,
     values: Values,
     layout: TiffLayout,
     kind: Kind,
     /// The map, and its overviews from the largest to the smallest.
     images: Vec<Image<'a>>,
     nodata: f32,
+}
+
+/// The kind of TIFF that has room for images.
+fn kind(images: &[Image<'_>]) -> Kind {
+    let tiles: usize = images.iter().map(Image::count).sum();
+    let is_large = (tiles * TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
+    if is_large { Kind::Big } else { Kind::Classic }
+}
+
+/// Writes values row by row to `path`, as one band of a plain GeoTIFF.
+pub(super) fn write_rows(path: &Path, rows: &dyn RasterRows, crs: Option<&Crs>, values: Values) -> Result<()> {
+    for nodata in [NODATA, f32::NAN] {
+        let mut is_whole = false;
+        create(path, |out| {
+            is_whole = Raster::of_rows(rows.grid(), crs, values, nodata).write_rows(rows, out)?;
+            Ok(())
+        })?;
+        if is_whole {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// Writes `dem` to `path`, with a second band of `errors` if there are any.
@@ -107,12 +132,48 @@ impl<'a> Raster<'a> {
         if layout == TiffLayout::CloudOptimized {
             images.extend(overviews(&images[0], TILE, values.quantity));
         }
-        let tiles: usize = images.iter().map(Image::count).sum();
-        let is_large = (tiles * TILE * TILE * size_of::<f32>()) as u64 > CLASSIC_LIMIT;
-        let kind = if is_large { Kind::Big } else { Kind::Classic };
         let is_taken = images.iter().flat_map(|image| &image.bands).any(|band| band.contains(&NODATA));
         let nodata = if is_taken { f32::NAN } else { NODATA };
-        Self { dem, values, layout, kind, images, nodata }
+        Self { grid: dem.grid, crs: dem.crs.as_ref(), values, layout, kind: kind(&images), images, nodata }
+    }
+
+    /// A raster whose values are read row by row.
+    fn of_rows(grid: Grid, crs: Option<&'a Crs>, values: Values, nodata: f32) -> Self {
+        let images = vec![Image { bands: vec![Cow::Borrowed(&[])], cols: grid.cols, rows: grid.rows }];
+        Self { grid, crs, values, layout: TiffLayout::Plain, kind: kind(&images), images, nodata }
+    }
+
+    /// Writes the tiles from the first rows to the last, and the directory. It stops and returns false if a value is that for no
+    /// data.
+    fn write_rows(&self, rows: &dyn RasterRows, out: &mut (impl Write + Seek)) -> std::result::Result<bool, Filled> {
+        let image = &self.images[0];
+        let [across, _] = image.tiles();
+        let mut places = Places { offsets: Vec::new(), lengths: Vec::new() };
+        let room = self.beginning(&[Places { offsets: vec![0; image.count()], lengths: vec![0; image.count()] }]).len();
+        let mut at = out.seek(SeekFrom::Start(room as u64))?;
+        let mut blocks = Blocks::of_length(rows, TILE * (BATCH / across).max(1));
+        while let Some(block) = blocks.next().map_err(Filled::Values)? {
+            let values = block.heights();
+            if values.contains(&self.nodata) {
+                return Ok(false);
+            }
+            let part = Part { values, cols: image.cols, rows: block.rows.len() };
+            let count = across * block.rows.len().div_ceil(TILE);
+            let tiles: Vec<std::io::Result<Vec<u8>>> = (0..count)
+                .into_par_iter()
+                .map(|tile| compress(&tile_bytes(&part, (tile % across * TILE, tile / across * TILE), self.nodata)))
+                .collect();
+            for bytes in tiles {
+                let bytes = bytes?;
+                places.offsets.push(at);
+                places.lengths.push(bytes.len() as u64);
+                out.write_all(&bytes)?;
+                at += bytes.len() as u64;
+            }
+        }
+        out.seek(SeekFrom::Start(0))?;
+        out.write_all(&self.beginning(&[places]))?;
+        Ok(true)
     }
 
     /// Writes the directories from the map to the smallest overview, and the tiles the other way round. So the beginning
@@ -126,7 +187,7 @@ impl<'a> Raster<'a> {
             for first in (0..image.count()).step_by(BATCH) {
                 let batch: Vec<std::io::Result<Vec<u8>>> = (first..image.count().min(first + BATCH))
                     .into_par_iter()
-                    .map(|tile| compress(&tile_bytes(image, tile, self.nodata)))
+                    .map(|tile| compress(&image_tile(image, tile, self.nodata)))
                     .collect();
                 for (tile, bytes) in (first..).zip(batch) {
                     let bytes = bytes?;
@@ -190,14 +251,14 @@ impl<'a> Raster<'a> {
             tags.push((Tag::NewSubfileType, Field::Longs(vec![IS_OVERVIEW])));
             return tags;
         }
-        let grid = self.dem.grid;
+        let grid = self.grid;
         tags.extend([
             (Tag::Software, Field::Ascii(PROGRAM.into())),
             (Tag::ModelPixelScaleTag, Field::Doubles(vec![grid.cell.x, grid.cell.y, 0.0])),
             (Tag::ModelTiepointTag, Field::Doubles(vec![0.0, 0.0, 0.0, grid.corner.x, grid.corner.y, 0.0])),
             (GDAL_METADATA, Field::Ascii(metadata(self.values, bands > 1))),
         ]);
-        if let Some(keys) = self.dem.crs.as_ref().and_then(GeoKeys::of) {
+        if let Some(keys) = self.crs.and_then(GeoKeys::of) {
             tags.push((Tag::GeoKeyDirectoryTag, Field::Shorts(keys.directory)));
             if !keys.ascii.is_empty() {
                 tags.push((Tag::GeoAsciiParamsTag, Field::Ascii(keys.ascii)));
@@ -213,13 +274,24 @@ fn compress(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// The bytes of one tile after the predictor. Outside the map the last column and row are repeated.
-fn tile_bytes(image: &Image<'_>, tile: usize, nodata: f32) -> Vec<u8> {
-    let (cols, rows) = (image.cols, image.rows);
+/// Rows of a band.
+struct Part<'a> {
+    values: &'a [f32],
+    cols: usize,
+    rows: usize,
+}
+
+/// The bytes of one of the tiles of an image.
+fn image_tile(image: &Image<'_>, tile: usize, nodata: f32) -> Vec<u8> {
     let [across, down] = image.tiles();
-    let values = &image.bands[tile / (across * down)];
+    let part = Part { values: &image.bands[tile / (across * down)], cols: image.cols, rows: image.rows };
     let tile = tile % (across * down);
-    let (left, top) = (tile % across * TILE, tile / across * TILE);
+    tile_bytes(&part, (tile % across * TILE, tile / across * TILE), nodata)
+}
+
+/// The bytes of one tile after the predictor. Outside the map the last column and row are repeated.
+fn tile_bytes(part: &Part<'_>, (left, top): (usize, usize), nodata: f32) -> Vec<u8> {
+    let &Part { values, cols, rows } = part;
     let mut bytes = vec![0; TILE * TILE * size_of::<f32>()];
     for (row, line) in bytes.chunks_exact_mut(TILE * size_of::<f32>()).enumerate() {
         let start = (top + row).min(rows - 1) * cols;
@@ -274,6 +346,21 @@ mod tests {
             let (grid, crs) = read_grid(&path).unwrap();
             assert_eq!(grid, dem.grid);
             assert_eq!(crs.unwrap().epsg, Some(6690));
+        }
+    }
+
+    #[test]
+    fn rows_make_the_same_file_as_the_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let [whole, rows] = ["whole.tif", "rows.tif"].map(|name| dir.path().join(name));
+        for (cols, count) in [(3, 2), (256, 256), (257, 255), (300, 700), (20, 20_000)] {
+            let mut dem = sample(cols, count);
+            for lowest in [0.0, -9999.0] {
+                dem.values[cols * count - 1] = lowest;
+                write(&whole, &dem, Quantity::Height.into(), TiffLayout::Plain, None).unwrap();
+                write_rows(&rows, &dem, dem.crs.as_ref(), Quantity::Height.into()).unwrap();
+                assert!(std::fs::read(&whole).unwrap() == std::fs::read(&rows).unwrap(), "{cols} x {count}");
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The heights of a GeoTIFF, some rows at a time.
 //!
-//! The strips or tiles that share rows are decoded together. One such row of them stays in memory, because the next rows that
-//! are asked for mostly lie in it too.
+//! The strips or tiles that share rows are decoded together. Two such rows of them stay in memory. So each is decoded once where
+//! blocks of rows are read one after the other, with the row above and the row below each block.
 
 use std::fmt;
 use std::fs::File;
@@ -20,7 +20,7 @@ use super::zstd::{self, Storage};
 use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};
 use crate::crs::Crs;
-use crate::dem::HeightRows;
+use crate::dem::RasterRows;
 
 /// How the values of a band are stored.
 #[derive(Debug, Clone, Copy)]
@@ -50,9 +50,8 @@ pub(super) struct GeoTiffRows {
 struct State {
     decoder: Decoder<BufReader<File>>,
     decoded: DecodingResult,
-    /// The row of strips or tiles that was decoded last, and its heights.
-    held: Option<usize>,
-    heights: Vec<f32>,
+    /// The rows of strips or tiles that were used last, and their heights. The latest comes first.
+    held: [(Option<usize>, Vec<f32>); 2],
     /// The values that are no heights, and which rows of strips or tiles were searched for them.
     odd: Heights,
     is_searched: Vec<bool>,
@@ -64,8 +63,7 @@ impl GeoTiffRows {
         let state = State {
             decoder: decoder.with_limits(chunks.limits(length)),
             decoded: DecodingResult::U8(Vec::new()),
-            held: None,
-            heights: Vec::new(),
+            held: Default::default(),
             odd: Heights::new(stored.coding),
             is_searched: vec![false; placement.grid.rows.div_ceil(chunks.size.1)],
         };
@@ -78,6 +76,20 @@ impl GeoTiffRows {
         let start = chunk_row * self.chunks.size.1;
         let end = rows.min(start + self.chunks.size.1);
         if self.placement.south_up { rows - end..rows - start } else { start..end }
+    }
+
+    /// The heights of a row of strips or tiles.
+    fn heights<'a>(&self, state: &'a mut State, chunk_row: usize) -> Result<&'a [f32]> {
+        if state.held[0].0 != Some(chunk_row) {
+            state.held.swap(0, 1);
+        }
+        if state.held[0].0 != Some(chunk_row) {
+            let mut heights = std::mem::take(&mut state.held[0]).1;
+            heights.resize(self.rows_of(chunk_row).len() * self.placement.grid.cols, f32::NAN);
+            self.decode(state, chunk_row, &mut heights)?;
+            state.held[0] = (Some(chunk_row), heights);
+        }
+        Ok(&state.held[0].1)
     }
 
     /// Decodes a row of strips or tiles.
@@ -126,7 +138,7 @@ impl GeoTiffRows {
     }
 }
 
-impl HeightRows for GeoTiffRows {
+impl RasterRows for GeoTiffRows {
     fn grid(&self) -> Grid {
         self.placement.grid
     }
@@ -145,19 +157,8 @@ impl HeightRows for GeoTiffRows {
             let covered = self.rows_of(chunk_row);
             let count = (covered.end - row).min(left.len() / cols);
             let (out, rest) = left.split_at_mut(count * cols);
-            if count == covered.len() {
-                self.decode(state, chunk_row, out)?;
-            } else {
-                if state.held != Some(chunk_row) {
-                    let mut held = std::mem::take(&mut state.heights);
-                    held.resize(covered.len() * cols, f32::NAN);
-                    state.held = None;
-                    self.decode(state, chunk_row, &mut held)?;
-                    (state.heights, state.held) = (held, Some(chunk_row));
-                }
-                let start = (row - covered.start) * cols;
-                out.copy_from_slice(&state.heights[start..start + out.len()]);
-            }
+            let start = (row - covered.start) * cols;
+            out.copy_from_slice(&self.heights(state, chunk_row)?[start..start + out.len()]);
             (row, left) = (row + count, rest);
         }
         Ok(())

@@ -44,9 +44,9 @@ use std::path::Path;
 
 use crate::base::error::{Error, Result};
 use crate::base::{ElevationUnit, Grid};
-use crate::dem::Dem;
+use crate::dem::{Dem, RasterRows};
 use elevation_tile::ColourCode;
-use output::check;
+use output::{check, check_grid};
 use quantity::Values;
 
 pub use picture::{picture_bytes, write_picture, write_shade};
@@ -138,6 +138,23 @@ pub fn write_raster(path: &Path, dem: &Dem, params: &RasterParams) -> Result<()>
     check(path, dem)?;
     let values = Values { quantity: params.quantity, heights: params.unit };
     write(path, &in_file(dem, values), values)
+}
+
+/// Writes values that are computed or read row by row, as [`write_raster`]. A plain GeoTIFF in metres takes a few rows of
+/// memory; in other formats all values are in memory.
+///
+/// # Errors
+/// As [`write_raster`] and [`RasterRows::read`].
+pub fn write_rows(path: &Path, rows: &dyn RasterRows, params: &RasterParams) -> Result<()> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let values = Values { quantity: params.quantity, heights: params.unit };
+    let is_plain = params.tiff == TiffLayout::Plain && values.factor().is_none();
+    if !is_plain || !matches!(extension.as_str(), "tif" | "tiff") {
+        return write_raster(path, &*rows.whole()?, params);
+    }
+    check_grid(path, &rows.grid())?;
+    let crs = rows.crs().map(|crs| crs.with_heights_in(values.heights));
+    geotiff::write_rows(path, rows, crs.as_ref(), values)
 }
 
 /// What a file says in texts that many programs drop, as sentences for people: how numbers become heights, and where the cells

@@ -10,7 +10,7 @@ use crate::dem::Dem;
 
 /// Refuses a height map that no format can hold.
 pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
-    let Grid { corner, cell, cols, rows } = dem.grid;
+    let Grid { cols, rows, .. } = dem.grid;
     if cols.checked_mul(rows) != Some(dem.values.len()) || dem.values.is_empty() {
         return Err(Error::Parameter(format!(
             "{}: a height map of {cols} x {rows} cells cannot have {} values",
@@ -18,6 +18,11 @@ pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {
             dem.values.len()
         )));
     }
+    check_grid(path, &dem.grid)
+}
+
+/// Refuses cells that no format can hold.
+pub(super) fn check_grid(path: &Path, &Grid { corner, cell, cols, rows }: &Grid) -> Result<()> {
     if !(corner.is_finite() && cell.is_finite() && cell.min_element() > 0.0) {
         return Err(Error::Parameter(format!(
             "{}: cells of {} x {} at {}, {} are not a valid grid",
@@ -48,6 +53,7 @@ pub(super) fn create(
     filled.map_err(|error| match error {
         Filled::Io(source) => Error::io("write", path, source),
         Filled::Format(cause) => Error::file_cause(path, "cannot be written", cause),
+        Filled::Values(error) => error,
     })
 }
 
@@ -57,6 +63,8 @@ pub(super) enum Filled {
     Io(std::io::Error),
     /// The format's library reported an error.
     Format(Cause),
+    /// The values could not be read.
+    Values(Error),
 }
 
 impl From<std::io::Error> for Filled {

@@ -5,11 +5,11 @@ use std::path::Path;
 use image::RgbImage;
 use png::{BitDepth, ColorType, Encoder};
 
-use super::output::{check, create};
+use super::output::{check_grid, create};
 use super::pam;
 use super::png::filled;
 use crate::base::error::{Error, Result};
-use crate::dem::Dem;
+use crate::dem::{Blocks, Dem, RasterRows, empty};
 use crate::io::maker::PROGRAM;
 
 /// Writes a picture as PNG. The name must end in `.png`.
@@ -39,18 +39,24 @@ pub fn picture_bytes(picture: &RgbImage) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// The extension is another one, the grid has no cells or an invalid placement, or the operating system reports an
-/// error.
-pub fn write_shade(path: &Path, shade: &Dem) -> Result<()> {
+/// error. As [`RasterRows::read`].
+pub fn write_shade(path: &Path, shade: &dyn RasterRows) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Error::file(path, "pictures are written as .png"));
     }
-    check(path, shade)?;
-    let grey: Vec<u8> =
-        shade.values.iter().map(|v| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 }).collect();
+    let grid = shade.grid();
+    check_grid(path, &grid)?;
+    let mut grey: Vec<u8> = empty(grid.len())?;
+    let mut blocks = Blocks::of(shade);
+    while let Some(block) = blocks.next()? {
+        let of_cell = |v: &f32| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 };
+        grey.extend(block.heights().iter().map(of_cell));
+    }
     // The check above ensures that both fit into 31 bits.
-    encode(path, (shade.grid.cols as u32, shade.grid.rows as u32), ColorType::Grayscale, &grey)?;
-    pam::write_aux_placement(path, shade, &[])?;
-    pam::write_world(path, "pgw", shade)
+    encode(path, (grid.cols as u32, grid.rows as u32), ColorType::Grayscale, &grey)?;
+    let placed = Dem { grid, values: Vec::new(), crs: shade.crs().cloned() };
+    pam::write_aux_placement(path, &placed, &[])?;
+    pam::write_world(path, "pgw", &placed)
 }
 
 fn encode(path: &Path, (width, height): (u32, u32), color: ColorType, bytes: &[u8]) -> Result<()> {

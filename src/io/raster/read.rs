@@ -11,7 +11,7 @@ use super::{asc, exr, geotiff_read, like, png_read, xyz_read};
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, Grid};
 use crate::crs::Crs;
-use crate::dem::{Dem, HeightRows};
+use crate::dem::{Dem, RasterRows};
 use crate::io::crs_finding::crs_finding;
 use crate::io::gsi::{self, GsiDem, Product};
 use crate::io::ordinary::open_to_read;
@@ -68,7 +68,7 @@ pub fn read_dem(path: &Path) -> Result<Report<DemFile>> {
 #[derive(Debug)]
 pub struct DemRows {
     /// The heights.
-    pub heights: Arc<dyn HeightRows>,
+    pub heights: Arc<dyn RasterRows>,
     /// The product of 基盤地図情報, if the file is one.
     pub product: Option<Product>,
 }
