@@ -52,6 +52,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use console::{Console, Shown};
 use failure::Failure;
+pub use address_space::share as share_address_space;
 pub use memory::available as available_memory;
 use run_file::{Record, Repeated, RunFile};
 
@@ -131,13 +132,11 @@ const WRONG_USAGE: u8 = 2;
 /// Parses the arguments, of which the first is the name of the program, runs the verb, and turns its outcome into an exit
 /// status. It installs signal handlers, and ends the process if the arguments are wrong or ask for help.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments: Vec<OsString> = arguments.into_iter().collect();
-    address_space::share(&arguments);
     if let Err(e) = interrupt::prepare() {
         console::error(&format!("cannot install the signal handlers: {e}"));
         return FAILED;
     }
-    let outcome = parsed(arguments).and_then(|run| {
+    let outcome = parsed(arguments.into_iter().collect()).and_then(|run| {
         if let Some(threads) = run.cli.common.threads.map(usize::from).or_else(address_space::most_threads)
             && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
         {
