@@ -310,7 +310,12 @@ impl DeriveArgs {
         summary::surface(&terrain.surface, console);
         let map = terrain.height_map(&grid, console)?.collect(&mut terrain.findings);
         map.base.iter().for_each(|base| base::describe(base, console));
-        Ok(SourceDem { heights: Arc::new(map.dem), source, findings: terrain.findings, outside: terrain.findings_outside })
+        Ok(SourceDem {
+            heights: Arc::new(map.dem),
+            source,
+            findings: terrain.findings,
+            outside: terrain.findings_outside,
+        })
     }
 }
 

@@ -36,9 +36,7 @@ impl GroundScale {
 
     /// The scale on a grid in some coordinate reference system, as [`GroundScale::of`].
     pub fn on(grid: &Grid, crs: Option<&Crs>) -> Self {
-        let rows = |at: fn(f64) -> DVec2| {
-            Self::Rows((0..grid.rows).map(|row| at(grid.center(0, row).y)).collect())
-        };
+        let rows = |at: fn(f64) -> DVec2| Self::Rows((0..grid.rows).map(|row| at(grid.center(0, row).y)).collect());
         match crs {
             Some(crs) if crs.is_geographic() => rows(per_degree),
             Some(crs) if crs.horizontal().epsg == Some(WEB_MERCATOR) => rows(per_mercator_metre),

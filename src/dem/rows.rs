@@ -56,7 +56,9 @@ pub(crate) fn empty<T>(cells: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let room = values.try_reserve_exact(cells);
     room.map_err(|_| {
-        Error::Data(format!("there is not enough memory for {cells} cells; cut the raster first, for example with gdalwarp"))
+        Error::Data(format!(
+            "there is not enough memory for {cells} cells; cut the raster first, for example with gdalwarp"
+        ))
     })?;
     Ok(values)
 }

@@ -253,8 +253,12 @@ mod tests {
         sums.highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let median = sums.quantile(0.5);
         let around = sums.around(&median);
-        let parts =
-            [median, sums.quantile_around(around, 0.5), sums.quantile_around((0.0, 0.0), 0.9), sums.quantile_around((0.0, 0.0), 0.95)];
+        let parts = [
+            median,
+            sums.quantile_around(around, 0.5),
+            sums.quantile_around((0.0, 0.0), 0.9),
+            sums.quantile_around((0.0, 0.0), 0.95),
+        ];
         let mut collected = Collected::default();
         let is_wanted = |d: f64| parts.iter().flat_map(|part| &part.bins).any(|bins| bins.contains(&bin(d)));
         values.iter().filter(|d| is_wanted(**d)).for_each(|d| collected.add(*d));
@@ -271,7 +275,9 @@ mod tests {
     /// The same by sorting.
     fn by_sorting(values: &[f64]) -> [f64; 4] {
         let median = quantile(&mut values.to_vec(), 0.5);
-        let of = |value: &dyn Fn(f64) -> f64, share| quantile(&mut values.iter().map(|d| value(*d)).collect::<Vec<_>>(), share);
+        let of = |value: &dyn Fn(f64) -> f64, share| {
+            quantile(&mut values.iter().map(|d| value(*d)).collect::<Vec<_>>(), share)
+        };
         [median, of(&|d| (d - median).abs(), 0.5), of(&f64::abs, 0.9), of(&f64::abs, 0.95)]
     }
 

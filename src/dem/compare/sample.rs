@@ -87,7 +87,8 @@ pub fn heights_at_places(source: &dyn RasterRows, places: &[DVec2]) -> Result<Ve
     let mut heights = vec![f64::NAN; places.len()];
     for same in order.chunk_by(|&a, &b| row(places[a]) == row(places[b])) {
         let ys = same.iter().map(|&k| places[k].y);
-        let strip = Strip::read(source, (ys.clone().fold(f64::INFINITY, f64::min), ys.fold(f64::NEG_INFINITY, f64::max)))?;
+        let strip =
+            Strip::read(source, (ys.clone().fold(f64::INFINITY, f64::min), ys.fold(f64::NEG_INFINITY, f64::max)))?;
         same.iter().for_each(|&k| heights[k] = strip.height_at(places[k]));
     }
     Ok(heights)

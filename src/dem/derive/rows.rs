@@ -33,7 +33,13 @@ pub struct Derived<'a> {
 
 impl Derived<'_> {
     /// Computes rows. `held` are the heights of these rows, and those of the rows beside them, from the row `from` on.
-    fn compute(&self, (from, held): (usize, &[f32]), first: usize, values: &mut [f32], value: impl Fn(glam::DVec2) -> f32 + Sync) {
+    fn compute(
+        &self,
+        (from, held): (usize, &[f32]),
+        first: usize,
+        values: &mut [f32],
+        value: impl Fn(glam::DVec2) -> f32 + Sync,
+    ) {
         let Grid { cols, cell, .. } = self.heights.grid();
         let line = |row: usize| row.checked_sub(from).and_then(|k| held.get(k * cols..(k + 1) * cols));
         parallel::chunks(values, cols, |k, out| {

@@ -8,8 +8,8 @@ use glam::DVec2;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use crate::base::error::{Error, Result};
 use crate::base::Grid;
+use crate::base::error::{Error, Result};
 use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade};
 

@@ -74,9 +74,11 @@ pub(super) fn open(path: &Path, band: usize) -> Result<Opened> {
     let zstd = zstd_storage(path, &mut tiff, samples, sample_bytes)?;
     let grid = tiff.placement.grid;
     check_size(path, grid.cols as u64, grid.rows as u64, tiff.length)?;
-    let crs_problem = tiff.crs_problem.take().filter(|_| tiff.crs.is_none()).map(|why| {
-        Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}"))
-    });
+    let crs_problem = tiff
+        .crs_problem
+        .take()
+        .filter(|_| tiff.crs.is_none())
+        .map(|why| Finding::general(FindingKind::UnknownCrs, format!("the GeoTIFF keys of the height map {why}")));
     refuse_mask(path)?;
     let rows = GeoTiffRows::new(path, tiff, chunks, Stored { band, samples, sample_bytes, coding, zstd });
     Ok(Opened { rows, findings, crs_problem })

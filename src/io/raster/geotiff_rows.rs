@@ -171,7 +171,10 @@ impl RasterRows for GeoTiffRows {
 
 impl fmt::Debug for GeoTiffRows {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("GeoTiffRows").field("path", &self.path).field("grid", &self.placement.grid).finish_non_exhaustive()
+        f.debug_struct("GeoTiffRows")
+            .field("path", &self.path)
+            .field("grid", &self.placement.grid)
+            .finish_non_exhaustive()
     }
 }
 
