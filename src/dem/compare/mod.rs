@@ -435,7 +435,7 @@ mod tests {
         assert_eq!(found.by_elevation.iter().filter_map(|c| c.statistics).map(|s| s.cells).sum::<usize>(), 200);
         assert!(found.by_distance.is_empty() && found.bands.is_none());
         assert_eq!(found.a.precision, Some(Precision::WholeMetres));
-        assert_eq!(difference(&a, &b).values, vec![3.0f32; 200]);
+        assert_eq!(difference(&a, &b).unwrap().values, vec![3.0f32; 200]);
     }
 
     #[test]
