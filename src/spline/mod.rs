@@ -59,4 +59,4 @@ pub use params::{HyperParameters, SplineParams, Wanted};
 pub(crate) use slopes::slopes;
 pub(crate) use solve::spline;
 pub(crate) use stages::STEP;
-pub use working_grid::WorkingGrid;
+pub use working_grid::{WorkingGrid, WorkingGrids};

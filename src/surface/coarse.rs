@@ -1,9 +1,11 @@
 //! The error of a smooth surface whose nodes are further apart than the contours ask for.
 
+use super::groups::Groups;
 use super::params::SurfaceParams;
 use crate::base::error::{Finding, FindingKind};
-use crate::spline::{WorkingGrid, coarser_than_asked};
+use crate::spline::{WorkingGrids, coarser_than_asked};
 use crate::subdivision::Subdivision;
+use crate::subdomains::MapExtent;
 use crate::validate::{Accuracy, Chosen};
 
 /// Most vertices of contours at which the surface is compared with them.
@@ -14,11 +16,14 @@ const WITHIN_90: f64 = 1.645;
 /// Reports a surface whose nodes are too far apart, and adds its misfit at the contours to the expected error.
 pub(super) fn account_for_coarse_nodes(
     subdivision: &Subdivision,
-    working: &WorkingGrid,
+    groups: &Groups,
+    working: &WorkingGrids,
     params: &SurfaceParams,
     chosen: Option<&mut Chosen>,
 ) -> Option<Finding> {
-    let [asked, least] = coarser_than_asked(&subdivision.extent(), params.spline.wanted, &params.tuning.spline.grid)?;
+    let coarser = |extent: &MapExtent<'_>| coarser_than_asked(extent, params.spline.wanted, &params.tuning.spline.grid);
+    let of_groups = groups.extents(subdivision, coarser).into_iter().flatten();
+    let [asked, least] = of_groups.max_by(|[a, b], [c, d]| (b / a).total_cmp(&(d / c)))?;
     let misfit = misfit(subdivision, working);
     if let Some(implied) = chosen.and_then(|chosen| chosen.implied.as_mut()) {
         let Accuracy { rmse, le90, .. } = *implied;
@@ -33,7 +38,7 @@ pub(super) fn account_for_coarse_nodes(
 }
 
 /// The root mean square of the differences between the surface and the contours, metres.
-fn misfit(subdivision: &Subdivision, working: &WorkingGrid) -> f64 {
+fn misfit(subdivision: &Subdivision, working: &WorkingGrids) -> f64 {
     let contours = &subdivision.map.contours;
     let step = subdivision.map.vertex_count().div_ceil(PLACES).max(1);
     let places = contours.iter().flat_map(|line| line.points.iter().map(|p| (*p, line.elevation))).step_by(step);
