@@ -41,6 +41,7 @@ mod slack;
 mod slopes;
 mod soft_spots;
 mod solve;
+mod spots;
 mod stages;
 mod stencil;
 mod stream_beds;
