@@ -11,6 +11,9 @@ use crate::base::parallel;
 
 /// Tolerance of the border, as a share of the diagonal of the box around the area.
 const NEAR: f64 = 1e-9;
+/// Least tolerance, map units. On the working plane, coordinates are whole micrometres: a point and the edge that it was on
+/// move apart by up to the diagonal of a square micrometre.
+const LEAST: f64 = 1.5e-6;
 /// Tolerance as a share of the largest coordinate, for small areas far from zero, whose coordinates have few digits
 /// left.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -92,7 +95,7 @@ pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
 
 /// The same for an area with the box around it.
 pub(crate) fn tolerance_of_box(min: DVec2, max: DVec2) -> f64 {
-    NEAR * min.distance(max) + ROUNDING * min.abs().max(max.abs()).max_element()
+    (NEAR * min.distance(max)).max(LEAST) + ROUNDING * min.abs().max(max.abs()).max_element()
 }
 
 /// The area with further vertices on its border, each with the number of its edge. Along an edge they are sorted by
@@ -200,7 +203,7 @@ mod tests {
         let border = Border::new(&area());
         let at = |x: f64, y: f64| border.edge_at(DVec2::new(x, y)).map(|(id, _)| id);
         assert_eq!(at(5.0, 1e-9), Some(0));
-        assert_eq!(at(5.0, 1e-7), None);
+        assert_eq!(at(5.0, 1e-5), None);
         assert_eq!(at(0.0, 5.0), Some(4));
         assert_eq!(at(2.5, 2.5), Some(6));
         assert_eq!(at(2.0, 2.0), Some(5), "the first of the two edges of a corner");

@@ -15,7 +15,7 @@ use crate::contour::ContourLayer;
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
-use crate::subdomains::{Frame, FrameRing, MapExtent, frame_ring};
+use crate::subdomains::{FrameRing, MapExtent, frame_ring};
 use crate::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
@@ -71,7 +71,7 @@ impl Terrain {
         }
         input.report_sides_elsewhere();
         let part = input.take_part();
-        let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
+        let is_whole = part.is_none() && input.frame.polygon().is_none();
         let params = options.surface(input, cells.as_ref());
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);

@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use geo::{Area, BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
+use geo::{Area, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 
 use super::input::Input;
@@ -15,6 +15,7 @@ use crate::contour::{Contour, ContourMap};
 use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::geometry::Border;
+use crate::geometry::common_area;
 use crate::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
@@ -109,10 +110,14 @@ impl Part {
         let whole = match &wanted {
             Frame::Auto | Frame::Hull => &self.hull,
             Frame::Box => &self.boxed,
-            Frame::Polygon(area) | Frame::Outline(area) => area,
+            Frame::Polygon(area) | Frame::PolygonInHull(area) | Frame::Outline(area) => area,
         };
         let window = MultiPolygon::from(self.window.to_polygon());
-        if window.contains(whole) { wanted } else { Frame::Polygon(whole.intersection(&window)) }
+        if window.contains(whole) {
+            return wanted;
+        }
+        let common = common_area(whole, &window);
+        if matches!(wanted, Frame::Polygon(_)) { Frame::Polygon(common) } else { Frame::PolygonInHull(common) }
     }
 
     /// The part of the ground that is asked for; `ground` is all that there is.
@@ -124,7 +129,7 @@ impl Part {
         if ground.contains(&self.area) {
             return Ok(self.area.clone());
         }
-        let common = ground.intersection(&self.area);
+        let common = common_area(ground, &self.area);
         match (common.unsigned_area() > 0.0, self.area.bounding_rect(), self.boxed.bounding_rect()) {
             (false, Some(part), Some(map)) => Err(Error::PartOutside { part: corners(&part), map: corners(&map) }),
             _ => Ok(common),

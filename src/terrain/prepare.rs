@@ -15,7 +15,7 @@ use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
 use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
-use crate::subdomains::{Frame, settled};
+use crate::subdomains::settled;
 use crate::surface::{SurfaceParams, settle_lines};
 
 /// How far a map is repaired.
@@ -224,11 +224,7 @@ impl Input {
     /// As [`subdivide_with_water`]. The findings stay in the input.
     pub fn judge(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
         let part = self.take_part();
-        let border = match (&part, &self.frame) {
-            (Some(part), _) => Some(part.area().clone()),
-            (None, Frame::Polygon(area)) => Some(area.clone()),
-            (None, _) => None,
-        };
+        let border = part.as_ref().map(Part::area).or(self.frame.polygon()).cloned();
         let judged = self.judge_whole(options, progress);
         self.findings_outside += border.map_or(0, |area| drop_outside(&mut self.findings, &area));
         judged

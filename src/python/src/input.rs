@@ -27,6 +27,7 @@ pub struct Recipe {
     breaklines: Vec<VectorSource>,
     sinks: Vec<VectorSource>,
     frame: FrameRecipe,
+    extend: bool,
     base: Option<BaseRecipe>,
     extent: Option<([f64; 4], Option<Crs>)>,
     clip: Option<VectorSource>,
@@ -144,6 +145,7 @@ impl Recipe {
             breaklines: all(&given.breaklines, "breaklines")?,
             sinks: all(&given.sinks, "sinks")?,
             frame,
+            extend: given.extend,
             base,
             extent: given.extent.map(|extent| (extent, extent_crs)),
             clip: one(&given.clip, "clip")?,
@@ -203,7 +205,12 @@ impl Recipe {
     fn frame(&self, input: &mut Input) -> Result<()> {
         match &self.frame {
             FrameRecipe::Named(frame) => input.frame = frame.clone(),
-            FrameRecipe::Area(source) => input.read_boundary(source)?,
+            FrameRecipe::Area(source) => {
+                input.read_boundary(source)?;
+                if !self.extend {
+                    input.frame = std::mem::take(&mut input.frame).in_hull();
+                }
+            }
         }
         Ok(())
     }

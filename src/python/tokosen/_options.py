@@ -86,6 +86,8 @@ class FrameOptions(TypedDict, total=False):
     frame: Any
     """"hull" of the contours, their "bbox", or polygons. "auto" is the hull, or an outline of the contours where these fill
     less than a third of it ("auto")."""
+    extend: bool
+    """Whether polygons given as `frame` have heights also outside the convex hull of the contours (True)."""
 
 
 class BreakLineOptions(TypedDict, total=False):
@@ -187,6 +189,7 @@ _DEFAULTS: dict[str, Any] = {
     "drain": "safe",
     "exclude": None,
     "frame": "auto",
+    "extend": True,
     "base": None,
     "base_fade": None,
     "extent": None,
