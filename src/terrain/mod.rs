@@ -10,6 +10,7 @@ mod cliffs;
 mod clipped;
 mod coast;
 mod compare;
+mod dem_area;
 mod exclude;
 mod facade;
 #[cfg(feature = "io")]
@@ -40,6 +41,9 @@ pub use base::BaseJoin;
 pub use clipped::clip_areas;
 pub use clipped::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
+#[cfg(feature = "io")]
+pub use dem_area::read_area_on;
+pub use dem_area::{area_on, extent_on};
 pub use facade::Terrain;
 #[cfg(feature = "io")]
 pub use files::read_check_points;
