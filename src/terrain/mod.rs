@@ -20,6 +20,7 @@ mod height_map;
 mod input;
 #[cfg(feature = "io")]
 mod json;
+mod lengths;
 mod measure;
 mod options;
 mod outline;
