@@ -104,11 +104,21 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     });
     let coarse =
         working.as_ref().and_then(|working| account_for_coarse_nodes(&subdivision, working, params, chosen.as_mut()));
-    findings.extend(coarse);
+    let misfit = coarse.map(|(finding, misfit)| {
+        findings.push(finding);
+        misfit
+    });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
         let known = trusted.as_ref().map(|map| subdivision.extent_of(map));
         let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), working.as_ref());
+        let errors = match &misfit {
+            Some(misfit) => {
+                let at_nodes = misfit.at_nodes(&errors.grid);
+                errors.with_misfit(&at_nodes)
+            }
+            None => errors,
+        };
         progress.finish();
         errors
     });
