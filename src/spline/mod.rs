@@ -50,7 +50,7 @@ mod unevenness;
 mod wide;
 mod working_grid;
 
-pub(crate) use blur::blurred;
+pub(crate) use blur::{PASSES, blurred};
 pub(crate) use cliffs::beside;
 pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;

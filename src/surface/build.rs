@@ -119,7 +119,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let coarse = working
         .as_ref()
         .and_then(|working| account_for_coarse_nodes(&subdivision, &groups, working, params, chosen.as_mut()));
-    findings.extend(coarse);
+    let misfit = coarse.map(|(finding, misfit)| {
+        findings.push(finding);
+        misfit
+    });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
         let part = largest.as_ref().map(|largest| largest.part(trusted.as_ref().unwrap_or(&subdivision.map)));
@@ -133,6 +136,10 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             None => groups.extents(&subdivision, |extent| (wanted(extent), None)),
         };
         let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), &nodes);
+        let errors = match &misfit {
+            Some(misfit) => errors.with_misfit(|grid| misfit.at_nodes(grid)),
+            None => errors,
+        };
         progress.finish();
         errors
     });

@@ -3,7 +3,6 @@
 use geo::MultiPolygon;
 
 use super::base::Background;
-use super::clipped::clip_lines;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
@@ -11,7 +10,7 @@ use super::part::drop_outside;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
-use crate::contour::ContourLayer;
+use crate::contour::{ContourLayer, clip_lines};
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};

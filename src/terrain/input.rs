@@ -91,6 +91,8 @@ pub struct Input {
     pub(super) unit: ElevationUnit,
     /// Whether x and y are taken as metres although heights are in feet and nothing states the unit of x and y.
     pub(super) is_plane_guessed: bool,
+    /// Whether the working plane is in metres, as far as is known: nothing may state the unit of x and y.
+    pub(super) is_plane_in_metres: bool,
     /// The unit that the caller asks for.
     pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
@@ -164,7 +166,23 @@ impl Input {
         let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
         let InputOptions { unit: asked_unit, memory, depths, .. } = *options;
-        Ok(Self { map, findings, reprojection, unit, is_plane_guessed, asked_unit, memory, depths, ..Self::default() })
+        // A drawing in metres has no system, and states its unit all the same.
+        let is_plane_in_metres = match &map.crs {
+            Some(crs) => crs.length_unit().is_some_and(|unit| unit.metres == 1.0),
+            None => map.plane_unit.is_some(),
+        };
+        Ok(Self {
+            map,
+            findings,
+            reprojection,
+            unit,
+            is_plane_guessed,
+            is_plane_in_metres,
+            asked_unit,
+            memory,
+            depths,
+            ..Self::default()
+        })
     }
 
     /// Refuses a map whose heights are in feet and of which nothing states the unit of x and y. For what depends on the ratio

@@ -155,10 +155,14 @@ impl Input {
         let remedy = "choose a part of the map, or close other programs";
         let needed = BYTES_PER_VERTEX * vertices as f64;
         memory::check(needed, self.memory, format!("a map of {vertices} vertices"), remedy)?;
-        self.clean_lines(params, progress)?;
+        let cleaned = self.clean_lines(params, progress);
+        self.state_unit();
+        cleaned?;
         self.frame = settled(std::mem::take(&mut self.frame), &mut self.map, &mut self.findings);
         if params.repair == Repair::All {
-            self.correct_ground(params, progress)?;
+            let corrected = self.correct_ground(params, progress);
+            self.state_unit();
+            corrected?;
         }
         self.explain_by_cliffs();
         Ok(())
@@ -245,6 +249,7 @@ impl Input {
                 let subdivision = self.found(subdivision)?;
                 let settled = settle_lines(&subdivision, &params, progress);
                 self.findings.extend(settled.findings);
+                self.state_unit();
                 Ok(subdivision.map)
             }
         }
@@ -296,6 +301,7 @@ impl Input {
         params.check()?;
         let settled = settle_lines(subdivision, &params, progress);
         self.findings.extend(settled.findings);
+        self.state_unit();
         Ok(settled.streams)
     }
 
@@ -308,6 +314,7 @@ impl Input {
     pub(super) fn found<T>(&mut self, result: Result<Report<T>>) -> Result<T> {
         let value = self.named(result)?.collect(&mut self.findings);
         self.findings = first_causes(std::mem::take(&mut self.findings));
+        self.state_unit();
         self.drop_expected();
         self.explain_by_cliffs();
         Ok(value)

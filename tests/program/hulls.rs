@@ -157,7 +157,8 @@ fn maps_far_from_each_other_get_new_lines_as_each_alone() {
         assert!(!said.contains("too wide for its number of vertices"), "{said}");
         let new = lines_of(&folder, "made.geojson").into_iter().filter(|(is_input, ..)| !is_input);
         let near = new.flat_map(|(_, z, points)| points.into_iter().map(move |p| (p, z)));
-        let off: Vec<f64> = near.filter(|(p, _)| p.x < 1e6).map(|(p, z)| (ground(p) - z).powi(2)).collect();
+        let is_inner = |(p, _): &(DVec2, f64)| (*p - MIDDLE).abs().max_element() < 0.8 * HALF;
+        let off: Vec<f64> = near.filter(is_inner).map(|(p, z)| (ground(p) - z).powi(2)).collect();
         ((off.iter().sum::<f64>() / off.len() as f64).sqrt(), off.len())
     };
     let (alone, of_alone) = error_of("alone.geojson");

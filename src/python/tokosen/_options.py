@@ -115,6 +115,13 @@ class PartOptions(TypedDict, total=False):
     """Polygons to which results are cut. Contours around them still count."""
 
 
+class GroundOptions(PartOptions, total=False):
+    """The part of a height map that contours cover. Heights around an extent and around the polygons of `clip` still count."""
+
+    frame: Any
+    """Polygons: cells whose centres lie outside of them are no ground."""
+
+
 class SideOptions(
     InputOptions,
     FitOptions,

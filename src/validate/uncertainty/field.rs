@@ -123,6 +123,21 @@ fn climb(region: &Region, height: f64) -> Option<(f64, bool)> {
 }
 
 impl ErrorField {
+    /// The same for a surface that misses its contours: `misfit` is by how much at each node of a grid, metres. Water has no
+    /// error all the same.
+    pub fn with_misfit(mut self, misfit: impl Fn(&Grid) -> Vec<f32>) -> Self {
+        let has_error = |(error, _): &(&mut f32, f32)| **error > 0.0;
+        for part in &mut self.parts {
+            let misfit = misfit(&part.grid);
+            part.errors
+                .iter_mut()
+                .zip(misfit)
+                .filter(has_error)
+                .for_each(|(error, misfit)| *error = error.hypot(misfit));
+        }
+        self
+    }
+
     /// The standard error at a map position, metres. A node has its own; elsewhere it is interpolated. NaN outside the
     /// frame.
     pub fn at(&self, p: DVec2) -> f32 {
