@@ -14,6 +14,8 @@ const NEAR: f64 = 1e-9;
 /// Least tolerance, map units. On the working plane, coordinates are whole micrometres: a point and the edge that it was on
 /// move apart by up to the diagonal of a square micrometre.
 const LEAST: f64 = 1.5e-6;
+/// The least tolerance is no larger than this share of the diagonal. Maps that are so small are on no working plane.
+const MOST: f64 = 1e-6;
 /// Tolerance as a share of the largest coordinate, for small areas far from zero, whose coordinates have few digits
 /// left.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -95,7 +97,8 @@ pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
 
 /// The same for an area with the box around it.
 pub(crate) fn tolerance_of_box(min: DVec2, max: DVec2) -> f64 {
-    (NEAR * min.distance(max)).max(LEAST) + ROUNDING * min.abs().max(max.abs()).max_element()
+    let size = min.distance(max);
+    (NEAR * size).max(LEAST.min(MOST * size)) + ROUNDING * min.abs().max(max.abs()).max_element()
 }
 
 /// The area with further vertices on its border, each with the number of its edge. Along an edge they are sorted by

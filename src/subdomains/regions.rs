@@ -386,7 +386,9 @@ mod tests {
                 let ring = [(-h, -h), (h, -h), (h, h), (-h, h), (-h, -h)].map(DVec2::from);
                 input.push_line(&ring, 20.0, VertexKind::Contour);
             }
-            spots.iter().for_each(|&(x, z)| drop(input.push(DVec2::new(x, 0.0), z, VertexKind::Spot)));
+            for &(x, z) in spots {
+                input.push(DVec2::new(x, 0.0), z, VertexKind::Spot);
+            }
             let tin = triangulate(input).unwrap();
             let regions = regions(&tin, &TEN);
             [0.5, 65.5].map(|x| band_at(&tin, &regions, DVec2::new(x, 0.5)).lo)

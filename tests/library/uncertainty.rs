@@ -253,7 +253,7 @@ fn the_errors_are_the_same_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("two threads");
         pool.install(|| {
             let surface = surface(contours(), SurfaceKind::Spline, Triangles::Reference, Some(Wanted::Grid(grid())));
-            let errors = surface.errors.expect("it was asked for").errors;
+            let errors = surface.errors.expect("it was asked for").parts[0].errors.clone();
             errors.into_iter().map(f32::to_bits).collect::<Vec<u32>>()
         })
     });
