@@ -173,7 +173,9 @@ mod tests {
         };
         let all: Vec<Segment> = [square(0.0, 9.0), square(3.0, 6.0), square(9.0, 12.0)].concat();
         let inside = Inside::new(all.iter().copied());
-        for (x, y, expected) in [(1.0, 4.0, true), (4.0, 4.0, false), (7.0, 4.0, true), (9.5, 9.5, true), (8.0, 9.5, false)] {
+        for (x, y, expected) in
+            [(1.0, 4.0, true), (4.0, 4.0, false), (7.0, 4.0, true), (9.5, 9.5, true), (8.0, 9.5, false)]
+        {
             assert_eq!(inside.contains(DVec2::new(x, y)), expected, "{x} {y}");
         }
         assert!(!inside.contains(DVec2::NAN));

@@ -65,8 +65,9 @@ impl Cone {
     fn holds(&self, p: DVec2, tolerance: f64) -> bool {
         let way = p - self.from;
         let leads_on = way.length() >= self.reach && way.length() > tolerance;
-        let is_between =
-            |[r, l]: [DVec2; 2]| r.perp_dot(way) >= 0.0 && way.perp_dot(l) >= 0.0 && r.perp_dot(l) >= 0.0 && r.dot(way) > 0.0;
+        let is_between = |[r, l]: [DVec2; 2]| {
+            r.perp_dot(way) >= 0.0 && way.perp_dot(l) >= 0.0 && r.perp_dot(l) >= 0.0 && r.dot(way) > 0.0
+        };
         leads_on && self.limits.is_none_or(is_between)
     }
 }
@@ -79,7 +80,8 @@ mod tests {
     use crate::geometry::{Border, Segment, point_distance, rings};
 
     fn circle(count: u32) -> MultiPolygon<f64> {
-        let at = |k: u32| DVec2::new(4e5, 3e6) + 1000.0 * DVec2::from_angle(TAU * f64::from(k % count) / f64::from(count));
+        let at =
+            |k: u32| DVec2::new(4e5, 3e6) + 1000.0 * DVec2::from_angle(TAU * f64::from(k % count) / f64::from(count));
         let ring: LineString<f64> = (0..=count).map(|k| Coord { x: at(k).x, y: at(k).y }).collect();
         Polygon::new(ring, Vec::new()).into()
     }
@@ -107,7 +109,8 @@ mod tests {
         let sparse = circle(300);
         assert_eq!(thinned(&sparse, 1e-3, 20.0), sparse);
         // Vertices on a straight line, further from each other than half the gap.
-        let square: LineString<f64> = vec![(0.0, 0.0), (11.0, 0.0), (22.0, 0.0), (22.0, 22.0), (0.0, 22.0), (0.0, 0.0)].into();
+        let square: LineString<f64> =
+            vec![(0.0, 0.0), (11.0, 0.0), (22.0, 0.0), (22.0, 22.0), (0.0, 22.0), (0.0, 0.0)].into();
         let square: MultiPolygon<f64> = Polygon::new(square, Vec::new()).into();
         assert_eq!(thinned(&square, 1e-3, 20.0), square);
         assert_eq!(thinned(&square, 1e-3, 30.0).0[0].exterior().0.len(), 5);

@@ -123,7 +123,8 @@ fn a_file_without_polygons_says_what_it_has() {
 
 #[test]
 fn many_polygons_on_each_other_become_one_outline() {
-    let polygons: Vec<Rings> = (0..1000).map(|k| vec![square(f64::from(k) * 1e-3, f64::from(k % 7) * 1e-3, 10.0)]).collect();
+    let polygons: Vec<Rings> =
+        (0..1000).map(|k| vec![square(f64::from(k) * 1e-3, f64::from(k % 7) * 1e-3, 10.0)]).collect();
     let found = read(&polygons).unwrap();
     assert_eq!(found.0.len(), 1);
     assert!((found.unsigned_area() - 10.999 * 10.006).abs() < 0.1, "{}", found.unsigned_area());
