@@ -77,7 +77,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::geometry::{Border, Segment, point_distance, rings};
+    use crate::geometry::{Border, OrientedBox, Segment, point_distance, rings};
 
     fn circle(count: u32) -> MultiPolygon<f64> {
         let at =
@@ -96,7 +96,9 @@ mod tests {
         let border = Border::new(&thin);
         for c in rings(&dense).flat_map(|ring| ring.coords()) {
             let p = DVec2::new(c.x, c.y);
-            let near = border.near(p - 3.0, p + 3.0).map(|(_, edge): (u32, Segment)| point_distance(p, &edge));
+            let near = border
+                .near_box(OrientedBox::upright(p - 3.0, p + 3.0))
+                .map(|(_, edge): (u32, Segment)| point_distance(p, &edge));
             assert!(near.fold(f64::INFINITY, f64::min) <= tolerance * 1.0001);
         }
         let first = |area: &MultiPolygon<f64>| area.0[0].exterior().0[0];
