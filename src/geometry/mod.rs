@@ -2,10 +2,12 @@
 
 mod border;
 mod common_area;
+mod inside;
 mod meet;
 mod order;
 mod oriented;
 mod segment;
+mod thin;
 
 pub(crate) use border::{Border, OnEdge, rings, tolerance, tolerance_of_box, with_corners_at, with_vertices};
 pub(crate) use common_area::common_area;
@@ -13,3 +15,4 @@ pub(crate) use meet::{Meeting, distance, meeting, place, point_distance};
 pub(crate) use order::compare_points;
 pub(crate) use oriented::{BoxTree, OrientedBox};
 pub(crate) use segment::{Bounds, Segment};
+pub(crate) use thin::thinned;

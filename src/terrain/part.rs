@@ -46,6 +46,11 @@ impl Input {
     /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
     pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
         let area = self.reprojection.bring(crs)?.boundary(area)?;
+        if area.unsigned_area() == 0.0 {
+            let message =
+                "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";
+            return Err(Error::Parameter(message.into()));
+        }
         let part = Part::new(area, &self.map).map_err(|error| self.in_drawing(error))?;
         part.cut(&mut self.map);
         self.part = Some(part);
