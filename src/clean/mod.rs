@@ -69,8 +69,8 @@ pub struct CleanParams {
     /// point are joined.
     pub snap: f64,
     /// Lines of different level, and spot heights, closer than this count as touching. On a large map, or one far from
-    /// zero, positions on the frame are less accurate: two billionths of its size, so 0.06 mm for 30 km. There that
-    /// distance counts instead, up to a thousand times this value.
+    /// zero, positions on the frame are less accurate: two billionths of its size, so 0.06 mm for 30 km, and at least 4
+    /// micrometres. There that distance counts instead, up to a thousand times this value.
     pub separation: f64,
 }
 

@@ -1,10 +1,10 @@
 //! `tokosen contour`: a height map in, contour lines out.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use glam::DVec2;
-use tokosen::base::Grid;
+use geo::MultiPolygon;
 use tokosen::base::error::{Error, FindingKind};
 use tokosen::contour::ContourLayer;
 use tokosen::crs::{Crs, Reprojection};
@@ -12,12 +12,15 @@ use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
 use tokosen::draw::preview::height_map_picture;
 use tokosen::io::raster::{read_dem, write_picture};
-use tokosen::io::{Content, PlannedOutput, StagedOutput, content, contour_files, write_layers_back};
+use tokosen::io::{Content, PlannedOutput, StagedOutput, VectorSource, content, contour_files, write_layers_back};
+use tokosen::terrain::read_area_on;
 
 use super::console::Console;
 use super::failure::Failure;
 use super::levels::{LevelsArgs, output_layers};
 use super::output;
+use super::part::PartArgs;
+use super::source::source;
 use super::unit::in_units;
 use super::{memory, plane, summary};
 
@@ -26,14 +29,20 @@ use super::{memory, plane, summary};
 /// Heights are those at the centres of cells. Between four neighbouring centres, lines cross the sides where linear
 /// interpolation gives the level. The written lines cross the same sides, within --tolerance. They run smoothly, have
 /// few vertices, and never cross or touch each other. A height equal to a level is above it. Lines are closed, or end at
-/// the outermost cell centres and beside cells without data. Rings around single cells are kept.
+/// the outermost cell centres, beside cells without data, and at the border of --extent and --clip. Rings around single
+/// cells are kept.
 ///
 /// Each line has the attributes elev, source (height_map), is_index, depression (lower ground inside) and closed. Higher
 /// ground is on the right of its direction. Elevations are in metres, or in the unit of --to-unit, whatever the unit of
 /// the height map is. In a DXF, layers show index contours (CONTOUR-HEIGHT_MAP-INDEX); it holds no other attributes and
 /// no coordinate reference system.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(
+    after_help = EXAMPLES,
+    mut_arg("extent", |arg| arg.help(EXTENT_HELP)),
+    mut_arg("extent_crs", |arg| arg.help(EXTENT_CRS_HELP)),
+    mut_arg("clip", |arg| arg.help(CLIP_HELP)),
+)]
 pub struct ContourArgs {
     /// Height map (.tif, .asc, .exr, .png, .xyz), or a .xml, .zip or folder of 基盤地図情報
     #[arg(help_heading = "Input")]
@@ -59,7 +68,19 @@ pub struct ContourArgs {
     /// Also draw a picture of the height map and the lines: .png
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     preview: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Part of the map")]
+    part: PartArgs,
+    /// Outer border: a polygon in a vector file. Cells whose centres lie outside of it are no ground, so lines end beside them
+    /// [default: all cells with heights]
+    #[arg(long, value_name = "FILE", value_parser = source(), help_heading = "Part of the map")]
+    frame: Option<VectorSource>,
 }
+
+const EXTENT_HELP: &str =
+    "Write this part of the map only; the heights around it still count [coordinates of the height map]";
+const EXTENT_CRS_HELP: &str = "Coordinate reference system of --extent, if it is not that of the height map";
+const CLIP_HELP: &str = "Write the part of the map inside the polygons of this file only; the heights around it still count. \
+                         With --frame, the ground ends at the polygon";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -67,6 +88,7 @@ Examples:
   tokosen contour dem.tif -i 5,2,1 -o contours.gpkg --preview look.png
   tokosen contour FG-GML-5437-45-DEM5A.zip -i 2 -o contours.geojson --to-crs EPSG:6677
   tokosen contour noisy.tif -i 1 --smooth 3 -o contours.shp
+  tokosen contour dem.tif -i 5 --clip district.geojson -o district.gpkg
   tokosen contour dem.tif -i 10 --to-unit ft -o every_10_feet.dxf
   tokosen contour dem.asc --crs EPSG:6677 --levels 12.5,13 --tolerance 0.2 -o flood.fgb";
 
@@ -90,6 +112,14 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         dem.crs = Some(crs.clone());
         findings.retain(|finding| finding.kind != FindingKind::UnknownCrs);
     }
+    let dem = match &args.frame {
+        Some(source) => {
+            let frame = read_area_on(&dem, source, memory::available())?;
+            dem.inside(&frame).map_err(|error| error.in_file(&source.path))?
+        }
+        None => dem,
+    };
+    let part = args.part.on(&dem)?;
     let reprojection = Reprojection::unmoved(dem.crs.clone());
     let back = args.levels.to_crs.way(&reprojection, unit)?;
     let params = ContourParams {
@@ -98,19 +128,20 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         index_every: args.levels.index,
         tolerance: args.tolerance,
         smooth: args.smooth,
+        part: part.clone(),
         memory: memory::available(),
     };
     let found = contours(&dem, &params, console)?;
-    let Grid { corner, cell, cols, rows } = dem.grid;
-    let extent = cell * DVec2::new(cols as f64, rows as f64) * DVec2::new(1.0, -1.0);
-    let (low, high) = (corner.min(corner + extent), corner.max(corner + extent));
+    // The picture and the labels are those of the part.
+    let shown = part.as_ref().map_or(Cow::Borrowed(&dem), |part| Cow::Owned(shown(&dem, part)));
+    let [low, high] = shown.corners();
     let labels = args.levels.labels.place(&found.layers, (low, high), unit)?;
     let written = console.step("writing", || {
         let all = output_layers(&found.layers, labels.as_deref(), &names, &back);
         write_layers_back(&staged, &all, &back)
     })?;
     if let Some(staged) = &picture {
-        console.step("drawing", || draw(staged, &dem, &found))?;
+        console.step("drawing", || draw(staged, &shown, &found))?;
     }
 
     summary::findings(&findings, console);
@@ -125,7 +156,7 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
-        warn_if_empty(layer, console);
+        warn_if_empty(layer, part.is_some(), console);
     }
     if let Some(picture) = picture {
         console.say(&format!("written    {}", picture.commit()?.display()));
@@ -150,7 +181,8 @@ impl ContourArgs {
         let contours = files.iter().map(|path| PlannedOutput { path, layers });
         let outputs: Vec<PlannedOutput<'_>> =
             contours.chain(self.preview.as_deref().map(PlannedOutput::from)).collect();
-        console.check_paths(&[self.dem.as_path()], &outputs)?;
+        let areas = self.part.file().into_iter().chain(self.frame.iter().map(|source| source.path.as_path()));
+        console.check_paths(&[self.dem.as_path()].into_iter().chain(areas).collect::<Vec<_>>(), &outputs)?;
         if content(&self.dem)? == Content::Contours {
             let message = "holds contour lines, not heights; 'tokosen densify' makes denser contours of them, 'tokosen dem' a \
                            height map";
@@ -185,6 +217,12 @@ impl ContourArgs {
     }
 }
 
+/// The part of a height map that a picture shows. A part that holds no centre of a cell is shown with what is around it.
+fn shown(dem: &Dem, part: &MultiPolygon<f64>) -> Dem {
+    let around = dem.around(part);
+    around.clone().inside(part).unwrap_or(around)
+}
+
 fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours) -> Result<(), Error> {
     let finest = found.layers.iter().max_by_key(|layer| layer.lines.len());
     let picture = height_map_picture(dem, finest.map_or(&[], |layer| &layer.lines))?;
@@ -192,8 +230,9 @@ fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours) -> Result<(), Err
     write_picture(path, &picture).map_err(|e| staged.with_final_name(e))
 }
 
-fn warn_if_empty(layer: &ContourLayer, console: &Console) {
+fn warn_if_empty(layer: &ContourLayer, is_part: bool, console: &Console) {
     if layer.lines.is_empty() {
-        console.warn(&format!("layer {} has no line: the height map crosses none of its levels", layer.name));
+        let here = if is_part { " in this part" } else { "" };
+        console.warn(&format!("layer {} has no line: the height map crosses none of its levels{here}", layer.name));
     }
 }

@@ -3,12 +3,16 @@
 use std::path::Path;
 
 use clap::Args;
+use geo::MultiPolygon;
 use tokosen::Input;
 use tokosen::crs::Crs;
+use tokosen::dem::Dem;
 use tokosen::io::VectorSource;
+use tokosen::terrain::{extent_on, read_area_on};
 
 use super::failure::Failure;
 use super::flags::first_given;
+use super::memory;
 use super::plane;
 use super::source::source;
 
@@ -68,6 +72,15 @@ impl PartArgs {
             input.read_part(source)?;
         }
         Ok(())
+    }
+
+    /// The part in the coordinates of a height map, if one is asked for; reads its file if there is one.
+    pub fn on(&self, dem: &Dem) -> Result<Option<MultiPolygon<f64>>, Failure> {
+        Ok(match (self.extent, &self.clip) {
+            (Some(Extent(extent)), _) => Some(extent_on(dem, extent, self.extent_crs.as_ref())?),
+            (None, Some(source)) => Some(read_area_on(dem, source, memory::available())?),
+            (None, None) => None,
+        })
     }
 }
 

@@ -128,7 +128,13 @@ pub fn surface(surface: &Surface, console: &Console) {
             Provenance::Hidden { places } => format!("learnt at {places} places on hidden contours"),
             Provenance::Usual => "that of usual terrain: there are too few levels to hide some".into(),
         };
-        let valid: Vec<f64> = errors.errors.iter().map(|e| f64::from(*e)).filter(|e| e.is_finite()).collect();
+        let valid: Vec<f64> = errors
+            .parts
+            .iter()
+            .flat_map(|part| &part.errors)
+            .map(|e| f64::from(*e))
+            .filter(|e| e.is_finite())
+            .collect();
         let mean = (valid.iter().map(|e| e * e).sum::<f64>() / valid.len().max(1) as f64).sqrt();
         console.say(&format!("errors     standard error {} (root mean square), {provenance}", metres(mean)));
     }

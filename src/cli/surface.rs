@@ -61,6 +61,9 @@ pub struct FrameArgs {
     /// hull, or an outline that follows the contours where these fill less than a third of the hull
     #[arg(long, value_name = "auto|hull|bbox|FILE", default_value = "auto", value_parser = source().map(FrameArg::of))]
     pub frame: FrameArg,
+    /// Leave out heights in those parts of a --frame FILE that lie outside the convex hull of the contours
+    #[arg(long, hide_short_help = true)]
+    pub no_extend: bool,
 }
 
 /// An outer border.
@@ -221,8 +224,13 @@ impl FrameArgs {
     pub fn add_to(&self, input: &mut Input) -> Result<(), Failure> {
         match &self.frame {
             // It was read already for a height map.
-            FrameArg::File(_) if matches!(input.frame, Frame::Polygon(_)) => {}
-            FrameArg::File(source) => input.read_boundary(source)?,
+            FrameArg::File(_) if input.frame.polygon().is_some() => {}
+            FrameArg::File(source) => {
+                input.read_boundary(source)?;
+                if self.no_extend {
+                    input.frame = std::mem::take(&mut input.frame).in_hull();
+                }
+            }
             FrameArg::Auto => input.frame = Frame::Auto,
             FrameArg::Hull => input.frame = Frame::Hull,
             FrameArg::Box => input.frame = Frame::Box,

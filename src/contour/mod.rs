@@ -2,6 +2,7 @@
 
 mod cliff;
 mod clip;
+mod clip_lines;
 mod coast;
 mod cut_out;
 mod excluded;
@@ -21,6 +22,7 @@ mod unit_hint;
 pub use crate::base::ElevationUnit;
 pub use cliff::CliffLine;
 pub use clip::{Clipped, clip};
+pub(crate) use clip_lines::clip_lines;
 pub use coast::CoastLine;
 pub use cut_out::{CutOut, cut_out};
 pub use excluded::Excluded;

@@ -26,6 +26,8 @@ use crate::base::{ElevationUnit, parallel};
 const STEPS: f64 = 1e6;
 /// Largest distance from a boundary to the straight piece between two of its vertices on the plane, metres.
 const STRAIGHT: f64 = 1e-3;
+/// Metres in a degree of latitude, about.
+const DEGREE: f64 = 111_000.0;
 /// Largest number of times that a piece of a boundary is halved.
 const HALVINGS: u32 = 12;
 
@@ -207,11 +209,14 @@ impl Reprojection {
     pub fn bring(&self, crs: Option<&Crs>) -> Result<ToWorking> {
         let (from, to) = match (self.of_side(crs), &self.working) {
             (Some(from), Some(to)) => (from, to),
-            _ => return Ok(ToWorking { way: None, in_steps: self.in_steps, names: String::new() }),
+            _ => return Ok(ToWorking { way: None, in_steps: self.in_steps, straight: STRAIGHT, names: String::new() }),
         };
         let way = Transform::between(from, to)?;
         let names = format!("{} and {}", label(from), label(to));
-        Ok(ToWorking { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, names })
+        // Height maps stay in degrees and feet.
+        let unit = if to.is_geographic() { DEGREE } else { to.length_unit().map_or(1.0, |unit| unit.metres) };
+        let straight = STRAIGHT / unit;
+        Ok(ToWorking { way: (!way.is_identity()).then_some(way), in_steps: self.in_steps, straight, names })
     }
 
     /// The transformation to the output: to the coordinates of the file, or to those of the system `to`.
@@ -279,6 +284,8 @@ fn beyond(originals: &[(Key, DVec2)]) -> Option<f64> {
 pub struct ToWorking {
     way: Option<Transform>,
     in_steps: bool,
+    /// Largest distance from a boundary to the straight piece between two of its vertices, units of the plane.
+    straight: f64,
     names: String,
 }
 
@@ -336,7 +343,7 @@ impl ToWorking {
     fn bend(&self, [a, b]: [DVec2; 2], [p, q]: [DVec2; 2], halvings: u32, out: &mut Vec<DVec2>) -> Result<()> {
         let c = a.midpoint(b);
         let r = self.place(c)?;
-        if halvings == 0 || r.distance(p.midpoint(q)) < STRAIGHT {
+        if halvings == 0 || r.distance(p.midpoint(q)) < self.straight {
             return Ok(());
         }
         self.bend([a, c], [p, r], halvings - 1, out)?;

@@ -1,16 +1,22 @@
 //! The border of an area, with an index of its edges.
 
+use std::sync::OnceLock;
+
 use geo::{BoundingRect, Coord, LineString, MultiPolygon, Polygon};
 use glam::DVec2;
-use robust::orient2d;
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
+use rstar::RTree;
 
-use super::{Segment, point_distance};
+use super::inside::Inside;
+use super::{BoxTree, OrientedBox, Segment, point_distance};
 use crate::base::parallel;
 
 /// Tolerance of the border, as a share of the diagonal of the box around the area.
 const NEAR: f64 = 1e-9;
+/// Least tolerance, map units. On the working plane, coordinates are whole micrometres: a point and the edge that it was on
+/// move apart by up to the diagonal of a square micrometre.
+const LEAST: f64 = 2e-6;
+/// The least tolerance is no larger than this share of the diagonal. Maps that are so small are on no working plane.
+const MOST: f64 = 1e-6;
 /// Tolerance as a share of the largest coordinate, for small areas far from zero, whose coordinates have few digits
 /// left.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -18,26 +24,26 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// The number of an edge of the border, and a position on it.
 pub(crate) type OnEdge = (u32, DVec2);
 
-/// The edges of all rings of an area, and a tree to find those near a position.
+/// The edges of all rings of an area, with indexes to find those near a position and to tell inside from outside. Each
+/// index is built when it is first asked. Both bear outlines with long spikes, whose upright boxes would all meet.
 ///
 /// Edges are numbered ring by ring: of each polygon the exterior, then the holes.
 #[derive(Debug)]
 pub(crate) struct Border {
-    edges: RTree<GeomWithData<Line<[f64; 2]>, u32>>,
-    /// The largest x.
-    east: f64,
+    edges: Vec<Segment>,
+    boxes: OnceLock<BoxTree>,
+    inside: OnceLock<Inside>,
     /// Within this distance a position counts as on the border, map units.
     tolerance: f64,
 }
 
 impl Border {
-    /// Indexes the border of an area.
+    /// Takes the border of an area.
     pub(crate) fn new(area: &MultiPolygon<f64>) -> Self {
-        let edges = rings(area).flat_map(|ring| ring.lines()).zip(0..);
-        let edges =
-            edges.map(|(l, id)| GeomWithData::new(Line::new([l.start.x, l.start.y], [l.end.x, l.end.y]), id)).collect();
-        let east = area.bounding_rect().map_or(0.0, |r| r.max().x);
-        Self { edges: RTree::bulk_load(edges), east, tolerance: tolerance(area) }
+        let point = |c: Coord| DVec2::new(c.x, c.y);
+        let lines = rings(area).flat_map(|ring| ring.lines());
+        let edges = lines.map(|l| Segment { a: point(l.start), b: point(l.end) }).collect();
+        Self { edges, boxes: OnceLock::new(), inside: OnceLock::new(), tolerance: tolerance(area) }
     }
 
     /// Within this distance a position counts as on the border, map units.
@@ -45,21 +51,14 @@ impl Border {
         self.tolerance
     }
 
+    /// The edges in the order of their numbers.
+    pub(crate) fn edges(&self) -> &[Segment] {
+        &self.edges
+    }
+
     /// Whether a position lies inside: a ray from it to the east crosses an odd number of edges.
     pub(crate) fn contains(&self, p: DVec2) -> bool {
-        let ray = AABB::from_corners(p.to_array(), [self.east.max(p.x), p.y]);
-        let coord = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
-        let crossed = self.edges.locate_in_envelope_intersecting(&ray).filter(|edge| {
-            let (a, b) = (edge.geom().from, edge.geom().to);
-            // An end at the height of the ray counts as above it.
-            let rises = b[1] > p.y;
-            if (a[1] > p.y) == rises {
-                return false;
-            }
-            let side = orient2d(coord(a), coord(b), coord(p.to_array()));
-            if rises { side > 0.0 } else { side < 0.0 }
-        });
-        crossed.count() % 2 == 1
+        self.inside.get_or_init(|| Inside::new(self.edges.iter().copied())).contains(p)
     }
 
     /// The edge on which a position lies, with its ends.
@@ -74,10 +73,15 @@ impl Border {
 
     /// The edges near the segment from `a` to `b`, in no particular order; some may be a little further away.
     pub(crate) fn near(&self, a: DVec2, b: DVec2) -> impl Iterator<Item = (u32, Segment)> {
-        let (lo, hi) = (a.min(b) - self.tolerance, a.max(b) + self.tolerance);
-        self.edges
-            .locate_in_envelope_intersecting(&AABB::from_corners(lo.to_array(), hi.to_array()))
-            .map(|edge| (edge.data, Segment { a: edge.geom().from.into(), b: edge.geom().to.into() }))
+        self.near_box(OrientedBox::around(&[a, b]).grown(self.tolerance))
+    }
+
+    /// The edges that meet a box, in no particular order; some may only be near it.
+    pub(crate) fn near_box(&self, area: OrientedBox) -> impl Iterator<Item = (u32, Segment)> {
+        let boxes = self.boxes.get_or_init(|| {
+            BoxTree::new(&parallel::map_each(&self.edges, |edge| OrientedBox::around(&[edge.a, edge.b])))
+        });
+        boxes.near(area).map(|id| (id, self.edges[id as usize]))
     }
 }
 
@@ -92,7 +96,8 @@ pub(crate) fn tolerance(area: &MultiPolygon<f64>) -> f64 {
 
 /// The same for an area with the box around it.
 pub(crate) fn tolerance_of_box(min: DVec2, max: DVec2) -> f64 {
-    NEAR * min.distance(max) + ROUNDING * min.abs().max(max.abs()).max_element()
+    let size = min.distance(max);
+    (NEAR * size).max(LEAST.min(MOST * size)) + ROUNDING * min.abs().max(max.abs()).max_element()
 }
 
 /// The area with further vertices on its border, each with the number of its edge. Along an edge they are sorted by
@@ -200,7 +205,7 @@ mod tests {
         let border = Border::new(&area());
         let at = |x: f64, y: f64| border.edge_at(DVec2::new(x, y)).map(|(id, _)| id);
         assert_eq!(at(5.0, 1e-9), Some(0));
-        assert_eq!(at(5.0, 1e-7), None);
+        assert_eq!(at(5.0, 1e-5), None);
         assert_eq!(at(0.0, 5.0), Some(4));
         assert_eq!(at(2.5, 2.5), Some(6));
         assert_eq!(at(2.0, 2.0), Some(5), "the first of the two edges of a corner");

@@ -125,6 +125,7 @@ impl OrientedBox {
 }
 
 /// Numbered boxes, and a tree to find those near a position.
+#[derive(Debug)]
 pub(crate) struct BoxTree {
     /// The boxes of all levels: the given boxes first, then boxes around up to [`FANOUT`] boxes of the level before.
     boxes: Vec<OrientedBox>,

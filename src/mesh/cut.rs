@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use geo::{MultiPolygon, Translate};
 use glam::DVec2;
+use rstar::primitives::Line;
+use rstar::{AABB, RTree};
 
 use crate::base::bits::bits;
 use crate::base::error::Result;
@@ -15,11 +17,16 @@ use crate::tin::{NONE, Tin, TinInput, VertexKind, triangulate};
 pub(super) fn cut(tin: &Tin, area: &MultiPolygon<f64>) -> Result<Tin> {
     let area = area.translate(-tin.origin.x, -tin.origin.y);
     let border = Border::new(&area);
+    let line = |edge: &Segment| Line::new(edge.a.to_array(), edge.b.to_array());
+    let edges = RTree::bulk_load(border.edges().iter().map(line).collect());
+    let reach = border.tolerance();
     let mut parts = Parts { tin, vertices: HashMap::new(), cut: Tin { origin: tin.origin, ..Tin::default() } };
     for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t)) {
         let corners = tin.corners(t);
         let (lo, hi) = (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-        let near: Vec<Segment> = border.near(lo, hi).map(|(_, edge)| edge).collect();
+        let around = AABB::from_corners((lo - reach).to_array(), (hi + reach).to_array());
+        let near = edges.locate_in_envelope_intersecting(&around);
+        let near: Vec<Segment> = near.map(|edge| Segment { a: edge.from.into(), b: edge.to.into() }).collect();
         if near.is_empty() {
             if border.contains((corners[0] + corners[1] + corners[2]) / 3.0) {
                 parts.push(t, corners);

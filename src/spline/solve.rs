@@ -12,7 +12,7 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, residual, shrinkage, soft_spots, stream_beds};
+use super::{curvature_gain, residual, shrinkage, soft_spots, spots, stream_beds};
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::streams::Stream;
@@ -100,7 +100,12 @@ pub fn spline(
     let breach = |heights: &mut [f32], limits: &Limits<'_>| problem.breach(heights, limits);
     let mut working = WorkingGrid { grid: *grid, heights };
     let mut streams = conditions.streams.to_vec();
+    spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
     stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);
+    if streams.is_empty() {
+        // A way out of a pit may pass a spot height. Beside streams, bumps could make them rise.
+        spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
+    }
     progress.finish();
     (working, streams)
 }

@@ -17,6 +17,37 @@ pub struct WorkingGrid {
     pub heights: Vec<f32>,
 }
 
+/// The smooth surface on a working grid for each group of contours that lie far apart. Most maps have one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkingGrids(pub Vec<WorkingGrid>);
+
+impl WorkingGrids {
+    /// The heights on a grid whose cell centres are nodes of all working grids, NaN beyond them. `None` for other grids.
+    pub(crate) fn on_nodes(&self, grid: &Grid) -> Option<Vec<f32>> {
+        let mut parts = self.0.iter().map(|working| working.on_nodes(grid));
+        let mut heights = parts.next()??;
+        for part in parts {
+            let part = part?;
+            parallel::update(&mut heights, |cell, height| {
+                if height.is_nan() {
+                    *height = part[cell];
+                }
+            });
+        }
+        Some(heights)
+    }
+
+    /// The working grid around a position; `None` off all of them.
+    pub(crate) fn around(&self, p: DVec2) -> Option<&WorkingGrid> {
+        self.0.iter().find(|working| working.nearest(p).is_some())
+    }
+
+    /// The height at a position, as [`WorkingGrid::at`] gives it.
+    pub(crate) fn at(&self, p: DVec2) -> f32 {
+        self.around(p).map_or(f32::NAN, |working| working.at(p))
+    }
+}
+
 impl WorkingGrid {
     /// The heights on a grid whose cell centres are nodes, NaN beyond the working grid. `None` for other grids.
     pub(crate) fn on_nodes(&self, grid: &Grid) -> Option<Vec<f32>> {

@@ -16,7 +16,7 @@ use super::line::{StreamLine, Streams};
 use super::network::length;
 use crate::base::error::{Finding, FindingKind};
 use crate::base::parallel;
-use crate::geometry::{Border, point_distance};
+use crate::geometry::{Border, OrientedBox, point_distance};
 use crate::tin::{TinInput, VertexKind, triangulate};
 
 /// Neighbouring vertices of the outline are at most this share of the mean width of the area apart, but not nearer than
@@ -81,7 +81,10 @@ fn middle_lines(
     let chords = Chords::new(&tin);
 
     let is_at = |p: &DVec2| {
-        border.contains(*p) || border.near(*p - snap, *p + snap).any(|(_, edge)| point_distance(*p, &edge) <= snap)
+        border.contains(*p)
+            || border
+                .near_box(OrientedBox::upright(*p - snap, *p + snap))
+                .any(|(_, edge)| point_distance(*p, &edge) <= snap)
     };
     let near = ends.locate_in_envelope(&AABB::from_corners((lo - snap).to_array(), (hi + snap).to_array()));
     let mut entries: Vec<DVec2> = near.map(|p| DVec2::from(*p)).filter(is_at).collect();

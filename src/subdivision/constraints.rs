@@ -6,8 +6,8 @@ use glam::DVec2;
 
 use super::known::known_regions;
 use super::spots::spots_outside_bands;
-use super::water::{WaterBodies, lake_finding, leave_out_vanished};
-use crate::base::error::{Finding, FindingKind, Result};
+use super::water::{WaterBodies, crossing_finding, lake_finding, leave_out_vanished};
+use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{ContourMap, Interval};
 use crate::geometry::Border;
 use crate::subdomains::{
@@ -86,7 +86,16 @@ impl Constraints {
         findings: &mut Vec<Finding>,
     ) -> Result<Found> {
         loop {
-            let mut triangulation = Triangulation::new(self.input(map, frame))?;
+            let loaded = Triangulation::new(self.input(map, frame));
+            if let Err(Error::LinesCross { place }) = &loaded
+                && let Some(lake) = self.water_bodies.nearest(*place)
+            {
+                // Without lakes, the lines were triangulated before. So one of the lines that cross is a shore.
+                findings.push(crossing_finding(&self.water_bodies, lake, *place));
+                self.water_bodies.leave_out(lake);
+                continue;
+            }
+            let mut triangulation = loaded?;
             let tin = self.within_frame(triangulation.tin()?, frame);
             let gaps = close_gaps(&tin, ends, interval.step);
             let tin = self.water_bodies.mark(tin.with_gap_edges(&gaps.closures, &gaps.barriers));

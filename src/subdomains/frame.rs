@@ -1,24 +1,18 @@
 //! The frame: the outermost border, which closes the contours that run off the map.
 
 use geo::convex_hull::graham_hull;
-use geo::{
-    Area, BooleanOps, BoundingRect, ConvexHull, Coord, IsConvex, LineString, MapCoords, MultiPoint, MultiPolygon,
-    Polygon, Rect,
-};
+use geo::{Area, BoundingRect, ConvexHull, Coord, IsConvex, LineString, MultiPoint, MultiPolygon, Polygon, Rect};
 use glam::DVec2;
-use rstar::RTree;
-use rstar::primitives::Line;
 
 use crate::contour::ContourMap;
-use crate::geometry::{Border, rings, tolerance, with_corners_at, with_vertices};
-use crate::geometry::{Segment, place};
+use crate::geometry::{Border, common_area, rings, tolerance, with_corners_at, with_vertices};
 
-/// How far a polygon may reach beyond the box around the map before it is cut, as a share of the mean spacing. The neat
+/// How far a polygon may reach beyond the box around the map before it is cut to the hull, as a share of the mean spacing. The neat
 /// line of a sheet lies a little outside its contours. Further out, the ends of contours are nearer to each other than
 /// to the frame, and nothing says where they lead.
 const REACH: f64 = 0.5;
-/// How far the intersection of polygons moves a vertex at most, as a share of their size.
-const ROUNDING: f64 = 2e-9;
+/// How far ground is carried on beyond the box around the map at most, as a share of the diagonal of the box.
+const FURTHEST: f64 = 1.0;
 
 /// How the frame is chosen.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -31,11 +25,33 @@ pub enum Frame {
     Hull,
     /// The smallest upright rectangle around them.
     Box,
-    /// A boundary polygon of the user's. Its polygons do not overlap, and none crosses itself.
+    /// A boundary polygon of the user's. Its polygons do not overlap, and none crosses itself. Ground is carried on to it where
+    /// it reaches beyond the contours.
     Polygon(MultiPolygon<f64>),
+    /// The part of such a polygon that lies inside the convex hull of all contours and spot heights.
+    PolygonInHull(MultiPolygon<f64>),
     /// An outline of the contours: vertices of theirs are its corners, and all of them lie inside. Its polygons may touch at
     /// corners.
     Outline(MultiPolygon<f64>),
+}
+
+impl Frame {
+    /// The boundary polygon of the user's, if the frame is one.
+    pub fn polygon(&self) -> Option<&MultiPolygon<f64>> {
+        match self {
+            Self::Polygon(area) | Self::PolygonInHull(area) => Some(area),
+            Self::Auto | Self::Hull | Self::Box | Self::Outline(_) => None,
+        }
+    }
+
+    /// The same frame, without ground outside the convex hull.
+    #[must_use]
+    pub fn in_hull(self) -> Self {
+        match self {
+            Self::Polygon(area) => Self::PolygonInHull(area),
+            other => other,
+        }
+    }
 }
 
 /// The frame's outline for one map.
@@ -99,8 +115,8 @@ impl FrameRing {
 
 /// The frame of a map.
 ///
-/// A polygon that reaches too far beyond the box around the map is cut to the convex hull of the map. Outside the hull
-/// there is no data.
+/// Of a polygon that reaches very far beyond the map, only the part counts that is no further from the box around the map
+/// than the box is wide.
 pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
     let points = || map.places().map(|p| geo::Point::new(p.x, p.y));
     let hull = || {
@@ -121,10 +137,22 @@ pub fn frame_ring(map: &ContourMap, frame: &Frame) -> FrameRing {
         },
         Frame::Polygon(area) => match (area.bounding_rect(), bounds()) {
             (Some(wanted), Some(known)) => {
+                let reach = FURTHEST * known.width().hypot(known.height());
+                let grown = Rect::new(
+                    Coord { x: known.min().x - reach, y: known.min().y - reach },
+                    Coord { x: known.max().x + reach, y: known.max().y + reach },
+                );
+                let is_near = is_near(&wanted, &known, reach);
+                if is_near { area.clone() } else { common_area(area, &grown.to_polygon().into()) }
+            }
+            _ => area.clone(),
+        },
+        Frame::PolygonInHull(area) => match (area.bounding_rect(), bounds()) {
+            (Some(wanted), Some(known)) => {
                 let hull = hull();
                 let length: f64 = map.contours.iter().map(|c| c.length()).sum();
                 let reach = REACH * hull.unsigned_area() / length;
-                if is_near(&wanted, &known, reach) { area.clone() } else { inside_hull(area, &hull) }
+                if is_near(&wanted, &known, reach) { area.clone() } else { common_area(area, &hull.into()) }
             }
             _ => area.clone(),
         },
@@ -137,35 +165,6 @@ fn is_near(wanted: &Rect<f64>, known: &Rect<f64>, reach: f64) -> bool {
     let west_south = known.min() - wanted.min();
     let east_north = wanted.max() - known.max();
     [west_south.x, west_south.y, east_north.x, east_north.y].into_iter().all(|beyond| beyond <= reach)
-}
-
-/// The part of an area inside the convex hull of a map.
-///
-/// The intersection rounds coordinates. Corners of both outlines get their own coordinates back. Where the outlines
-/// cross, the point is computed again, to lie on both.
-fn inside_hull(area: &MultiPolygon<f64>, hull: &Polygon<f64>) -> MultiPolygon<f64> {
-    let hull: MultiPolygon<f64> = hull.clone().into();
-    let size = |area: &MultiPolygon<f64>| area.bounding_rect().map_or(0.0, |r| r.width().hypot(r.height()));
-    let near = ROUNDING * size(area).max(size(&hull));
-    let corners = rings(area).chain(rings(&hull)).flat_map(|ring| ring.coords()).map(|c| [c.x, c.y]);
-    let corners = RTree::bulk_load(corners.collect());
-    let edges = |area: &MultiPolygon<f64>| {
-        let lines = rings(area).flat_map(|ring| ring.lines());
-        RTree::bulk_load(lines.map(|l| Line::new([l.start.x, l.start.y], [l.end.x, l.end.y])).collect())
-    };
-    let edges = [edges(area), edges(&hull)];
-    let nearest_edge = |edges: &RTree<Line<[f64; 2]>>, at: [f64; 2]| {
-        let edge = edges.nearest_neighbor(&at)?;
-        Some(Segment { a: edge.from.into(), b: edge.to.into() })
-    };
-    area.intersection(&hull).map_coords(|c| {
-        let at = [c.x, c.y];
-        let is_near = |p: DVec2| p.distance(at.into()) <= near;
-        let corner = corners.nearest_neighbor(&at).map(|&corner| DVec2::from(corner));
-        let crossing = || Some(place(&nearest_edge(&edges[0], at)?, &nearest_edge(&edges[1], at)?));
-        let exact = corner.filter(|&p| is_near(p)).or_else(|| crossing().filter(|&p| is_near(p)));
-        exact.map_or(c, |p| Coord { x: p.x, y: p.y })
-    })
 }
 
 #[cfg(test)]
@@ -206,21 +205,32 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_far_larger_than_the_map_ends_at_its_hull() {
+    fn a_polygon_without_ground_beyond_the_contours_ends_at_their_hull() {
         let ring = |frame| {
             let ring = frame_ring(&map(), &frame);
             let mut corners: Vec<[u64; 2]> = ring.rings().flatten().map(|p| p.to_array().map(f64::to_bits)).collect();
             corners.sort_unstable();
             corners
         };
-        assert_eq!(ring(Frame::Polygon(square(-1e6, -1e6, 2.1e6))), ring(Frame::Hull));
-        let partly = frame_ring(&map(), &Frame::Polygon(square(33.3, 20.2, 1e6)));
+        assert_eq!(ring(Frame::PolygonInHull(square(-1e6, -1e6, 2.1e6))), ring(Frame::Hull));
+        let partly = frame_ring(&map(), &Frame::PolygonInHull(square(33.3, 20.2, 1e6)));
         let corners: Vec<DVec2> = partly.rings().flatten().map(|p| p - DVec2::new(5e5, 4e6)).collect();
         assert_eq!(corners.len(), 4);
         assert!(corners.iter().any(|p| p.distance(DVec2::new(33.3, 20.2)) < 1e-9));
         assert!(corners.contains(&DVec2::splat(100.0)));
         let on_hull = corners.iter().filter(|p| p.x == 100.0 || p.y == 100.0).count();
         assert_eq!(on_hull, 3, "crossings lie exactly on the edge of the map: {corners:?}");
+    }
+
+    #[test]
+    fn a_polygon_is_kept_unless_it_is_far_larger_than_the_map() {
+        for area in [square(-80.0, 20.0, 90.0), square(50.0, 50.0, 120.0)] {
+            assert_eq!(frame_ring(&map(), &Frame::Polygon(area.clone())).area, area);
+        }
+        let (lo, hi) = frame_ring(&map(), &Frame::Polygon(square(-1e6, 20.0, 1e6 + 30.0))).extent();
+        let reach = 100.0 * 2_f64.sqrt();
+        assert!((lo - DVec2::new(5e5 - reach, 4e6 + 20.0)).length() < 1e-9, "{lo}");
+        assert!((hi - DVec2::new(5e5 + 30.0, 4e6 + 100.0 + reach)).length() < 1e-9, "{hi}");
     }
 
     #[test]

@@ -4,9 +4,12 @@
 //! the frame closes it. Two levels on its border give its band. Where there is only one level, the neighbour decides
 //! the side: crossing a contour changes the side.
 
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, HashSet};
+
 use crate::base::rows::Rows;
 use crate::contour::Interval;
-use crate::tin::{NONE, Tin};
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// Sub-domains whose levels are more than this many intervals apart contain missing contours.
 pub(crate) const WIDE: f64 = 1.5;
@@ -120,7 +123,8 @@ fn beyond(interval: &Interval, level: f64, side: Side) -> Band {
 pub fn regions(tin: &Tin, interval: &Interval) -> Regions {
     let (of_triangle, mut regions) = flood(tin);
     let borders = borders_of(tin, &of_triangle, regions.len());
-    propagate(&mut regions, &borders, interval);
+    let decided = |regions: &mut [Region], undecided: &[bool]| decide_by_spots(tin, &of_triangle, regions, undecided);
+    propagate(&mut regions, &borders, interval, decided);
     Regions { of_triangle, regions, interval: *interval }
 }
 
@@ -210,7 +214,15 @@ fn borders_of(tin: &Tin, of_triangle: &[u32], count: usize) -> Rows<SharedBorder
 /// For the other sub-domains each level takes its side from the neighbours that are known: crossing a contour changes
 /// the side. Where neighbours disagree, the longer common border wins. This is the rule for peaks and pits, and also
 /// for ground where contours are missing.
-fn propagate(regions: &mut [Region], borders: &Rows<SharedBorder>, interval: &Interval) {
+///
+/// If all lines around are of one level, no neighbour knows a side. There `decide` may give sides, and returns the numbers
+/// of those sub-domains that it knows.
+fn propagate(
+    regions: &mut [Region],
+    borders: &Rows<SharedBorder>,
+    interval: &Interval,
+    decide: impl Fn(&mut [Region], &[bool]) -> Vec<u32>,
+) {
     let mut known: Vec<bool> = vec![false; regions.len()];
     for (r, region) in regions.iter_mut().enumerate() {
         let lower = main_pair(region, borders.of(r), interval);
@@ -221,7 +233,24 @@ fn propagate(regions: &mut [Region], borders: &Rows<SharedBorder>, interval: &In
             }
         }
     }
-    let mut frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
+    let frontier: Vec<u32> = (0..regions.len() as u32).filter(|&r| known[r as usize]).collect();
+    spread(frontier, &mut known, regions, borders);
+    let undecided: Vec<bool> = known.iter().map(|known| !known).collect();
+    if undecided.contains(&true) {
+        let decided = decide(regions, &undecided);
+        decided.iter().for_each(|&r| known[r as usize] = true);
+        spread(decided, &mut known, regions, borders);
+    }
+    for region in regions {
+        let (Some(&lowest), Some(&highest)) = (region.levels.first(), region.levels.last()) else { continue };
+        let lo = if lowest.1 == Side::Below { interval.next_below(lowest.0) } else { lowest.0 };
+        let hi = if highest.1 == Side::Above { interval.next_above(highest.0) } else { highest.0 };
+        region.band = Band { lo, hi };
+    }
+}
+
+/// Goes on from known sub-domains to their neighbours, until all that they lead to are known.
+fn spread(mut frontier: Vec<u32>, known: &mut [bool], regions: &mut [Region], borders: &Rows<SharedBorder>) {
     while !frontier.is_empty() {
         let mut next: Vec<u32> = frontier
             .iter()
@@ -230,19 +259,46 @@ fn propagate(regions: &mut [Region], borders: &Rows<SharedBorder>, interval: &In
             .collect();
         next.sort_unstable();
         next.dedup();
-        let sides: Vec<Vec<(f64, Side)>> = next.iter().map(|&r| vote(r, regions, borders, &known)).collect();
+        let sides: Vec<Vec<(f64, Side)>> = next.iter().map(|&r| vote(r, regions, borders, known)).collect();
         for (&r, sides) in next.iter().zip(sides) {
             known[r as usize] = true;
             regions[r as usize].levels = sides;
         }
         frontier = next;
     }
-    for region in regions {
-        let (Some(&lowest), Some(&highest)) = (region.levels.first(), region.levels.last()) else { continue };
-        let lo = if lowest.1 == Side::Below { interval.next_below(lowest.0) } else { lowest.0 };
-        let hi = if highest.1 == Side::Above { interval.next_above(highest.0) } else { highest.0 };
-        region.band = Band { lo, hi };
+}
+
+/// Gives undecided sub-domains the sides on which most of the spot heights in them lie, and returns their numbers.
+fn decide_by_spots(tin: &Tin, of_triangle: &[u32], regions: &mut [Region], undecided: &[bool]) -> Vec<u32> {
+    let mut seen = HashSet::new();
+    let mut heights: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+    for t in (0..tin.len() as u32).filter(|&t| tin.is_inside(t) && undecided[of_triangle[t as usize] as usize]) {
+        let spots = tin.triangles[t as usize].into_iter().filter(|&v| tin.kinds[v as usize] == VertexKind::Spot);
+        for v in spots.filter(|&v| seen.insert(v)) {
+            heights.entry(of_triangle[t as usize]).or_default().push(tin.heights[v as usize]);
+        }
     }
+    let mut decided = Vec::new();
+    for (r, heights) in heights {
+        let region = &mut regions[r as usize];
+        let balance = |level: f64| {
+            let [above, below] = [Ordering::Greater, Ordering::Less]
+                .map(|is| heights.iter().filter(|z| z.total_cmp(&&level) == is).count());
+            above.cmp(&below)
+        };
+        let sides: Vec<Ordering> = region.levels.iter().map(|(level, _)| balance(*level)).collect();
+        if sides.iter().any(|side| side.is_ne()) {
+            for ((_, side), balance) in region.levels.iter_mut().zip(sides) {
+                match balance {
+                    Ordering::Greater => *side = Side::Above,
+                    Ordering::Less => *side = Side::Below,
+                    Ordering::Equal => {}
+                }
+            }
+            decided.push(r);
+        }
+    }
+    decided
 }
 
 /// The lower one of the two neighbouring levels that give a sub-domain's band, by its number; none if there are no two.
@@ -299,7 +355,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::tin::{TinInput, VertexKind, triangulate};
+    use crate::tin::{TinInput, triangulate};
 
     const TEN: Interval = Interval { step: 10.0, base: 0.0 };
 
@@ -320,6 +376,28 @@ mod tests {
         };
         let t = (0..tin.len() as u32).find(|&t| inside(t)).unwrap();
         regions.region(t).unwrap().band
+    }
+
+    #[test]
+    fn spot_heights_decide_where_all_lines_have_one_level() {
+        let bands = |spots: &[(f64, f64)]| {
+            let mut input = TinInput::new([DVec2::splat(-100.0), DVec2::splat(100.0)], 1e-7);
+            for h in [50.0, 80.0] {
+                let ring = [(-h, -h), (h, -h), (h, h), (-h, h), (-h, -h)].map(DVec2::from);
+                input.push_line(&ring, 20.0, VertexKind::Contour);
+            }
+            for &(x, z) in spots {
+                input.push(DVec2::new(x, 0.0), z, VertexKind::Spot);
+            }
+            let tin = triangulate(input).unwrap();
+            let regions = regions(&tin, &TEN);
+            [0.5, 65.5].map(|x| band_at(&tin, &regions, DVec2::new(x, 0.5)).lo)
+        };
+        assert_eq!(bands(&[(3.0, 25.0)]), [20.0, 10.0]);
+        assert_eq!(bands(&[(3.0, 15.0)]), [10.0, 20.0]);
+        assert_eq!(bands(&[(65.0, 26.0)]), [10.0, 20.0]);
+        assert_eq!(bands(&[(65.0, 26.0), (-65.0, 14.0), (0.0, 65.0), (66.0, 12.0)]), [20.0, 10.0], "the majority");
+        assert_eq!(bands(&[(3.0, 20.0)]), bands(&[]), "a spot height at the level says nothing");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::coarse::account_for_coarse_nodes;
 use super::conditions::conditions;
 use super::drained::{Wanted, drain_working};
 use super::given_lines::{GivenLines, known, settle_lines};
+use super::groups::Groups;
 use super::known_lines::give_heights;
 use super::nodes::with_nodes;
 use super::params::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
@@ -17,11 +18,12 @@ use super::skeleton_lines::{Finer, finer, with_skeleton};
 use super::trial_builder::TrialBuilder;
 use crate::base::error::{Finding, FindingKind, Report, Result};
 use crate::base::progress::Progress;
-use crate::base::{Grid, KnownLine, memory};
+use crate::base::{KnownLine, memory};
 use crate::contour::{ContourMap, SoftSpot};
-use crate::creases::{self, Bend, Crease};
+use crate::creases::{Bend, Crease};
+use crate::drain::Sink;
 use crate::skeleton::{Axis, skeleton, skeleton_with};
-use crate::spline::{self, Conditions, Drainage, Fold, bytes_on, finer_grid, spline, working_grid};
+use crate::spline::{self, Conditions, Drainage, Fold, WorkingGrids, bytes_on, spline, working_grid};
 use crate::streams::Stream;
 use crate::subdivision::{Prepared, Subdivision, prepare};
 use crate::subdomains::{GapEdges, MapExtent, Regions, Side};
@@ -38,19 +40,24 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
     let tuning = &params.tuning;
     let resolution = (params.kind != SurfaceKind::Linear).then_some(params.resolution);
     let builder = TrialBuilder { resolution, tuning: &tuning.skeleton };
-    let trials =
-        TrialParams { frame: &params.frame, wanted: params.spline.wanted, builder: &builder, tuning, needless: None };
+    let prepared = prepare(map, &params.frame, &params.water)?;
+    let interval = prepared.interval;
+    let groups = Groups::new(&MapExtent::new(&prepared.map, &prepared.frame, interval), params);
+    let largest = groups.largest();
+    let frame = largest.as_ref().map_or(&params.frame, |largest| &largest.frame);
+    let trials = TrialParams { frame, wanted: params.spline.wanted, builder: &builder, tuning, needless: None };
     let needless = AtomicBool::new(false);
     let first_trials = TrialParams { needless: Some(&needless), ..trials };
-    let prepared = prepare(map, &params.frame, &params.water)?;
     // Triangulating keeps only one thread busy. The choice of hyper-parameters needs only the contours, so it runs
     // beside it. It is needless if elevations turn out to be wrong, or if triangulating fails.
-    let to_choose = (params.kind == SurfaceKind::Spline).then(|| (prepared.map.clone(), prepared.frame.clone()));
-    let interval = prepared.interval;
+    let to_choose = (params.kind == SurfaceKind::Spline).then(|| match &largest {
+        None => (prepared.map.clone(), prepared.frame.clone()),
+        Some(largest) => (largest.part(&prepared.map), largest.ring().clone()),
+    });
     let (chosen, found) = rayon::join(
         || to_choose.map(|(map, frame)| choose(&MapExtent::new(&map, &frame, interval), &params.spline, &first_trials)),
         || {
-            let found = triangulated(prepared, params, &trials, &needless, progress);
+            let found = triangulated(prepared, params, (&trials, &groups), &needless, progress);
             found.inspect_err(|_| needless.store(true, Ordering::Relaxed))
         },
     );
@@ -70,45 +77,69 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         findings.push(Finding::general(FindingKind::SkippedFeature, message));
     }
     let (working, triangles) = chosen.as_ref().map_or((None, Vec::new()), |chosen| {
-        progress.start(spline::STEP, 0);
-        let grid = grid_of(&subdivision, params);
         let cliff_reach = tuning.cliffs.free * subdivision.extent().spacing;
-        let lines: Vec<KnownLine<'_>> = known(&streams, &creases).collect();
-        let (of_map, triangles) = conditions(&subdivision, &break_lines, &lines, &grid, (&params.cliffs, cliff_reach));
-        let mut conditions = Conditions {
-            soft_spots: &soft_spots,
-            drainage: Drainage { drain: params.drain, sinks: &params.sinks },
-            streams: &streams,
-            known: lines,
-            ..of_map
-        };
-        conditions.creases.extend(streams.iter().map(|stream| (Fold::Found, stream.known().course())));
-        conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
-        progress.finish();
-        let (mut working, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
-        let wanted = Wanted {
-            drain: params.drain,
-            sinks: std::mem::take(&mut sinks),
-            bounds: &conditions.bounds,
-            regions: &subdivision.regions,
-            triangles: &triangles,
-            interval: interval.step,
-        };
-        let drained = drain_working(&mut working, wanted);
-        sinks = drained.0;
-        findings.extend(drained.1);
-        drop(conditions);
-        streams = followed;
+        let streams_of = groups.shared(std::mem::take(&mut streams), |s| s.points.first().map(|p| p.truncate()));
+        let sinks_of = groups.shared(std::mem::take(&mut sinks), Sink::place);
+        let (mut working, mut triangles) = (Vec::new(), Vec::new());
+        for ((grid, own_streams), own_sinks) in groups.grids(&subdivision, params).iter().zip(streams_of).zip(sinks_of)
+        {
+            progress.start(spline::STEP, 0);
+            let lines: Vec<KnownLine<'_>> = known(&own_streams, &creases).collect();
+            let (of_map, located) = conditions(&subdivision, &break_lines, &lines, grid, (&params.cliffs, cliff_reach));
+            let mut conditions = Conditions {
+                soft_spots: &soft_spots,
+                drainage: Drainage { drain: params.drain, sinks: &own_sinks },
+                streams: &own_streams,
+                known: lines,
+                ..of_map
+            };
+            conditions.creases.extend(own_streams.iter().map(|stream| (Fold::Found, stream.known().course())));
+            conditions.creases.extend(creases.iter().map(|crease| (fold(crease.bend), crease.known().course())));
+            progress.finish();
+            let (mut solved, followed) = spline(&conditions, &chosen.hyper_parameters, &tuning.spline, progress);
+            let wanted = Wanted {
+                drain: params.drain,
+                sinks: own_sinks.clone(),
+                bounds: &conditions.bounds,
+                regions: &subdivision.regions,
+                triangles: &located,
+                interval: interval.step,
+            };
+            let (moved, of_pits) = drain_working(&mut solved, wanted);
+            sinks.extend(moved);
+            findings.extend(of_pits);
+            streams.extend(followed);
+            working.push(solved);
+            triangles.push(located);
+        }
+        let working = WorkingGrids(working);
         creases.iter_mut().for_each(|crease| crease.follow(|p| f64::from(working.at(p))));
         (Some(working), triangles)
     });
-    let coarse =
-        working.as_ref().and_then(|working| account_for_coarse_nodes(&subdivision, working, params, chosen.as_mut()));
-    findings.extend(coarse);
+    let coarse = working
+        .as_ref()
+        .and_then(|working| account_for_coarse_nodes(&subdivision, &groups, working, params, chosen.as_mut()));
+    let misfit = coarse.map(|(finding, misfit)| {
+        findings.push(finding);
+        misfit
+    });
     let errors = (params.uncertainty == Uncertainty::Learnt).then(|| {
         progress.start("expected errors", 0);
-        let known = trusted.as_ref().map(|map| subdivision.extent_of(map));
-        let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), working.as_ref());
+        let part = largest.as_ref().map(|largest| largest.part(trusted.as_ref().unwrap_or(&subdivision.map)));
+        let known = match (&largest, &part) {
+            (Some(largest), Some(part)) => Some(MapExtent::new(part, largest.ring(), interval)),
+            _ => trusted.as_ref().map(|map| subdivision.extent_of(map)),
+        };
+        let wanted = |extent: &MapExtent<'_>| working_grid(extent, params.spline.wanted, &tuning.spline.grid);
+        let nodes = match &working {
+            Some(WorkingGrids(parts)) => parts.iter().map(|w| (w.grid, Some(w.heights.as_slice()))).collect(),
+            None => groups.extents(&subdivision, |extent| (wanted(extent), None)),
+        };
+        let errors = error_field(&subdivision, known, &trials, chosen.as_ref(), &nodes);
+        let errors = match &misfit {
+            Some(misfit) => errors.with_misfit(|grid| misfit.at_nodes(grid)),
+            None => errors,
+        };
         progress.finish();
         errors
     });
@@ -162,7 +193,7 @@ struct Triangulated {
 fn triangulated(
     prepared: Prepared,
     params: &SurfaceParams,
-    trials: &TrialParams<'_>,
+    (trials, groups): (&TrialParams<'_>, &Groups),
     needless: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Triangulated> {
@@ -171,11 +202,14 @@ fn triangulated(
     let trusted = subdivision.trusted();
     needless.store(trusted.is_some(), Ordering::Relaxed);
     if params.kind == SurfaceKind::Spline {
-        let grid = grid_of(&subdivision, params);
-        let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
-        let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
-        let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
-        memory::check(bytes_on(&grid, length), params.memory, what, remedy)?;
+        // Grids are solved one after another, so the largest one decides.
+        let grids = groups.grids(&subdivision, params);
+        if let Some(grid) = grids.iter().max_by_key(|grid| grid.len()) {
+            let length = subdivision.map.contours.iter().map(|c| c.length()).sum();
+            let what = format!("the smooth surface on {} x {} nodes", grid.cols, grid.rows);
+            let remedy = "choose a larger cell, a smaller frame, or the skeleton surface";
+            memory::check(bytes_on(grid, length), params.memory, what, remedy)?;
+        }
     }
     // The triangulation takes much of the memory. It is freed as soon as it is not needed any more.
     let triangulation = std::mem::take(&mut subdivision.triangulation);
@@ -192,22 +226,24 @@ fn triangulated(
         }
     });
     let finer = || skeleton.map(|skeleton| finer(&subdivision, triangulation, skeleton, &known, tuning)).transpose();
-    let of_map =
-        |map: &ContourMap| Chosen { is_mended: true, ..choose(&subdivision.extent_of(map), &params.spline, trials) };
+    let largest = groups.largest();
+    let of_map = |map: &ContourMap| {
+        let chosen = match &largest {
+            None => choose(&subdivision.extent_of(map), &params.spline, trials),
+            Some(largest) => choose(
+                &MapExtent::new(&largest.part(map), largest.ring(), subdivision.interval),
+                &params.spline,
+                trials,
+            ),
+        };
+        Chosen { is_mended: true, ..chosen }
+    };
     let to_mend = trusted.as_ref().filter(|_| params.kind == SurfaceKind::Spline);
     // Triangulating with the ridge and canyon lines keeps one thread busy too.
     let (mended, finer) = rayon::join(|| to_mend.map(of_map), finer);
     let finer = finer?;
     drop(known);
     Ok(Triangulated { subdivision, trusted, mended, closures, streams, creases, finer, findings })
-}
-
-/// The working grid. Its nodes are close enough for the contours, and for break lines that run beside each other.
-fn grid_of(subdivision: &Subdivision, params: &SurfaceParams) -> Grid {
-    let tuning = &params.tuning;
-    let grid = working_grid(&subdivision.extent(), params.spline.wanted, &tuning.spline.grid);
-    let wanted = tuning.creases.nodes_per_line_spacing * (grid.cell.x * grid.cell.y).sqrt();
-    finer_grid(&grid, wanted / creases::spacing(&params.creases, wanted))
 }
 
 /// The spot heights with a standard error that the surface uses.

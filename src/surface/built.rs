@@ -6,7 +6,7 @@ use crate::contour::{ContourMap, Interval};
 use crate::creases::Crease;
 use crate::drain::{Drain, Sink};
 use crate::skeleton::BreakLine;
-use crate::spline::WorkingGrid;
+use crate::spline::WorkingGrids;
 use crate::streams::{RiverArea, Stream};
 use crate::subdomains::{FrameRing, Regions};
 use crate::tin::Tin;
@@ -41,7 +41,7 @@ pub struct Surface {
     /// The contour interval of the input.
     pub interval: Interval,
     /// The smooth surface. Only for [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
-    pub working: Option<WorkingGrid>,
+    pub working: Option<WorkingGrids>,
     /// The hyper-parameters of the smooth surface and its accuracy. Only for
     /// [`SurfaceKind::Spline`](super::SurfaceKind::Spline).
     pub chosen: Option<Chosen>,

@@ -182,9 +182,11 @@ pub(crate) fn pits_of(surface: &Surface, dem: &Dem, other: Option<InOther<'_>>) 
     cell_pits(&dem.values, &cells.ground(&dem.grid), &kinds).into_iter().filter_map(pit).collect()
 }
 
-/// The pits of the smooth surface, at the nodes of its working grid. `None` for other surfaces.
+/// The pits of the smooth surface, at the nodes of its working grids. `None` for other surfaces.
 pub fn working_pits(surface: &Surface) -> Option<Vec<Pit>> {
-    let WorkingGrid { grid, heights } = surface.working.as_ref()?;
-    let dem = Dem { grid: *grid, values: heights.clone(), crs: surface.map.crs.clone() };
-    Some(pits_of(surface, &dem, None))
+    let pits = |WorkingGrid { grid, heights }: &WorkingGrid| {
+        let dem = Dem { grid: *grid, values: heights.clone(), crs: surface.map.crs.clone() };
+        pits_of(surface, &dem, None)
+    };
+    Some(surface.working.as_ref()?.0.iter().flat_map(pits).collect())
 }

@@ -14,6 +14,7 @@ mod conditions;
 mod drained;
 mod errors;
 mod given_lines;
+mod groups;
 mod known_lines;
 mod nodes;
 mod params;

@@ -12,11 +12,10 @@ use glam::DVec2;
 use super::parted::{PartedPiece, part_long_borders, part_long_pieces};
 use super::smooth_height::smooth_height;
 use crate::base::error::Result;
-use crate::base::parallel;
+use crate::base::{Grid, parallel};
 use crate::contour::source_raster;
 use crate::skeleton::{Axis, BreakLine, break_lines, flow};
-use crate::spline::Lattice;
-use crate::spline::WorkingGrid;
+use crate::spline::{Lattice, WorkingGrid, WorkingGrids};
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, VertexKind};
 use crate::tuning::Tuning;
@@ -27,42 +26,42 @@ const LARGEST: usize = 16;
 
 /// The triangulation of the smooth surface, and the ridge and canyon lines with heights on it.
 ///
-/// `subdivision` holds the triangulation with the points and pieces of `axis`. `working` holds the surface; its nodes
-/// lie in `triangles`.
+/// `subdivision` holds the triangulation with the points and pieces of `axis`. `working` holds the surface; the nodes of
+/// each of its grids lie in `triangles`.
 pub(crate) fn with_nodes(
     mut subdivision: Subdivision,
     mut axis: Axis,
-    working: &WorkingGrid,
-    triangles: &[u32],
+    working: &WorkingGrids,
+    triangles: &[Vec<u32>],
     tuning: &Tuning,
 ) -> Result<(Subdivision, Vec<BreakLine>)> {
     let (tuning, of_lines) = (&tuning.nodes, &tuning.skeleton);
-    let lattice = Lattice::of_grid(&working.grid);
     let (vertices, mut heights) = smooth_heights(&subdivision, &mut axis, working);
-    let step = lattice.step.max_element();
-    let stride = (subdivision.extent().spacing / (tuning.vertices_per_spacing * step)).floor().max(1.0) as usize;
-    let spacing = stride as f64 * step;
+    let contour_spacing = subdivision.extent().spacing;
+    let strided = |part: &WorkingGrid| Strided::new(&part.grid, contour_spacing, tuning.vertices_per_spacing);
+    let coarse: Vec<Strided> = working.0.iter().map(strided).collect();
+    let spacing = coarse.iter().map(Strided::step).fold(0.0, f64::max);
     let parted = part_long_pieces(&subdivision, &mut axis, (&vertices, &mut heights), working, spacing);
     let flow = flow(&subdivision.tin, &subdivision.regions, &axis, heights, of_lines);
     let lines = break_lines(&subdivision.tin, &subdivision.regions, &axis, &flow);
 
-    let coarse = Strided { lattice, stride };
-    let is_source = source_raster(&subdivision.map.contours).is_some_and(|raster| raster.has_cells_of(&working.grid));
-    let clearance = if is_source { tuning.clearance_of_source } else { tuning.clearance };
-    let regions = clear_nodes(&subdivision, working, triangles, &coarse, clearance);
-    let kept = thinned(&regions, working, &coarse, tuning.tolerance * subdivision.interval.step);
-    let point = |k: usize| {
-        let (region, node) = (regions[k], coarse.node(k));
-        let band = subdivision.regions.regions[region as usize].band;
-        let position = working.grid.center(node % lattice.cols, node / lattice.cols) - subdivision.tin.origin;
-        InnerPoint {
-            region,
-            kind: VertexKind::Axis,
-            position,
-            height: band.strictly_inside(f64::from(working.heights[node])),
-        }
-    };
-    let mut points: Vec<InnerPoint> = parallel::map_each(&kept, |&k| point(k));
+    let source = source_raster(&subdivision.map.contours);
+    let mut points = Vec::new();
+    for ((working, triangles), coarse) in working.0.iter().zip(triangles).zip(&coarse) {
+        let is_source = source.as_ref().is_some_and(|raster| raster.has_cells_of(&working.grid));
+        let clearance = if is_source { tuning.clearance_of_source } else { tuning.clearance };
+        let regions = clear_nodes(&subdivision, working, triangles, coarse, clearance);
+        let kept = thinned(&regions, working, coarse, tuning.tolerance * subdivision.interval.step);
+        let cols = working.grid.cols;
+        let point = |k: usize| {
+            let (region, node) = (regions[k], coarse.node(k));
+            let band = subdivision.regions.regions[region as usize].band;
+            let position = working.grid.center(node % cols, node / cols) - subdivision.tin.origin;
+            let height = band.strictly_inside(f64::from(working.heights[node]));
+            InnerPoint { region, kind: VertexKind::Axis, position, height }
+        };
+        points.extend(parallel::map_each(&kept, |&k| point(k)));
+    }
     let mut edges = part_long_borders(&subdivision, spacing, &mut points);
     for PartedPiece { edge, points: between } in parted {
         let first = points.len();
@@ -78,7 +77,7 @@ pub(crate) fn with_nodes(
     for (&v, &height) in vertices.iter().zip(&flow.heights) {
         subdivision.tin.heights[v as usize] = height;
     }
-    drop((regions, axis, flow));
+    drop((axis, flow));
     let tin = subdivision.tin.refined(&subdivision.regions.of_triangle, &points, &edges)?;
     drop((points, edges));
     Ok((subdivision.retriangulated(tin, &|p| Some(f64::from(working.at(p)))), lines))
@@ -86,7 +85,7 @@ pub(crate) fn with_nodes(
 
 /// The vertices of the axis points in `subdivision`, and their heights on the smooth surface. `axis` gets the
 /// sub-domains and triangles of `subdivision`. It loses the points that have no vertex of their own.
-fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingGrid) -> (Vec<u32>, Vec<f64>) {
+fn smooth_heights(subdivision: &Subdivision, axis: &mut Axis, working: &WorkingGrids) -> (Vec<u32>, Vec<f64>) {
     let tin = &subdivision.tin;
     let mut vertex_of = vec![NONE; tin.source.iter().max().map_or(0, |&s| s as usize + 1)];
     for (v, &source) in tin.source.iter().enumerate() {
@@ -136,6 +135,18 @@ struct Strided {
 }
 
 impl Strided {
+    /// The nodes of a grid of which at least `per_spacing` go into the spacing of the contours, or all nodes.
+    fn new(grid: &Grid, spacing: f64, per_spacing: f64) -> Self {
+        let lattice = Lattice::of_grid(grid);
+        let stride = (spacing / (per_spacing * lattice.step.max_element())).floor().max(1.0) as usize;
+        Self { lattice, stride }
+    }
+
+    /// The larger distance between neighbouring nodes, map units.
+    fn step(&self) -> f64 {
+        self.stride as f64 * self.lattice.step.max_element()
+    }
+
     fn cols(&self) -> usize {
         self.lattice.cols.div_ceil(self.stride)
     }
@@ -285,7 +296,6 @@ impl Squares<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Grid;
 
     const SIDE: usize = 33;
     const CLEARANCE: f64 = 0.6;

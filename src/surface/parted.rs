@@ -15,7 +15,7 @@ use robust::{Coord, orient2d};
 
 use super::smooth_height::smooth_height;
 use crate::skeleton::{Axis, AxisPoint, End, narrow};
-use crate::spline::WorkingGrid;
+use crate::spline::WorkingGrids;
 use crate::subdivision::Subdivision;
 use crate::tin::{InnerPoint, NONE, PartedEdge, Tin, VertexKind};
 
@@ -36,7 +36,7 @@ pub(crate) fn part_long_pieces(
     subdivision: &Subdivision,
     axis: &mut Axis,
     (vertices, heights): (&[u32], &mut Vec<f64>),
-    working: &WorkingGrid,
+    working: &WorkingGrids,
     spacing: f64,
 ) -> Vec<PartedPiece> {
     let tin = &subdivision.tin;

@@ -8,31 +8,13 @@ use geo::{BooleanOps, Polygon};
 use glam::{DVec2, DVec3};
 
 use crate::base::bits::bits;
-use crate::contour::{Contour, ContourLine, ContourMap, clip};
+use crate::contour::{Contour, ContourMap, clip};
 use crate::geometry::{Border, Segment, point_distance};
 #[cfg(feature = "io")]
 use crate::io::layer::{Layer, Row, Shape};
 use crate::skeleton::{BreakLine, JunctionEdge, LineEnd, Skeleton};
 use crate::streams::Stream;
 use crate::subdivision::Subdivision;
-
-/// Cuts the lines of a layer at the border of an area.
-pub(super) fn clip_lines(lines: &mut Vec<ContourLine>, area: &MultiPolygon<f64>) {
-    let numbered = (0u64..).zip(lines.iter_mut()).map(|(k, line)| Contour {
-        elevation: line.elevation,
-        points: std::mem::take(&mut line.points),
-        feature: k.into(),
-    });
-    let map = ContourMap { contours: numbered.collect(), ..ContourMap::default() };
-    let pieces = clip(map, area).map.contours;
-    let piece = |piece: Contour| {
-        let mut line = ContourLine { points: piece.points, ..lines[piece.feature.number() as usize] };
-        // A ring that is cut open has no ground inside.
-        line.depression &= line.is_closed();
-        line
-    };
-    *lines = pieces.into_iter().map(piece).collect();
-}
 
 /// Cuts the ridge and canyon lines of a skeleton at the border of an area.
 pub fn clip_skeleton(skeleton: &mut Skeleton, area: &MultiPolygon<f64>) {

@@ -8,14 +8,13 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::facade::Terrain;
-use super::part::mask;
 use crate::base::error::{Error, Result};
 use crate::base::progress::{Progress, step};
 use crate::base::{ElevationUnit, Grid};
 use crate::contour::{Interval, SpotHeights};
 use crate::crs::{Crs, Reprojection, Transform};
 use crate::dem::compare::{Resampled, heights_at_places, heights_between};
-use crate::dem::{Dem, RasterRows, WithCrs, looks_like_degrees, metres_per_unit};
+use crate::dem::{Dem, RasterRows, WithCrs, looks_like_degrees, mask, metres_per_unit};
 use crate::surface::{InOther, Surface, SurfaceKind, drain_heights, heights, heights_on};
 
 /// One side of a comparison.

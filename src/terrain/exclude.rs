@@ -55,6 +55,7 @@ impl Input {
             self.findings.push(Finding::general(FindingKind::Excluded, message));
         }
         self.excluded.extend(areas);
+        self.state_unit();
         Ok(())
     }
 

@@ -3,7 +3,6 @@
 use geo::MultiPolygon;
 
 use super::base::Background;
-use super::clipped::clip_lines;
 use super::grid::Cells;
 use super::input::Input;
 use super::options::Options;
@@ -11,11 +10,11 @@ use super::part::drop_outside;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::base::progress::Progress;
-use crate::contour::ContourLayer;
+use crate::contour::{ContourLayer, clip_lines};
 use crate::crs::{Crs, FromWorking, Reprojection};
 use crate::mesh::{Mesh, MeshParams, mesh};
 use crate::slice::{LayerParams, Target, contour_layers};
-use crate::subdomains::{Frame, FrameRing, MapExtent, frame_ring};
+use crate::subdomains::{FrameRing, MapExtent, frame_ring};
 use crate::surface::{Surface, build};
 
 /// The ground between contours, and the findings about them.
@@ -71,7 +70,7 @@ impl Terrain {
         }
         input.report_sides_elsewhere();
         let part = input.take_part();
-        let is_whole = part.is_none() && !matches!(input.frame, Frame::Polygon(_));
+        let is_whole = part.is_none() && input.frame.polygon().is_none();
         let params = options.surface(input, cells.as_ref());
         // A height map covers the part alone, not the window around it. A part without ground is told before the work.
         let ground = || frame_ring(&input.map, &params.frame);

@@ -3,12 +3,11 @@
 use super::base::BaseJoin;
 use super::facade::Terrain;
 use super::grid::GridSpec;
-use super::part::mask;
 use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
 use crate::base::progress::Progress;
 use crate::crs::Crs;
-use crate::dem::Dem;
+use crate::dem::{Dem, mask};
 use crate::drain::Pit;
 use crate::subdomains::FrameRing;
 

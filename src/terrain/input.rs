@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use geo::MultiPolygon;
+use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
 use super::arrays;
@@ -22,9 +22,16 @@ use crate::contour::{ContourMap, Lake, SoftSpot, StatedUnit, UnitHint, unite_lev
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
 use crate::drain::{Sink, SinkShape};
+use crate::geometry::{thinned, tolerance};
 use crate::resample::{Fitted, Sampled};
 use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
+
+/// Vertices of a frame that are closer to each other than this share of its diagonal are left out where the border stays in
+/// its place without them.
+const DENSE: f64 = 1e-4;
+/// How far the border may move, as a share of its tolerance. Rounding of coordinates takes most of it.
+const STRAIGHT: f64 = 0.25;
 
 /// How contours are read.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -91,6 +98,8 @@ pub struct Input {
     pub(super) unit: ElevationUnit,
     /// Whether x and y are taken as metres although heights are in feet and nothing states the unit of x and y.
     pub(super) is_plane_guessed: bool,
+    /// Whether the working plane is in metres, as far as is known: nothing may state the unit of x and y.
+    pub(super) is_plane_in_metres: bool,
     /// The unit that the caller asks for.
     pub(super) asked_unit: Option<ElevationUnit>,
     /// Memory that reading may take, bytes.
@@ -164,7 +173,23 @@ impl Input {
         let Plane { map, is_guessed: is_plane_guessed } = settle(map, options.plane_unit, unit, &mut findings)?;
         let (map, reprojection) = on_plane(map, options.work_crs.as_ref(), &mut findings)?;
         let InputOptions { unit: asked_unit, memory, depths, .. } = *options;
-        Ok(Self { map, findings, reprojection, unit, is_plane_guessed, asked_unit, memory, depths, ..Self::default() })
+        // A drawing in metres has no system, and states its unit all the same.
+        let is_plane_in_metres = match &map.crs {
+            Some(crs) => crs.length_unit().is_some_and(|unit| unit.metres == 1.0),
+            None => map.plane_unit.is_some(),
+        };
+        Ok(Self {
+            map,
+            findings,
+            reprojection,
+            unit,
+            is_plane_guessed,
+            is_plane_in_metres,
+            asked_unit,
+            memory,
+            depths,
+            ..Self::default()
+        })
     }
 
     /// Refuses a map whose heights are in feet and of which nothing states the unit of x and y. For what depends on the ratio
@@ -388,7 +413,10 @@ impl Input {
     /// # Errors
     /// As [`Input::add_spots`].
     pub fn set_boundary(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
-        self.frame = Frame::Polygon(self.reprojection.bring(crs)?.boundary(area)?);
+        let area = self.reprojection.bring(crs)?.boundary(area)?;
+        // Vertices within the tolerance of the border lie on it. So lines that end on the frame still do.
+        let diagonal = area.bounding_rect().map_or(0.0, |rect| rect.width().hypot(rect.height()));
+        self.frame = Frame::Polygon(thinned(&area, STRAIGHT * tolerance(&area), DENSE * diagonal));
         Ok(())
     }
 }

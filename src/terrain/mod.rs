@@ -10,6 +10,7 @@ mod cliffs;
 mod clipped;
 mod coast;
 mod compare;
+mod dem_area;
 mod exclude;
 mod facade;
 #[cfg(feature = "io")]
@@ -19,6 +20,7 @@ mod height_map;
 mod input;
 #[cfg(feature = "io")]
 mod json;
+mod lengths;
 mod measure;
 mod options;
 mod outline;
@@ -40,6 +42,9 @@ pub use base::BaseJoin;
 pub use clipped::clip_areas;
 pub use clipped::{clip_edges, clip_skeleton, clip_streams, clip_subdivision};
 pub use compare::{Kind, Nodes, Pair, Side, SideSource};
+#[cfg(feature = "io")]
+pub use dem_area::read_area_on;
+pub use dem_area::{area_on, extent_on};
 pub use facade::Terrain;
 #[cfg(feature = "io")]
 pub use files::read_check_points;

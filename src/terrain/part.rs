@@ -5,16 +5,15 @@
 
 use std::collections::HashSet;
 
-use geo::{Area, BooleanOps, BoundingRect, Contains, Coord, MultiPolygon, Rect};
+use geo::{Area, BoundingRect, Contains, Coord, MultiPolygon, Rect};
 use glam::DVec2;
 
 use super::input::Input;
 use crate::base::error::{Error, Finding, Result};
-use crate::base::parallel;
 use crate::contour::{Contour, ContourMap};
 use crate::crs::Crs;
-use crate::dem::Dem;
 use crate::geometry::Border;
+use crate::geometry::common_area;
 use crate::subdomains::{Frame, frame_ring};
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
@@ -47,6 +46,11 @@ impl Input {
     /// As [`Input::add_spots`]. [`Error::PartOutside`] if the area lies outside of the map.
     pub fn set_part(&mut self, area: &MultiPolygon<f64>, crs: Option<&Crs>) -> Result<()> {
         let area = self.reprojection.bring(crs)?.boundary(area)?;
+        if area.unsigned_area() == 0.0 {
+            let message =
+                "the part of the map has no area: coordinates are rounded to micrometres; choose a larger part";
+            return Err(Error::Parameter(message.into()));
+        }
         let part = Part::new(area, &self.map).map_err(|error| self.in_drawing(error))?;
         part.cut(&mut self.map);
         self.part = Some(part);
@@ -57,7 +61,9 @@ impl Input {
     fn in_drawing(&self, error: Error) -> Error {
         let there = |corners: [DVec2; 2]| corners.map(|corner| self.reprojection.in_input(corner).unwrap_or(corner));
         match (error, self.reprojection.plane_of_drawing()) {
-            (Error::PartOutside { part, map }, Some(_)) => Error::PartOutside { part: there(part), map: there(map) },
+            (Error::PartOutside { part, map, of }, Some(_)) => {
+                Error::PartOutside { part: there(part), map: there(map), of }
+            }
             (error, _) => error,
         }
     }
@@ -66,14 +72,21 @@ impl Input {
     ///
     /// # Errors
     /// As [`Input::set_part`], and [`Error::Parameter`] if the box has no width or no height.
-    pub fn set_extent(&mut self, [west, south, east, north]: [f64; 4], crs: Option<&Crs>) -> Result<()> {
-        if !(west < east && south < north && [west, south, east, north].iter().all(|v| v.is_finite())) {
-            let message = "the extent has no width or no height; it is least x, least y, greatest x, greatest y";
-            return Err(Error::Parameter(message.into()));
-        }
-        let corners = Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north });
-        self.set_part(&corners.to_polygon().into(), crs)
+    pub fn set_extent(&mut self, extent: [f64; 4], crs: Option<&Crs>) -> Result<()> {
+        self.set_part(&box_area(extent)?, crs)
     }
+}
+
+/// An upright box as an area: least x, least y, greatest x, greatest y.
+///
+/// # Errors
+/// [`Error::Parameter`] if the box has no width or no height.
+pub(super) fn box_area([west, south, east, north]: [f64; 4]) -> Result<MultiPolygon<f64>> {
+    if !(west < east && south < north && [west, south, east, north].iter().all(|v| v.is_finite())) {
+        let message = "the extent has no width or no height; it is least x, least y, greatest x, greatest y";
+        return Err(Error::Parameter(message.into()));
+    }
+    Ok(Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north }).to_polygon().into())
 }
 
 impl Part {
@@ -87,7 +100,7 @@ impl Part {
             || inner.min().y >= whole.max().y
             || inner.max().y <= whole.min().y
         {
-            return Err(Error::PartOutside { part: corners(&inner), map: corners(&whole) });
+            return Err(outside(&inner, &whole));
         }
         Ok(Self { window: window(map, &inner, &whole), area, hull, boxed })
     }
@@ -109,10 +122,14 @@ impl Part {
         let whole = match &wanted {
             Frame::Auto | Frame::Hull => &self.hull,
             Frame::Box => &self.boxed,
-            Frame::Polygon(area) | Frame::Outline(area) => area,
+            Frame::Polygon(area) | Frame::PolygonInHull(area) | Frame::Outline(area) => area,
         };
         let window = MultiPolygon::from(self.window.to_polygon());
-        if window.contains(whole) { wanted } else { Frame::Polygon(whole.intersection(&window)) }
+        if window.contains(whole) {
+            return wanted;
+        }
+        let common = common_area(whole, &window);
+        if matches!(wanted, Frame::Polygon(_)) { Frame::Polygon(common) } else { Frame::PolygonInHull(common) }
     }
 
     /// The part of the ground that is asked for; `ground` is all that there is.
@@ -124,29 +141,12 @@ impl Part {
         if ground.contains(&self.area) {
             return Ok(self.area.clone());
         }
-        let common = ground.intersection(&self.area);
+        let common = common_area(ground, &self.area);
         match (common.unsigned_area() > 0.0, self.area.bounding_rect(), self.boxed.bounding_rect()) {
-            (false, Some(part), Some(map)) => Err(Error::PartOutside { part: corners(&part), map: corners(&map) }),
+            (false, Some(part), Some(map)) => Err(outside(&part, &map)),
             _ => Ok(common),
         }
     }
-}
-
-/// Leaves out the heights of cells whose centres lie outside of an area. `on_plane` leads from a centre to the plane of
-/// the area.
-pub(super) fn mask(dem: &mut Dem, area: &MultiPolygon<f64>, on_plane: &(dyn Fn(DVec2) -> Option<DVec2> + Sync)) {
-    let border = Border::new(area);
-    let is_in = |p: DVec2| border.contains(p) || border.edge_at(p).is_some();
-    let grid = dem.grid;
-    parallel::update(&mut dem.values, |k, value| {
-        if value.is_nan() {
-            return;
-        }
-        let centre = grid.center(k % grid.cols, k / grid.cols);
-        if !on_plane(centre).is_some_and(is_in) {
-            *value = f32::NAN;
-        }
-    });
 }
 
 /// Leaves out the findings whose place is outside of an area, and returns their number.
@@ -204,6 +204,10 @@ fn holds(window: &Rect<f64>, p: DVec2) -> bool {
 fn meets(line: &Contour, window: &Rect<f64>) -> bool {
     let [lo, hi] = [window.min(), window.max()].map(|c| DVec2::new(c.x, c.y));
     line.points.windows(2).any(|w| w[0].max(w[1]).cmpge(lo).all() && w[0].min(w[1]).cmple(hi).all())
+}
+
+fn outside(part: &Rect<f64>, map: &Rect<f64>) -> Error {
+    Error::PartOutside { part: corners(part), map: corners(map), of: "the contours" }
 }
 
 fn corners(around: &Rect<f64>) -> [DVec2; 2] {

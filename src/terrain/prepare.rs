@@ -15,7 +15,7 @@ use crate::contour::{ContourMap, find_interval};
 use crate::resample::{FitParams, SampleParams, fit, sample};
 use crate::streams::{Stream, Streams};
 use crate::subdivision::{Subdivision, Water, subdivide, subdivide_with_water};
-use crate::subdomains::{Frame, settled};
+use crate::subdomains::settled;
 use crate::surface::{SurfaceParams, settle_lines};
 
 /// How far a map is repaired.
@@ -155,10 +155,14 @@ impl Input {
         let remedy = "choose a part of the map, or close other programs";
         let needed = BYTES_PER_VERTEX * vertices as f64;
         memory::check(needed, self.memory, format!("a map of {vertices} vertices"), remedy)?;
-        self.clean_lines(params, progress)?;
+        let cleaned = self.clean_lines(params, progress);
+        self.state_unit();
+        cleaned?;
         self.frame = settled(std::mem::take(&mut self.frame), &mut self.map, &mut self.findings);
         if params.repair == Repair::All {
-            self.correct_ground(params, progress)?;
+            let corrected = self.correct_ground(params, progress);
+            self.state_unit();
+            corrected?;
         }
         self.explain_by_cliffs();
         Ok(())
@@ -224,11 +228,7 @@ impl Input {
     /// As [`subdivide_with_water`]. The findings stay in the input.
     pub fn judge(&mut self, options: &Options, progress: &dyn Progress) -> Result<ContourMap> {
         let part = self.take_part();
-        let border = match (&part, &self.frame) {
-            (Some(part), _) => Some(part.area().clone()),
-            (None, Frame::Polygon(area)) => Some(area.clone()),
-            (None, _) => None,
-        };
+        let border = part.as_ref().map(Part::area).or(self.frame.polygon()).cloned();
         let judged = self.judge_whole(options, progress);
         self.findings_outside += border.map_or(0, |area| drop_outside(&mut self.findings, &area));
         judged
@@ -249,6 +249,7 @@ impl Input {
                 let subdivision = self.found(subdivision)?;
                 let settled = settle_lines(&subdivision, &params, progress);
                 self.findings.extend(settled.findings);
+                self.state_unit();
                 Ok(subdivision.map)
             }
         }
@@ -300,6 +301,7 @@ impl Input {
         params.check()?;
         let settled = settle_lines(subdivision, &params, progress);
         self.findings.extend(settled.findings);
+        self.state_unit();
         Ok(settled.streams)
     }
 
@@ -312,6 +314,7 @@ impl Input {
     pub(super) fn found<T>(&mut self, result: Result<Report<T>>) -> Result<T> {
         let value = self.named(result)?.collect(&mut self.findings);
         self.findings = first_causes(std::mem::take(&mut self.findings));
+        self.state_unit();
         self.drop_expected();
         self.explain_by_cliffs();
         Ok(value)

@@ -7,7 +7,7 @@ use super::grid::{Cells, GridSpec};
 use super::input::Input;
 use crate::base::error::{Error, Result};
 use crate::clean::is_place;
-use crate::subdomains::{Frame, FrameRing};
+use crate::subdomains::FrameRing;
 
 /// Share of all vertices that may lie far off to one side by mistake. The preparation can leave them out, and the map is
 /// then smaller.
@@ -33,7 +33,7 @@ impl Input {
         let ((west, east), (south, north)) = (x?, y?);
         let rect = Rect::new(Coord { x: west, y: south }, Coord { x: east, y: north });
         let mut area: MultiPolygon<f64> = rect.to_polygon().into();
-        if let Frame::Polygon(frame) = &self.frame {
+        if let Some(frame) = self.frame.polygon() {
             area = area.intersection(frame);
         }
         if let Some(part) = &self.part {
@@ -63,6 +63,7 @@ fn check(cells: &Cells, ground: Option<FrameRing>, memory: Option<u64>) -> Resul
 mod tests {
     use super::*;
     use crate::contour::{Contour, ContourMap};
+    use crate::subdomains::Frame;
     use crate::terrain::InputOptions;
 
     /// Rings of 1 km around the origin, and a line with these points.

@@ -246,3 +246,24 @@ fn a_base_gives_the_heights_outside_and_no_standard_errors() {
     let wrong = Options { base_fade: Some(f64::INFINITY), ..Options::default() };
     assert!(matches!(Terrain::build(input(hill()), &wrong), Err(Error::OutOfRange { .. })));
 }
+
+#[test]
+fn an_extent_smaller_than_coordinates_are_exact_is_refused() {
+    let mut input = input(hill());
+    // A part without width has no window that could grow from it.
+    let found = input.set_extent([1.0, 1.0, 1.0 + 1e-9, 1.0 + 1e-9], None).unwrap_err().to_string();
+    assert!(found.contains("has no area"), "{found}");
+    input.set_extent([1.0, 1.0, 1.001, 1.001], None).unwrap();
+}
+
+#[test]
+fn a_frame_of_very_many_vertices_keeps_those_that_show_it() {
+    let mut input = input(hill());
+    let count = 200_000;
+    let at = |k: u32| 150.0 * DVec2::from_angle(f64::from(k % count) / f64::from(count) * std::f64::consts::TAU);
+    let circle: geo::LineString<f64> = (0..=count).map(|k| (at(k).x, at(k).y)).collect();
+    input.set_boundary(&geo::Polygon::new(circle, Vec::new()).into(), None).unwrap();
+    let Frame::Polygon(area) = &input.frame else { panic!("a polygon") };
+    let kept = area.0[0].exterior().0.len();
+    assert!((10_000..100_000).contains(&kept), "{kept}");
+}

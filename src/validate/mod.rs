@@ -10,4 +10,4 @@ pub(crate) use builder::{SurfaceBuilder, TrialParams};
 pub(crate) use choose::choose;
 pub use choose::{Accuracy, Chosen, Reason};
 pub(crate) use uncertainty::error_field;
-pub use uncertainty::{ErrorField, ErrorModel, Provenance, line_error};
+pub use uncertainty::{ErrorField, ErrorGrid, ErrorModel, Provenance, line_error};

@@ -109,7 +109,7 @@ pub fn parts(extent: &MapExtent<'_>, params: &TrialParams<'_>, cell: f64) -> Vec
     let area = size.x * size.y;
     let vertices = points().count() as f64;
     if area / (cell * cell) <= whole_map_size && vertices <= whole_map_size {
-        return vec![(extent.map.clone(), params.frame.clone())];
+        return vec![(extent.map.clone(), params.frame.clone().in_hull())];
     }
     let side = (square_nodes.sqrt() * cell).min((square_vertices * area / vertices).sqrt());
     let count = (size / side).floor().max(DVec2::ONE);
@@ -140,7 +140,7 @@ fn square(map: &ContourMap, lo: DVec2, size: DVec2) -> (ContourMap, Frame) {
     let map = ContourMap { contours, spots, mended, ..ContourMap::default() };
     let area = geo::Rect::new((lo.x, lo.y), (hi.x, hi.y)).to_polygon().into();
     let cut = clip(map, &area);
-    (cut.map, Frame::Polygon(cut.area))
+    (cut.map, Frame::PolygonInHull(cut.area))
 }
 
 /// A part of a map with some levels hidden. `None` if the kept levels give no surface. `interval` is that of the whole

@@ -29,7 +29,7 @@ fn built(map: ContourMap, creases: Vec<CreaseLine>, kind: SurfaceKind) -> (Surfa
 
 /// The height of the smooth surface.
 fn at(surface: &Surface, x: f64, y: f64) -> f64 {
-    let working = surface.working.as_ref().expect("it is smooth");
+    let working = &surface.working.as_ref().expect("it is smooth").0[0];
     let place = working.grid.place(DVec2::new(x, y)).round();
     f64::from(working.heights[place.y as usize * working.grid.cols + place.x as usize])
 }
@@ -50,8 +50,8 @@ fn the_surface_passes_through_the_heights_of_a_break_line_and_bends_there() {
     assert_eq!(findings, []);
     assert_eq!(surface.creases.len(), 3);
     let (plain, _) = built(slope(), Vec::new(), SurfaceKind::Spline);
-    let grid = surface.working.as_ref().unwrap().grid;
-    assert_eq!(grid, plain.working.as_ref().unwrap().grid);
+    let grid = surface.working.as_ref().unwrap().0[0].grid;
+    assert_eq!(grid, plain.working.as_ref().unwrap().0[0].grid);
     // The lines run through nodes, because cells lie on multiples of their size.
     assert!(grid.place(DVec2::new(0.0, 247.5)).y.fract().abs() < 1e-9);
     for x in [-97.5, 2.5, 97.5] {
@@ -104,7 +104,7 @@ fn the_nodes_are_close_enough_for_lines_beside_each_other() {
         let truth = [(247.5, 21.85 + 0.5 * 1.0), (252.5, 21.85 + 0.7 * 4.0)];
         let places = [-97.5, 2.5, 97.5].into_iter().flat_map(|x| truth.map(|(y, z)| (x, y, z)));
         let worst = places.map(|(x, y, z)| (at(&surface, x, y) - z).abs()).fold(0.0, f64::max);
-        (surface.working.expect("it is smooth").grid.cell.x, worst)
+        (surface.working.expect("it is smooth").0[0].grid.cell.x, worst)
     };
     let ((coarse, before), (fine, after)) = (errors(0.01), errors(2.0));
     assert_eq!((coarse, fine), (5.0, 5.0 / 3.0));

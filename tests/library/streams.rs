@@ -371,7 +371,7 @@ fn hollows_beside_streams_are_filled_unless_pits_shall_stay() {
             let streams = Streams { lines: random_streams(&map, seed), ..Streams::default() };
             let params = SurfaceParams { streams, drain, ..SurfaceParams::default() };
             let surface = build(map.clone(), &params, &()).unwrap().value;
-            let working = surface.working.as_ref().unwrap();
+            let working = &surface.working.as_ref().unwrap().0[0];
             let dem = heights(&surface, &working.grid, &());
             let line = |s: &Stream| LineString::from_iter(s.points.iter().map(|p| (p.x, p.y)));
             let lines = MultiLineString::from_iter(surface.streams.iter().map(line));
@@ -515,7 +515,7 @@ fn threads_do_not_change_streams() {
     assert_eq!(one.streams, two.streams);
     assert_eq!(one.creases, two.creases);
     let bits = |surface: &Surface| {
-        let values = surface.working.as_ref().unwrap().heights.iter().map(|z| z.to_bits());
+        let values = surface.working.as_ref().unwrap().0[0].heights.iter().map(|z| z.to_bits());
         values.collect::<Vec<u32>>()
     };
     assert_eq!(bits(&one), bits(&two));

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec2;
 use tokosen::base::Grid;
+use tokosen::base::error::FindingKind;
 use tokosen::clean::{CleanParams, clean};
 use tokosen::contour::{Contour, ContourMap, Source};
 use tokosen::io::raster::read_dem;
@@ -252,9 +253,44 @@ fn the_errors_are_the_same_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("two threads");
         pool.install(|| {
             let surface = surface(contours(), SurfaceKind::Spline, Triangles::Reference, Some(Wanted::Grid(grid())));
-            let errors = surface.errors.expect("it was asked for").errors;
+            let errors = surface.errors.expect("it was asked for").parts[0].errors.clone();
             errors.into_iter().map(f32::to_bits).collect::<Vec<u32>>()
         })
     });
     assert!(errors[0] == errors[1]);
+}
+
+#[test]
+fn errors_contain_how_far_a_coarse_surface_misses_its_contours() {
+    // Lines so close that the number of vertices allows fewer nodes than they ask for: an even slope in the west, steps up and
+    // down in the east.
+    let (count, half) = (400, 200);
+    let level = |k: usize| if k < half { k } else { half + k % 2 };
+    let line = |k: usize| Contour {
+        elevation: level(k) as f64,
+        points: (0..6).map(|j| DVec2::new(k as f64, 200.0 * f64::from(j))).collect(),
+        feature: (k as u64).into(),
+    };
+    let map = ContourMap { contours: (0..count).map(line).collect(), ..ContourMap::default() };
+    let map = clean(map, &CleanParams::default()).expect("parallel lines").value;
+    let params = SurfaceParams { uncertainty: Uncertainty::Learnt, ..SurfaceParams::default() };
+    let built = build(map, &params, &()).expect("a clean map");
+    let coarse = built.findings.iter().find(|finding| finding.kind == FindingKind::CoarseNodes);
+    assert!(coarse.is_some_and(|finding| finding.message.contains("map units apart")), "{:?}", built.findings);
+    // Cells with their centres on the lines.
+    let grid = Grid { corner: DVec2::new(-0.5, 800.0), cell: DVec2::new(1.0, 10.0), cols: count, rows: 60 };
+    let dem = heights(&built.value, &grid, &());
+    let errors = standard_errors(&built.value, &dem).expect("it was asked for");
+    // Root mean squares of the misfit and of the stated error between two columns.
+    let between = |columns: Range<usize>| {
+        let cells = (0..grid.len()).filter(|i| columns.contains(&(i % count)) && !dem.values[*i].is_nan());
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            (cells.clone().map(|i| of(i).powi(2)).sum::<f64>() / cells.clone().count() as f64).sqrt()
+        };
+        [mean(&|i| f64::from(dem.values[i]) - level(i % count) as f64), mean(&|i| f64::from(errors[i]))]
+    };
+    let [even, stepped] = [between(50..150), between(250..350)];
+    assert!(stepped[0] > 0.1 && even[0] < 0.1 * stepped[0], "misfit and error: {even:?} {stepped:?}");
+    assert!((0.8..2.0).contains(&(stepped[1] / stepped[0])), "misfit and error: {stepped:?}");
+    assert!(even[1] < 0.5 * stepped[1], "misfit and error: {even:?} {stepped:?}");
 }

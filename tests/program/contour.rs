@@ -5,9 +5,9 @@
 use std::fs;
 
 use glam::DVec2;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tokosen::base::{ElevationUnit, Grid};
-use tokosen::crs::Crs;
+use tokosen::crs::{Crs, Transform};
 use tokosen::dem::Dem;
 use tokosen::io::raster::{RasterParams, write_dem, write_raster};
 use tokosen::io::{ReadOptions, read_contours};
@@ -143,11 +143,97 @@ fn units_and_coordinate_reference_systems() {
     assert!(text.contains("tolerance  0.00004 (half a cell)"), "{text}");
 }
 
+/// A polygon as GeoJSON in the system of a code.
+fn polygon(folder: &Folder, name: &str, code: u32, corners: &[[f64; 2]]) {
+    let ring: Vec<[f64; 2]> = corners.iter().chain(corners.first()).copied().collect();
+    let crs = json!({ "type": "name", "properties": { "name": format!("urn:ogc:def:crs:EPSG::{code}") } });
+    let geometry = json!({ "type": "Polygon", "coordinates": [ring] });
+    let feature = json!({ "type": "Feature", "properties": {}, "geometry": geometry });
+    let all = json!({ "type": "FeatureCollection", "crs": crs, "features": [feature] });
+    fs::write(folder.path(name), all.to_string()).unwrap();
+}
+
+/// The vertices of all lines, and those at which open lines end.
+fn vertices(folder: &Folder, name: &str) -> [Vec<DVec2>; 2] {
+    let [mut all, mut ends] = [Vec::new(), Vec::new()];
+    for line in features(folder, name) {
+        let at = |p: &Value| DVec2::new(p[0].as_f64().unwrap(), p[1].as_f64().unwrap());
+        let points: Vec<DVec2> = line["geometry"]["coordinates"].as_array().unwrap().iter().map(at).collect();
+        let (first, last) = (points[0], points[points.len() - 1]);
+        assert_eq!(line["properties"]["closed"], first == last);
+        ends.extend([first, last].into_iter().filter(|_| first != last));
+        all.extend(points);
+    }
+    [all, ends]
+}
+
+#[test]
+fn lines_are_cut_to_a_part_of_the_map_and_end_on_its_border() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &cone()).unwrap();
+    folder.succeeds("contour dem.tif -i 10 -o whole.geojson");
+    let [whole, _] = vertices(&folder, "whole.geojson");
+    // A triangle around the top, in the system of the height map and in degrees.
+    let corners = [[1051.0, 390.0], [1120.0, 390.0], [1082.0, 455.0]];
+    let way = Transform::between(&Crs::from_epsg(6668), &Crs::from_epsg(6677)).unwrap();
+    polygon(&folder, "area.geojson", 6677, &corners);
+    polygon(&folder, "degrees.geojson", 6668, &corners.map(|p| way.inverse(p.into()).unwrap().to_array()));
+    let off = |p: DVec2| {
+        let side = |k: usize| [corners[k], corners[(k + 1) % 3]].map(DVec2::from);
+        (0..3).map(side).map(|[a, b]| (b - a).normalize().perp_dot(p - a)).fold(f64::INFINITY, f64::min)
+    };
+    for (options, near) in [("--clip area.geojson", 1e-6), ("--clip degrees.geojson", 2e-3)] {
+        folder.succeeds(&format!("contour dem.tif -i 10 -o part.geojson {options} --preview part.png"));
+        let [all, ends] = vertices(&folder, "part.geojson");
+        assert!(ends.len() >= 6 && ends.iter().all(|p| off(*p).abs() < near), "{options}: {ends:?}");
+        assert!(all.iter().all(|p| off(*p) > -near), "{options}");
+        // The heights around the part count: what is left of the lines has not moved.
+        assert!(all.iter().all(|p| whole.contains(p) || ends.contains(p) || off(*p).abs() < near), "{options}");
+        assert!(all.len() > 20, "{options}");
+    }
+    folder.succeeds("contour dem.tif -i 10 -o box.geojson --extent 1050,400,1100,440");
+    let [all, ends] = vertices(&folder, "box.geojson");
+    let on_box = |p: &DVec2| p.x == 1050.0 || p.x == 1100.0 || p.y == 400.0 || p.y == 440.0;
+    assert!(ends.len() >= 6 && ends.iter().all(on_box), "{ends:?}");
+    assert!(all.iter().all(|p| (1050.0..=1100.0).contains(&p.x) && (400.0..=440.0).contains(&p.y)));
+    let text = folder.succeeds("contour dem.tif --levels 95 -o none.geojson --extent 1002,402,1008,408");
+    assert!(text.contains("none of its levels in this part"), "{text}");
+}
+
+#[test]
+fn the_ground_of_a_height_map_ends_at_a_frame() {
+    let folder = Folder::new();
+    let mut rough = cone();
+    let top = rough.grid.center(40, 40);
+    // Outside of the frame, heights that must have no effect on smoothed ones inside.
+    let size = rough.grid;
+    let away = |i: usize| (size.center(i % 81, i / 81) - top).abs().max_element();
+    rough.values.iter_mut().enumerate().filter(|(i, _)| away(*i) > 30.0).for_each(|(_, z)| *z += 500.0);
+    write_dem(&folder.path("rough.tif"), &rough).unwrap();
+    write_dem(&folder.path("dem.tif"), &cone()).unwrap();
+    let [west, south, east, north] = [top.x - 30.0, top.y - 30.0, top.x + 30.0, top.y + 30.0];
+    polygon(&folder, "frame.geojson", 6677, &[[west, south], [east, south], [east, north], [west, north]]);
+    let text = |dem: &str| {
+        folder.succeeds(&format!("contour {dem} -i 10 --smooth 4 --frame frame.geojson -o {dem}.geojson"));
+        vertices(&folder, &format!("{dem}.geojson"))
+    };
+    let [all, ends] = text("rough.tif");
+    assert_eq!(all, text("dem.tif")[0]);
+    assert!(ends.len() >= 8 && ends.iter().all(|p| ((*p - top).abs().max_element() - 30.0).abs() < 1e-6), "{ends:?}");
+    // Both: the ground ends at the polygon, and the lines are cut to a box.
+    folder.succeeds(&format!(
+        "contour dem.tif -i 10 --frame frame.geojson --extent {west},{south},{},{north} -o both.geojson",
+        top.x
+    ));
+    assert!(vertices(&folder, "both.geojson")[0].iter().all(|p| p.x >= west && p.x <= top.x));
+}
+
 #[test]
 fn wrong_usage_and_wrong_input_say_what_to_do() {
     let folder = Folder::new();
     write_dem(&folder.path("dem.tif"), &cone()).unwrap();
     folder.succeeds("contour dem.tif -i 10 -o lines.geojson");
+    polygon(&folder, "elsewhere.geojson", 6677, &[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]);
     for (arguments, status, words) in [
         ("contour dem.tif -o a.gpkg", 2, "--interval"),
         ("contour dem.tif -i 0 -o a.gpkg", 2, "--interval is 0"),
@@ -158,6 +244,11 @@ fn wrong_usage_and_wrong_input_say_what_to_do() {
         ("contour dem.tif -i 5 -o a.gpkg --smooth 0", 2, "--smooth is 0"),
         ("contour dem.tif -i 5 -o a.gpkg --smooth 300", 2, "at most 50 cells"),
         ("contour dem.tif -i 0.00001 -o a.gpkg", 2, "choose a larger"),
+        ("contour dem.tif -i 5 -o a.gpkg --extent 0,0,10,10", 1, "lies outside of the height map (x 1000.0 to 1162.0"),
+        ("contour dem.tif -i 5 -o a.gpkg --extent 0,0,10,10 --clip a.shp", 2, "cannot be used with"),
+        ("contour dem.tif -i 5 -o a.gpkg --extent-crs EPSG:6668", 2, "--extent"),
+        ("contour dem.tif -i 5 -o a.gpkg --clip none.gpkg", 1, "cannot read none.gpkg"),
+        ("contour dem.tif -i 5 -o a.gpkg --frame elsewhere.geojson", 1, "elsewhere.geojson: no cell of the height map"),
         ("contour none.tif -i 5 -o a.gpkg", 1, "cannot read none.tif"),
         ("contour lines.geojson -i 5 -o a.gpkg", 1, "'tokosen densify' makes denser contours"),
         ("densify dem.tif -i 5 -o a.gpkg", 1, "'tokosen contour' draws its contours"),
@@ -172,7 +263,7 @@ fn wrong_usage_and_wrong_input_say_what_to_do() {
         assert_eq!(output.status.code(), Some(status), "{arguments}: {text}");
         assert!(text.contains(words), "{arguments}: {text}");
     }
-    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 2);
+    assert_eq!(fs::read_dir(folder.0.path()).unwrap().count(), 3);
     let text = folder.succeeds("contour dem.tif --levels 5000 -o none.gpkg");
     assert!(text.contains("layer contours has no line"), "{text}");
 }

@@ -106,6 +106,7 @@ fn polygons_come_in_any_system_and_what_does_not_fit_is_told() {
     write_boxes(&folder, "degrees.geojson", "EPSG:4326", &[[-84.275, 36.31, -84.265, 36.32], [10.0, 50.0, 10.1, 50.1]]);
     let said = folder.succeeds("check in.gpkg --exclude degrees.geojson");
     assert!(said.contains("feature 0 of degrees.geojson"), "{said}");
+    assert!(said.contains(" m of ") && !said.contains("map units"), "{said}");
     assert!(said.contains("1 of the 2 polygons of degrees.geojson"), "{said}");
     write_boxes(&folder, "far.geojson", "EPSG:32616", &[[0.0, 0.0, 10.0, 10.0]]);
     let said = folder.succeeds("check in.gpkg --exclude far.geojson");

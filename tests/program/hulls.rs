@@ -11,18 +11,18 @@ use crate::common::Folder;
 use crate::running::{Running, folder_with};
 
 /// The middle of the map, metres.
-const MIDDLE: DVec2 = DVec2::new(600_000.0, 4_000_000.0);
+pub const MIDDLE: DVec2 = DVec2::new(600_000.0, 4_000_000.0);
 /// Half the side of the map, metres.
 const HALF: f64 = 500.0;
 
 /// The height of the ground: a ridge and two hills.
-fn ground(p: DVec2) -> f64 {
+pub fn ground(p: DVec2) -> f64 {
     let q = (p - MIDDLE) / 180.0;
     100.0 + 30.0 * (q.x * 0.9).sin() * (q.y * 1.1).cos() + 8.0 * (2.1 * q.x + 1.0).sin() + 4.0 * q.y
 }
 
 /// The contours of the ground where `is_kept`, as lines between cells of 10 m.
-fn contours(interval: f64, is_kept: impl Fn(DVec2) -> bool) -> Vec<(f64, Vec<DVec2>)> {
+pub fn contours(interval: f64, is_kept: impl Fn(DVec2) -> bool) -> Vec<(f64, Vec<DVec2>)> {
     let side = 101;
     let place = |n: usize| MIDDLE + DVec2::new((n % side) as f64, (n / side) as f64) * 10.0 - HALF;
     let heights: Vec<f64> = (0..side * side).map(|n| ground(place(n))).collect();
@@ -38,16 +38,16 @@ fn contours(interval: f64, is_kept: impl Fn(DVec2) -> bool) -> Vec<(f64, Vec<DVe
     kept
 }
 
-fn feature(kind: &str, coordinates: Value, elevation: f64) -> Value {
+pub fn feature(kind: &str, coordinates: Value, elevation: f64) -> Value {
     let geometry = json!({ "type": kind, "coordinates": coordinates });
     json!({ "type": "Feature", "properties": { "elev": elevation }, "geometry": geometry })
 }
 
-fn line(points: &[DVec2], elevation: f64) -> Value {
+pub fn line(points: &[DVec2], elevation: f64) -> Value {
     feature("LineString", json!(points.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>()), elevation)
 }
 
-fn write(folder: &Folder, name: &str, lines: &[(f64, Vec<DVec2>)], others: &[Value]) {
+pub fn write(folder: &Folder, name: &str, lines: &[(f64, Vec<DVec2>)], others: &[Value]) {
     let lines = lines.iter().map(|(level, points)| line(points, *level));
     let features: Vec<Value> = lines.chain(others.iter().cloned()).collect();
     let crs = json!({ "type": "name", "properties": { "name": "urn:ogc:def:crs:EPSG::32633" } });
@@ -55,12 +55,12 @@ fn write(folder: &Folder, name: &str, lines: &[(f64, Vec<DVec2>)], others: &[Val
     std::fs::write(folder.path(name), map.to_string()).unwrap();
 }
 
-fn read(folder: &Folder, name: &str) -> String {
+pub fn read(folder: &Folder, name: &str) -> String {
     std::fs::read_to_string(folder.path(name)).unwrap()
 }
 
 /// A raster of the map, whose cells tests compare.
-fn write_raster(folder: &Folder) {
+pub fn write_raster(folder: &Folder) {
     let header = "ncols 100\nnrows 100\nxllcorner 599500\nyllcorner 3999500\ncellsize 10\nnodata_value -9999\n";
     let row = vec!["0"; 100].join(" ");
     std::fs::write(folder.path("like.asc"), header.to_owned() + &vec![row; 100].join("\n")).unwrap();
@@ -77,7 +77,7 @@ fn error(dem: &Dem, is_kept: impl Fn(DVec2) -> bool) -> (f64, usize) {
     ((errors.iter().sum::<f64>() / errors.len() as f64).sqrt(), errors.len())
 }
 
-fn heights(folder: &Folder, name: &str) -> Dem {
+pub fn heights(folder: &Folder, name: &str) -> Dem {
     read_dem(&folder.path(name)).unwrap().value.dem
 }
 
@@ -129,6 +129,45 @@ fn what_lies_far_away_does_not_coarsen_the_map() {
     assert!(found < 1.05 * plain && 200 * of >= 199 * cells, "{found} m at {of} cells");
     assert!(said.contains("all spot heights lie") && said.contains("look like degrees"), "{said}");
     assert!(said.contains("the spot height 0 m was left out"), "{said}");
+}
+
+/// The lines of a file that the program wrote: whether they are of the input, their level and points.
+pub fn lines_of(folder: &Folder, name: &str) -> Vec<(bool, f64, Vec<DVec2>)> {
+    let made: Value = serde_json::from_str(&read(folder, name)).unwrap();
+    let features = made["features"].as_array().unwrap();
+    let of = |feature: &Value| {
+        let properties = &feature["properties"];
+        let points = feature["geometry"]["coordinates"].as_array().unwrap();
+        let place = |p: &Value| DVec2::new(p[0].as_f64().unwrap(), p[1].as_f64().unwrap());
+        (properties["source"] == "input", properties["elev"].as_f64().unwrap(), points.iter().map(place).collect())
+    };
+    features.iter().map(of).collect()
+}
+
+#[test]
+fn maps_far_from_each_other_get_new_lines_as_each_alone() {
+    let folder = Folder::new();
+    let lines = contours(5.0, |_| true);
+    let far =
+        |by: f64| lines.iter().map(move |(z, points)| (*z, points.iter().map(|p| *p + DVec2::new(by, 0.0)).collect()));
+    write(&folder, "alone.geojson", &lines, &[]);
+    write(&folder, "twice.geojson", &lines.iter().cloned().chain(far(2e6)).collect::<Vec<_>>(), &[]);
+    let error_of = |input: &str| {
+        let said = folder.succeeds(&format!("densify {input} -i 1 -o made.geojson --overwrite --uncertainty"));
+        assert!(!said.contains("too wide for its number of vertices"), "{said}");
+        let new = lines_of(&folder, "made.geojson").into_iter().filter(|(is_input, ..)| !is_input);
+        let near = new.flat_map(|(_, z, points)| points.into_iter().map(move |p| (p, z)));
+        let is_inner = |(p, _): &(DVec2, f64)| (*p - MIDDLE).abs().max_element() < 0.8 * HALF;
+        let off: Vec<f64> = near.filter(is_inner).map(|(p, z)| (ground(p) - z).powi(2)).collect();
+        ((off.iter().sum::<f64>() / off.len() as f64).sqrt(), off.len())
+    };
+    let (alone, of_alone) = error_of("alone.geojson");
+    let (twice, of_twice) = error_of("twice.geojson");
+    assert!(alone < 0.5 && of_alone > 1_000, "{alone} m at {of_alone} vertices");
+    assert!(
+        twice < 1.1 * alone && of_twice.abs_diff(of_alone) < of_alone / 20,
+        "{twice} m at {of_twice}, {alone} m alone"
+    );
 }
 
 #[test]

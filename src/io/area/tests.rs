@@ -120,3 +120,36 @@ fn a_file_without_polygons_says_what_it_has() {
     let message = area(Path::new(PATH), table).unwrap_err().to_string();
     assert!(message.contains("1 geometries of type CurvePolygon"), "{message}");
 }
+
+#[test]
+fn many_polygons_on_each_other_become_one_outline() {
+    let polygons: Vec<Rings> =
+        (0..1000).map(|k| vec![square(f64::from(k) * 1e-3, f64::from(k % 7) * 1e-3, 10.0)]).collect();
+    let found = read(&polygons).unwrap();
+    assert_eq!(found.0.len(), 1);
+    assert!((found.unsigned_area() - 10.999 * 10.006).abs() < 0.1, "{}", found.unsigned_area());
+}
+
+#[test]
+fn polygons_that_may_not_be_united_stay_apart() {
+    let mut table = Table::new(&Request { elevation_field: None, layer: None, purpose: Purpose::Area, memory: None });
+    for number in 0..3 {
+        let polygons = vec![vec![square(number as f64, 0.0, 10.0)]];
+        table.push(Feature { number, polygons, ..Feature::default() });
+    }
+    let found = united_polygons(Path::new(PATH), table, |a, b| a + b == 3).unwrap();
+    assert_eq!(found.iter().map(|member| member.feature).collect::<Vec<_>>(), [0, 1]);
+}
+
+#[test]
+fn long_spikes_are_no_crossings_and_one_crossing_is_found() {
+    let count = 20_000;
+    let at = |k: u32| {
+        let radius = if k.is_multiple_of(2) { 10.0 } else { 5.0 };
+        radius * DVec2::from_angle(f64::from(k % count) / f64::from(count) * std::f64::consts::TAU)
+    };
+    let mut star: Vec<DVec2> = (0..=count).map(at).collect();
+    assert_eq!(read(&[vec![star.clone()]]).unwrap().0[0].exterior().0.len(), star.len());
+    star[7001] = 1.5 * star[7001].length() * DVec2::from_angle(star[7001].to_angle() + 1e-3);
+    assert!(error(&[vec![star]]).contains("crosses itself at"));
+}

@@ -5,8 +5,10 @@ use tokosen::base::progress::Progress;
 use tokosen::contour::SoftSpot;
 use tokosen::crs::Crs;
 use tokosen::dem::Dem;
+use tokosen::dem::contour::ContourParams;
 use tokosen::io::VectorSource;
 use tokosen::subdomains::Frame;
+use tokosen::terrain::{extent_on, read_area_on};
 use tokosen::{Input, InputOptions, Result};
 
 use crate::error::{exception, parameter};
@@ -27,6 +29,7 @@ pub struct Recipe {
     breaklines: Vec<VectorSource>,
     sinks: Vec<VectorSource>,
     frame: FrameRecipe,
+    extend: bool,
     base: Option<BaseRecipe>,
     extent: Option<([f64; 4], Option<Crs>)>,
     clip: Option<VectorSource>,
@@ -57,6 +60,54 @@ enum BaseRecipe {
     File(std::path::PathBuf),
 }
 
+/// Where the ground of a height map ends, and the part of it that is wanted.
+pub struct Ground {
+    frame: Option<VectorSource>,
+    extent: Option<([f64; 4], Option<Crs>)>,
+    clip: Option<VectorSource>,
+}
+
+impl Ground {
+    /// Takes what is needed out of Python's objects.
+    pub fn new(py: Python<'_>, given: &Given) -> PyResult<Self> {
+        check_part(py, given)?;
+        let frame = match &given.frame {
+            GivenFrame::Area(source) => Some(source.get().vector(py, "frame")?),
+            GivenFrame::Named(name) if name == "auto" => None,
+            GivenFrame::Named(other) => return Err(one_of(py, "frame", other, "polygons")),
+        };
+        let extent_crs = crs(py, given.extent_crs.as_deref())?;
+        let clip = given.clip.as_ref().map(|source| source.get().vector(py, "clip")).transpose()?;
+        Ok(Self { frame, extent: given.extent.map(|extent| (extent, extent_crs)), clip })
+    }
+
+    /// The height map with its ground inside the frame. The part that is wanted is set in `params`.
+    pub fn of(&self, dem: Dem, params: &mut ContourParams) -> Result<Dem> {
+        let dem = match &self.frame {
+            Some(source) => {
+                let frame = read_area_on(&dem, source, params.memory)?;
+                dem.inside(&frame).map_err(|error| error.in_file(&source.path))?
+            }
+            None => dem,
+        };
+        params.part = match (&self.extent, &self.clip) {
+            (Some((extent, crs)), _) => Some(extent_on(&dem, *extent, crs.as_ref())?),
+            (None, Some(source)) => Some(read_area_on(&dem, source, params.memory)?),
+            (None, None) => None,
+        };
+        Ok(dem)
+    }
+}
+
+/// Refuses arguments about the part that contradict each other.
+fn check_part(py: Python<'_>, given: &Given) -> PyResult<()> {
+    match (given.extent.is_some(), given.extent_crs.is_some(), given.clip.is_some()) {
+        (false, true, _) => Err(parameter(py, "extent_crs needs extent")),
+        (true, _, true) => Err(parameter(py, "give either extent or clip")),
+        _ => Ok(()),
+    }
+}
+
 impl Recipe {
     /// Takes what is needed out of Python's objects.
     pub fn new(py: Python<'_>, contours: &[PyRef<'_, Source>], given: &Given) -> PyResult<Self> {
@@ -73,12 +124,11 @@ impl Recipe {
             (given.points_sigma.is_some() && given.points.is_none(), "points_sigma needs points"),
             (given.stream_tolerance.is_some() && given.streams.is_empty(), "stream_tolerance needs streams"),
             (given.base_fade.is_some() && given.base.is_none(), "base_fade needs base"),
-            (given.extent_crs.is_some() && given.extent.is_none(), "extent_crs needs extent"),
-            (given.extent.is_some() && given.clip.is_some(), "give either extent or clip"),
         ];
         if let Some((_, message)) = needs.into_iter().find(|(is_wrong, _)| *is_wrong) {
             return Err(parameter(py, message));
         }
+        check_part(py, given)?;
         let named = crs(py, given.crs.as_deref())?;
         let contours = match contours {
             [one] => match one.given() {
@@ -144,6 +194,7 @@ impl Recipe {
             breaklines: all(&given.breaklines, "breaklines")?,
             sinks: all(&given.sinks, "sinks")?,
             frame,
+            extend: given.extend,
             base,
             extent: given.extent.map(|extent| (extent, extent_crs)),
             clip: one(&given.clip, "clip")?,
@@ -203,7 +254,12 @@ impl Recipe {
     fn frame(&self, input: &mut Input) -> Result<()> {
         match &self.frame {
             FrameRecipe::Named(frame) => input.frame = frame.clone(),
-            FrameRecipe::Area(source) => input.read_boundary(source)?,
+            FrameRecipe::Area(source) => {
+                input.read_boundary(source)?;
+                if !self.extend {
+                    input.frame = std::mem::take(&mut input.frame).in_hull();
+                }
+            }
         }
         Ok(())
     }

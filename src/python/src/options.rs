@@ -46,6 +46,7 @@ pub struct Given {
     pub drain: String,
     pub exclude: Vec<Py<Source>>,
     pub frame: Frame,
+    pub extend: bool,
     pub base: Option<HeightMap>,
     pub base_fade: Option<f64>,
     pub extent: Option<[f64; 4]>,

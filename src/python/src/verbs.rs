@@ -1,9 +1,8 @@
 //! What needs no surface: the check of contours, sub-domains, ridge and canyon lines, contours of a height map, and what is
 //! derived from one.
 
-use glam::DVec2;
 use pyo3::prelude::*;
-use tokosen::base::{ElevationUnit, Grid};
+use tokosen::base::ElevationUnit;
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::GroundScale;
 use tokosen::dem::contour::{ContourParams, contours};
@@ -21,7 +20,7 @@ use tokosen::terrain::{all_right, check_json, clip_areas, clip_skeleton, clip_st
 use tokosen::tuning::SkeletonTuning;
 
 use crate::error::parameter;
-use crate::input::{Recipe, failed};
+use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
 use crate::options::{Given, targets, unit};
 use crate::raster::Raster;
@@ -154,13 +153,14 @@ pub fn skeleton(
     })
 }
 
-/// Contours of a height map, as those of a terrain.
+/// Contours of a height map, as those of a terrain. `given` says which part of the height map is wanted.
 #[pyfunction]
-#[pyo3(signature = (dem, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, progress))]
+#[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, progress))]
 #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
 pub fn contour(
     py: Python<'_>,
     dem: &Raster,
+    given: Given,
     intervals: Vec<f64>,
     base: f64,
     levels: Option<Vec<f64>>,
@@ -181,14 +181,15 @@ pub fn contour(
     let unit = unit(py, to_unit)?;
     let to_crs = crs(py, to_crs)?;
     let dem = dem.dem(py)?;
+    let ground = Ground::new(py, &given)?;
     let memory = tokosen::cli::available_memory();
-    let params = ContourParams { targets, unit, index_every: index, tolerance, smooth, memory };
-    work(py, progress, |progress| {
+    let mut params = ContourParams { targets, unit, index_every: index, tolerance, smooth, part: None, memory };
+    work(py, progress, move |progress| {
         let back = Reprojection::unmoved(dem.crs.clone()).from_working(to_crs.as_ref())?.with_heights_in(unit);
+        let dem = ground.of(dem, &mut params)?;
+        let [low, high] = params.part.as_ref().map_or_else(|| dem.corners(), |part| dem.around(part).corners());
         let found = contours(&dem, &params, progress)?;
-        let Grid { corner, cell, cols, rows } = dem.grid;
-        let opposite = corner + cell * DVec2::new(cols as f64, -(rows as f64));
-        with_labels(&found.layers, labels, (corner.min(opposite), corner.max(opposite)), unit, &back)
+        with_labels(&found.layers, labels, (low, high), unit, &back)
     })
 }
 

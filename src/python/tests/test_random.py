@@ -58,6 +58,7 @@ options = st.fixed_dictionaries(
         "strict": st.booleans(),
         "drain": st.sampled_from(["none", "safe", "all"]),
         "frame": st.sampled_from(["auto", "hull", "bbox", "x"]),
+        "extend": st.booleans(),
         "surface": st.sampled_from(["linear", "skeleton", "spline"]),
         "tension": numbers,
         "noise": numbers,

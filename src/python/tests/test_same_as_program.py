@@ -127,6 +127,34 @@ def test_contours_of_a_height_map_and_what_is_derived_are_those_of_the_program(p
     assert steep.geometry.to_wkb().equals(geopandas.read_file(tmp_path / "steep.gpkg").geometry.to_wkb())
 
 
+def test_contours_of_a_part_of_a_height_map_are_those_of_the_program(program, tmp_path):
+    truth = SAMPLES / "caryville_20m_truth.tif"
+    west, south, east, north = pyogrio.read_info(SAMPLES / REAL[0])["total_bounds"]
+    middle = ((west + east) / 2, (south + north) / 2)
+    circle = geopandas.GeoDataFrame(geometry=[shapely.Point(*middle).buffer(800)], crs=32616)
+    circle.to_crs(4326).to_file(tmp_path / "circle.gpkg")
+    box = (west + 500, south + 500, *middle)
+    degrees = geopandas.read_file(tmp_path / "circle.gpkg")
+    whole = tokosen.contour(truth, 20)
+    for given, flags in (
+        ({"extent": box}, ["--extent", ",".join(map(str, box))]),
+        ({"clip": degrees}, ["--clip", "circle.gpkg"]),
+        ({"frame": degrees}, ["--frame", "circle.gpkg"]),
+    ):
+        program("contour", truth, "-i", 20, "-o", "part.gpkg", "-q", "--overwrite", *flags)
+        wanted = numbers(pyogrio.read_dataframe(tmp_path / "part.gpkg"))
+        found = tokosen.contour(truth, 20, **given)
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(numbers(found), wanted)), flags
+        assert 0 < len(found.coords) < len(whole.coords), flags
+    for wrong, words in (
+        ({"extent": box, "clip": degrees}, "either extent or clip"),
+        ({"frame": "hull"}, "frame is"),
+        ({"extent": (0, 0, 1, 1)}, "outside of the height map"),
+    ):
+        with pytest.raises(tokosen.Error, match=words):
+            tokosen.contour(truth, 20, **wrong)
+
+
 def test_a_comparison_has_the_figures_of_the_program(program):
     path, truth = SAMPLES / REAL[0], SAMPLES / "caryville_20m_truth.tif"
     wanted = json.loads(program("compare", path, truth, "--json", "-q").stdout)

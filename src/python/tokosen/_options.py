@@ -86,6 +86,8 @@ class FrameOptions(TypedDict, total=False):
     frame: Any
     """"hull" of the contours, their "bbox", or polygons. "auto" is the hull, or an outline of the contours where these fill
     less than a third of it ("auto")."""
+    extend: bool
+    """Whether polygons given as `frame` have heights also outside the convex hull of the contours (True)."""
 
 
 class BreakLineOptions(TypedDict, total=False):
@@ -111,6 +113,13 @@ class PartOptions(TypedDict, total=False):
     """The CRS of the extent, if it is not that of the contours."""
     clip: Any
     """Polygons to which results are cut. Contours around them still count."""
+
+
+class GroundOptions(PartOptions, total=False):
+    """The part of a height map that contours cover. Heights around an extent and around the polygons of `clip` still count."""
+
+    frame: Any
+    """Polygons: cells whose centres lie outside of them are no ground."""
 
 
 class SideOptions(
@@ -187,6 +196,7 @@ _DEFAULTS: dict[str, Any] = {
     "drain": "safe",
     "exclude": None,
     "frame": "auto",
+    "extend": True,
     "base": None,
     "base_fade": None,
     "extent": None,

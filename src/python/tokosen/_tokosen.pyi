@@ -145,6 +145,7 @@ def skeleton(
 ) -> tuple[Layer, _Warned]: ...
 def contour(
     dem: Raster,
+    given: _Options,
     intervals: list[float],
     base: float,
     levels: list[float] | None,

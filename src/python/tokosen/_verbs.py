@@ -12,7 +12,18 @@ from tokosen._crs import crs_text
 from tokosen._dem import Dem, raster
 from tokosen._html import page
 from tokosen._layers import Layer, Output, shaped
-from tokosen._options import CheckOptions, RegionOptions, SideOptions, SkeletonOptions, SurfaceOptions, Unit, cells, height_map, options
+from tokosen._options import (
+    CheckOptions,
+    GroundOptions,
+    RegionOptions,
+    SideOptions,
+    SkeletonOptions,
+    SurfaceOptions,
+    Unit,
+    cells,
+    height_map,
+    options,
+)
 from tokosen._sources import is_frame, source, sources
 from tokosen._terrain import Mesh, Terrain, intervals_of, is_several, terrain_for_dem
 from tokosen._work import Progress, reporting, warn_of
@@ -145,11 +156,13 @@ def contour(
     smooth: float | None = None,
     output: Output = None,
     progress: Progress = None,
+    **given: Unpack[GroundOptions],
 ) -> Any:
     """Contour lines of a height map, smooth and with few vertices, as the command `tokosen contour`.
 
     `dem` is a path, a Dem, a DataArray, or (values, transform, crs). `tolerance` is how far lines may be from the bilinear surface
-    of the heights, map units (half a cell). `smooth` smooths noisy heights first, by this distance.
+    of the heights, map units (half a cell). `smooth` smooths noisy heights first, by this distance. `extent` or `clip` is the part
+    of the height map that the lines are cut to; outside of `frame` is no ground.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> sorted(set(tokosen.contour(hill, 10)["elev"].tolist()))
@@ -157,9 +170,11 @@ def contour(
     """
     intervals = intervals_of(interval, levels)
     elevations = None if levels is None else [float(level) for level in levels]
+    ground = options(given, GroundOptions)
     with reporting(progress) as report:
         found = _tokosen.contour(
             raster("dem", dem),
+            ground,
             intervals,
             base_level,
             elevations,

@@ -176,6 +176,15 @@ class Tools(Case):
         self.assertEqual(results["OUTPUT"], f"{made}|layername=contours_25m")
         self.assertSameOutput(made, "contour", HEIGHTS, "-i", "25", "--smooth", "60", "-o")
 
+    def test_contour_of_a_part(self):
+        made, area = self.folder / "made.gpkg", self.folder / "area.geojson"
+        ring = "[[745000,4022000],[746500,4022000],[745000,4023200],[745000,4022000]]"
+        crs = '"crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::32616"}}'
+        feature = f'{{"type":"Feature","properties":{{}},"geometry":{{"type":"Polygon","coordinates":[{ring}]}}}}'
+        area.write_text(f'{{"type":"FeatureCollection",{crs},"features":[{feature}]}}')
+        self.results("contour", INPUT=HEIGHTS, INTERVAL=25, CLIP=area, FRAME=area, OUTPUT=made)
+        self.assertSameOutput(made, "contour", HEIGHTS, "-i", "25", "--clip", area, "--frame", area, "-o")
+
     def test_other_formats(self):
         for extension in ("fgb", "dxf", "shp"):
             made = self.folder / f"made.{extension}"

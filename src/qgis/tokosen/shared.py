@@ -173,6 +173,7 @@ FRAME = choice(
     advanced=True,
 )
 FRAME_LAYER = layer("--frame", "Polygon as outer border", POLYGONS, name="FRAME_LAYER", advanced=True)
+NO_EXTEND = yes("--no-extend", "No heights in the polygon outside the convex hull of the contours", advanced=True)
 SURFACE_KIND = choice(
     "--surface",
     "Surface",
@@ -291,4 +292,4 @@ TERRAIN = [
     POINTS_WITH_HEIGHT, STREAMS, WATER, BREAK_LINES,
     SIGMA, CLIFFS, COAST, COAST_LEVEL, SEA, EXCLUDE, STREAM_TOLERANCE, SINKS, DRAIN,
 ]
-SURFACE = [SURFACE_KIND, FRAME, FRAME_LAYER, RESOLUTION, TENSION, NOISE]
+SURFACE = [SURFACE_KIND, FRAME, FRAME_LAYER, NO_EXTEND, RESOLUTION, TENSION, NOISE]

@@ -10,7 +10,7 @@ use rstar::primitives::{GeomWithData, Rectangle};
 
 use crate::base::FeatureId;
 use crate::base::error::{Finding, FindingKind};
-use crate::geometry::{Border, rings};
+use crate::geometry::{Border, Segment, point_distance, rings};
 use crate::subdomains::Band;
 use crate::tin::{Tin, TinInput, VertexKind};
 
@@ -45,6 +45,17 @@ impl WaterBodies {
     /// Heights of the lakes by their numbers.
     pub fn heights(&self) -> Vec<f64> {
         self.water_bodies.iter().map(|body| body.height).collect()
+    }
+
+    /// The lake in use whose shore is nearest to a place.
+    pub fn nearest(&self, place: DVec2) -> Option<u32> {
+        let distance = |body: &WaterBody| {
+            let edges = body.shores.iter().flat_map(|shore| shore.windows(2));
+            let each = edges.map(|w| point_distance(place, &Segment { a: w[0], b: w[1] }));
+            each.fold(f64::INFINITY, f64::min)
+        };
+        let used = (0u32..).zip(&self.water_bodies).filter(|(_, body)| body.used);
+        used.map(|(id, body)| (distance(body), id)).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
     }
 
     /// Leaves out a lake.
@@ -120,6 +131,13 @@ pub(crate) fn rounded(height: f64) -> f64 {
     (height * 100.0).round() / 100.0
 }
 
+/// The finding about a lake whose shore crosses another line, for instance the frame.
+pub(crate) fn crossing_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2) -> Finding {
+    let WaterBody { height, feature, .. } = &water_bodies.water_bodies[lake as usize];
+    let message = format!("the shore of the lake of feature {feature} crosses itself or another line; it is left out");
+    Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
+}
+
 /// The finding about a lake that contradicts the contours around it.
 pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, band: Band) -> Finding {
     let WaterBody { height, feature, .. } = &water_bodies.water_bodies[lake as usize];
@@ -135,4 +153,45 @@ pub(crate) fn lake_finding(water_bodies: &WaterBodies, lake: u32, place: DVec2, 
         )
     };
     Finding::at(FindingKind::LakeLeftOut, place, message).about(*feature, *height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::constraints::Constraints;
+    use super::*;
+    use crate::contour::{Contour, ContourMap, Interval};
+    use crate::subdomains::{Frame, frame_ring};
+
+    #[test]
+    fn a_lake_whose_shore_crosses_a_line_is_named_and_left_out() {
+        let square = |from: f64, to: f64| {
+            [(from, from), (to, from), (to, to), (from, to), (from, from)].map(|(x, y)| DVec2::new(x, y)).to_vec()
+        };
+        let line = |points, elevation| Contour { elevation, points, feature: 0.into() };
+        let contours = vec![line(square(0.0, 100.0), 10.0), line(square(40.0, 60.0), 20.0)];
+        let map = ContourMap { contours, ..ContourMap::default() };
+        let lake = |number: u64, from: f64, to: f64| {
+            let ring = square(from, to).iter().map(|p| (p.x, p.y)).collect();
+            let area = MultiPolygon::from(geo::Polygon::new(ring, Vec::new()));
+            WaterBody { area, height: 15.0, feature: number.into(), shores: vec![square(from, to)], used: true }
+        };
+        let water_bodies = vec![lake(3, 5.0, 20.0), lake(4, 50.0, 80.0)];
+        let mut constraints = Constraints {
+            is_polygon: false,
+            extensions: Vec::new(),
+            tolerance: 1e-7,
+            spots: Vec::new(),
+            water_bodies: WaterBodies { water_bodies, ..WaterBodies::default() },
+            sea: None,
+            coast: Vec::new(),
+        };
+        let mut findings = Vec::new();
+        let frame = frame_ring(&map, &Frame::Hull);
+        let interval = Interval { step: 10.0, base: 0.0 };
+        let found = constraints.triangulated(&map, &frame, &[], &interval, &mut findings);
+        assert!(found.is_ok());
+        let used: Vec<bool> = constraints.water_bodies.water_bodies.iter().map(|body| body.used).collect();
+        assert_eq!(used, [true, false]);
+        assert!(findings[0].message.contains("the lake of feature 4 crosses"), "{}", findings[0].message);
+    }
 }

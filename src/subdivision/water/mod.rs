@@ -13,7 +13,7 @@ mod net;
 mod nodes;
 mod settle;
 
-pub(crate) use bodies::{WaterBodies, lake_finding};
+pub(crate) use bodies::{WaterBodies, crossing_finding, lake_finding};
 pub(crate) use dry::DrySubdivision;
 pub(crate) use settle::{leave_out_vanished, settle};
 

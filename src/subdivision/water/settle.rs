@@ -17,7 +17,7 @@ use crate::base::bits::bits;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::clean::is_height;
 use crate::contour::{Clipped, Contour, ContourMap, Lake, clip};
-use crate::geometry::rings;
+use crate::geometry::{rings, thinned};
 use crate::subdomains::FrameRing;
 use crate::tin::Tin;
 
@@ -28,6 +28,10 @@ const BACK: f64 = 0.05;
 /// How far vertices of a shore move onto a contour of its level, as a share of the mean spacing, or of the lake's size
 /// if that is smaller.
 const SNAP: f64 = 0.01;
+/// Vertices of a shore that are closer to each other than the first share of the mean spacing are left out, where the others
+/// show the shore up to the second.
+const DENSE: f64 = 0.05;
+const STRAIGHT: f64 = 1e-5;
 /// A lake and a contour whose heights differ by no more have one level, metres: heights are often rounded to
 /// centimetres.
 const SAME_LEVEL: f64 = 0.01;
@@ -49,10 +53,15 @@ pub(crate) fn settle(
 ) -> Result<(WaterBodies, FrameRing)> {
     let length: f64 = dry.map.contours.iter().map(Contour::length).sum();
     let spacing = if length > 0.0 { dry.frame.area.unsigned_area() / length } else { 0.0 };
-    let mut net = Net::new(dry.map, dry.extensions, lakes, NEAR * spacing);
+    let thin = |lake: &Lake| {
+        let area = thinned(&lake.polygon.clone().into(), STRAIGHT * spacing, DENSE * spacing);
+        Lake { polygon: area.into_iter().next().unwrap_or_else(|| lake.polygon.clone()), ..*lake }
+    };
+    let lakes: Vec<Lake> = lakes.iter().map(thin).collect();
+    let mut net = Net::new(dry.map, dry.extensions, &lakes, NEAR * spacing);
     let mut gathered = Gathered::default();
     let levels = levels_in_order(dry.map);
-    for lake in lakes {
+    for lake in &lakes {
         let Some(height) = height_of(lake, dry, &levels, &net, NEAR * spacing)? else {
             findings.push(left_out(lake.feature, lake.height, first_point(lake), "lies outside of the map"));
             continue;

@@ -12,5 +12,5 @@ mod residuals;
 mod sides;
 
 pub(crate) use field::error_field;
-pub use field::{ErrorField, line_error};
+pub use field::{ErrorField, ErrorGrid, line_error};
 pub use model::{ErrorModel, Provenance};

@@ -49,6 +49,7 @@ The repaired contours are an output of their own.
         *shared.PART,
         shared.FRAME,
         shared.FRAME_LAYER,
+        shared.NO_EXTEND,
         shared.STREAMS,
         shared.WATER,
         shared.BREAK_LINES,

@@ -1,6 +1,6 @@
 """Contour lines of a height map."""
 from .. import shared
-from ..options import LINES, distance, raster, vector_output
+from ..options import LINES, POLYGONS, distance, extent, layer, raster, vector_output
 from ..verb import CONTOURS, Verb
 
 
@@ -35,6 +35,21 @@ index contour (is_index), a depression contour (depression) and closed (closed).
             parent="INPUT",
             advanced=True,
             help="For noisy height maps. Two or three times the cell size is a good start.",
+        ),
+        extent("--extent", "Extent", help="Only this part of the map is written. The heights around it still count."),
+        layer(
+            "--clip",
+            "Clip to polygons",
+            POLYGONS,
+            advanced=True,
+            help="Only the part inside is written. The heights around it still count.",
+        ),
+        layer(
+            "--frame",
+            "Polygon as outer border",
+            POLYGONS,
+            advanced=True,
+            help="Cells whose centres lie outside of it are no ground.",
         ),
         shared.TO_CRS,
         shared.TO_UNIT,

@@ -27,6 +27,7 @@ the levels below and above it (band_lo, band_hi), the area around it (parent) an
         *shared.PART,
         shared.FRAME,
         shared.FRAME_LAYER,
+        shared.NO_EXTEND,
         shared.TO_CRS,
         shared.TO_UNIT,
         *shared.CLEANING,

@@ -31,6 +31,7 @@ upper_z and lower_z. Lines that meet have the same number in network.
         *shared.PART,
         shared.FRAME,
         shared.FRAME_LAYER,
+        shared.NO_EXTEND,
         shared.TO_CRS,
         shared.TO_UNIT,
         *shared.CLEANING,
