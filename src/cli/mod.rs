@@ -52,7 +52,6 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use console::{Console, Shown};
 use failure::Failure;
-pub use address_space::share as share_address_space;
 pub use memory::available as available_memory;
 use run_file::{Record, Repeated, RunFile};
 

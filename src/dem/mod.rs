@@ -20,5 +20,5 @@ pub use height_map::Dem;
 pub(crate) use part::mask;
 pub(crate) use rasterise::{height, heights_at};
 pub use rasterise::{locate, rasterise};
-pub use rows::{RasterRows, WithCrs};
 pub(crate) use rows::{Block, Blocks, empty};
+pub use rows::{RasterRows, WithCrs};
