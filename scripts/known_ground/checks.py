@@ -4,6 +4,9 @@ import pyogrio
 import rasterio
 import shapely
 
+import terrain
+from score_streams import along
+
 SHARE = 1e-3  # of the interval: rounding, and the steps of 32-bit numbers
 
 
@@ -58,12 +61,19 @@ def certain(found):
     return inside
 
 
+def known(found):
+    """Cells for which the contours tell the band."""
+    if found.unknown is None:
+        return certain(found)
+    return certain(found) & ~shapely.contains_xy(found.unknown, *found.ground.centres())
+
+
 def out_of_band(found, heights):
     """Cells above the level that is next above the ground, or below the one that is next below."""
     ground, interval = found.ground.heights, found.ground.interval
     below, above = np.floor(ground / interval) * interval, np.ceil(ground / interval) * interval
     off = np.fmax(below - heights, heights - above)
-    return int(np.count_nonzero(certain(found) & np.isfinite(heights) & (off > SHARE * interval)))
+    return int(np.count_nonzero(known(found) & np.isfinite(heights) & (off > SHARE * interval)))
 
 
 def holes(found, heights):
@@ -89,6 +99,53 @@ def below_lake(found, heights):
     return int(np.count_nonzero(near & (heights < level - SHARE * found.ground.interval) & (found.ground.heights >= level)))
 
 
-def unlike_whole(found, heights, of_whole):
+def unlike_whole(found, folder, heights):
     """Cells of sheets that are further from the height map of the whole map than a twentieth of the interval."""
+    of_whole = read_heights(folder / "whole.tif")
     return int(np.count_nonzero(certain(found) & ~(np.abs(heights - of_whole) <= 0.051 * found.ground.interval)))
+
+
+def cells_along(line, ground):
+    """The cells that a line runs through, each once in a row. Of places between two cells, nobody knows the cell."""
+    x, y = shapely.get_coordinates(line).T
+    places = along(np.column_stack(terrain.to_grid(ground.transform, x, y)), 4)
+    cells = np.round(places)
+    known = (np.abs(places - cells) < 0.49).all(1) & (cells >= 0).all(1) & (cells < ground.heights.shape).all(1)
+    cells = cells[known].astype(int)
+    return tuple(cells[np.r_[True, (np.diff(cells, axis=0) != 0).any(1)][: len(cells)]].T)
+
+
+def rises(found, folder, heights):
+    """Places along streams, as they are used, where they rise or where the cells that they run through do. Cells may rise
+    where the contours want it: from one band to the next."""
+    interval, count = found.ground.interval, 0
+    for stream in shapely.from_wkb(pyogrio.raw.read(folder / "threads2" / "diagnostics.gpkg", layer="streams")[2]):
+        count += int(np.count_nonzero(np.diff(shapely.get_coordinates(stream, include_z=True)[:, 2]) > 0))
+        cells = cells_along(stream, found.ground)
+        z, truth = heights[cells], found.ground.heights[cells] / interval
+        rise = np.diff(z) > SHARE * interval
+        count += int(np.count_nonzero(rise & (np.floor(truth[1:]) < np.ceil(truth[:-1]))))
+    return count
+
+
+def wrong_side_of_coast(found, folder, heights):
+    """Cells of the sea that are not at 0, and cells of the land that are not above it."""
+    cells, truth = known(found), found.ground.heights
+    sea = cells & (truth == 0) & ~(np.abs(heights) <= SHARE * found.ground.interval)
+    land = cells & (truth > 0) & ~(heights > 0)
+    return int(np.count_nonzero(sea | land))
+
+
+def wrong_on_base(found, folder, heights):
+    """Cells of a height map on a base: inside, those that differ from the one without; outside, those that differ from the
+    base by more than is carried out from the border, of which a twentieth is left after the fade."""
+    based, base, ground = (read_heights(folder / name) for name in ("based.tif", "base.tif", "ground.tif"))
+    inside = certain(found)
+    x, y = found.ground.centres()
+    apart = shapely.distance(found.area, shapely.points(x, y))
+    largest = np.abs(base - ground)[inside].max() + found.ground.interval
+    fade = found.runs[0][found.runs[0].index("--base-fade") + 1]
+    limit = np.where(apart < fade, largest, largest / 20)
+    wrong = inside & (based != heights)
+    wrong |= (apart > 1e-3) & ~(np.abs(based - base) <= limit + SHARE * found.ground.interval)
+    return int(np.count_nonzero(wrong | ~np.isfinite(based)))
