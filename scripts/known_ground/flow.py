@@ -65,6 +65,6 @@ def valleys(heights):
 
 
 def on_map(cells, transform, heights=None):
-    x, y = terrain.to_map(transform, cells[:, 1], cells[:, 0])
+    x, y = terrain.to_map(transform, cells[:, 0], cells[:, 1])
     places = [x, y] if heights is None else [x, y, heights[tuple(cells.T)]]
     return shapely.linestrings(np.column_stack(places))

@@ -31,26 +31,31 @@ def feet_in_metres(ground, folder, random):
     return found
 
 
-def in_degrees(shapes, crs):
+def in_degrees(shapes, crs, back=False):
     to = pyproj.Transformer.from_crs(grounds.CRS, crs, always_xy=True)
-    return shapely.transform(shapes, to.transform, interleaved=False)
+    direction = "INVERSE" if back else "FORWARD"
+    return shapely.transform(shapes, lambda x, y: to.transform(x, y, direction=direction), interleaved=False)
 
 
-def degrees(ground, folder, random):
+def degrees(ground, folder, random, crs=None):
     found = whole(ground, folder, random)
-    crs = str(random.choice(DEGREES))
+    crs = crs or str(random.choice(DEGREES))
     found.lines = in_degrees(found.lines, crs)
     write_lines(folder / "in.gpkg", found.lines, found.levels, crs)
     return found
 
 
 def district_in_degrees(ground, folder, random):
-    """A district whose frame is in degrees too."""
-    found = district(ground, folder, random)
+    """A district that is cut in degrees, where its border is straight; its frame is in degrees too."""
     crs = str(random.choice(DEGREES))
-    found.lines = in_degrees(found.lines, crs)
+    found = degrees(ground, folder, random, crs)
+    frame = in_degrees(grounds.star(random, ground.box), crs)
+    found.lines, found.levels = grounds.cut(found.lines, found.levels, frame)
     write_lines(folder / "in.gpkg", found.lines, found.levels, crs)
-    write_area(folder / "area.gpkg", in_degrees(found.area, crs), crs=crs)
+    write_area(folder / "area.gpkg", frame, crs=crs)
+    # The area on the plane has as many vertices as its bent edges need.
+    found.area = in_degrees(shapely.segmentize(frame, 1e-5), crs, back=True)
+    found.options = ["--frame", "area.gpkg"]
     return found
 
 
