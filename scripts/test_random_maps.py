@@ -189,15 +189,24 @@ class Checks(unittest.TestCase):
         self.found.runs = [["dem", "--base-fade", 5 * CELL]]
         self.found.checks = {"base": checks.wrong_on_base}
         truth = self.found.ground
-        for name in ("based", "base", "ground"):
-            dataclasses.replace(truth, heights=truth.heights).write(self.folder / f"{name}.tif")
+        cells = np.zeros(truth.heights.shape, bool)
+        cells[:, :20] = True
+        self.found.area = shapely.box(*(truth.box.bounds[:2]), truth.box.bounds[0] + 19 * CELL, truth.box.bounds[3])
+        self.heights = np.where(cells, truth.heights, np.nan)
+        # Beside a straight border, the difference fades by one factor from cell to cell.
+        lift = 2.0 * INTERVAL * np.exp(-3.0 / 5.0 * np.maximum(np.arange(truth.heights.shape[1]) - 19, 0))
+        self.write("base", truth.heights - 2.0 * INTERVAL)
+        self.write("based", truth.heights - 2.0 * INTERVAL + lift)
         self.assertEqual(self.counted(), {})
-        inside = tuple(np.argwhere(checks.certain(self.found))[0])
-        for cell, lift in ((inside, 0.01), ((0, 0), 0.1), ((0, 1), np.nan)):
-            changed = truth.heights.copy()
-            changed[cell] += lift * INTERVAL
-            dataclasses.replace(truth, heights=np.where(np.isfinite(changed), changed, -9999.0)).write(self.folder / "based.tif")
-            self.assertEqual(self.counted(), {"base": 1}, (cell, lift))
+        for cell, off in (((20, 5), 0.01), ((20, 22), 0.2), ((20, 50), 0.2), ((20, 51), np.nan)):
+            changed = truth.heights - 2.0 * INTERVAL + lift
+            changed[cell] += off * INTERVAL
+            self.write("based", changed)
+            self.assertEqual(self.counted(), {"base": 1}, (cell, off))
+
+    def write(self, name, heights):
+        heights = np.where(np.isfinite(heights), heights, -9999.0)
+        dataclasses.replace(self.found.ground, heights=heights).write(self.folder / f"{name}.tif")
 
     def test_files_that_depend_on_threads(self):
         for threads, text in ((1, "a"), (2, "b")):
