@@ -46,13 +46,14 @@ class Checks(unittest.TestCase):
 
     def counted(self):
         out = dict.fromkeys(counts.COLUMNS, 0)
-        with rasterio.open(self.folder / "out.tif", "w", driver="GTiff", count=1, dtype="float64", nodata=-9999.0,
-                           height=self.heights.shape[0], width=self.heights.shape[1]) as file:  # fmt: skip
-            file.write(np.where(np.isfinite(self.heights), self.heights, -9999.0), 1)
         (self.folder / "threads2").mkdir(exist_ok=True)
-        (self.folder / "out.tif").rename(self.folder / "threads2" / "out.tif")
+        self.write("threads2/out", self.heights)
         counts.count_heights(out, self.folder, self.found)
         return {column: count for column, count in out.items() if count}
+
+    def write(self, name, heights):
+        heights = np.where(np.isfinite(heights), heights, -9999.0)
+        dataclasses.replace(self.found.ground, heights=heights).write(self.folder / f"{name}.tif")
 
     def moved(self, lines):
         return checks.moved(self.found.lines, self.found.levels, lines, self.levels, self.found.original)
@@ -203,10 +204,6 @@ class Checks(unittest.TestCase):
             changed[cell] += off * INTERVAL
             self.write("based", changed)
             self.assertEqual(self.counted(), {"base": 1}, (cell, off))
-
-    def write(self, name, heights):
-        heights = np.where(np.isfinite(heights), heights, -9999.0)
-        dataclasses.replace(self.found.ground, heights=heights).write(self.folder / f"{name}.tif")
 
     def test_files_that_depend_on_threads(self):
         for threads, text in ((1, "a"), (2, "b")):

@@ -64,7 +64,29 @@ def valleys(heights):
     return [np.array(line) for line in reaches(direction, accumulation(heights, direction), SHARE * heights.size) if len(line) > 3]
 
 
+def pieces(line, use):
+    """The parts of a line of cells that run over more than three of the `use` cells in a row."""
+    good = use[tuple(line.T)]
+    parts = np.split(line, np.flatnonzero(np.diff(good)) + 1)
+    return [part for part in parts if len(part) > 3 and use[tuple(part[0])]]
+
+
 def on_map(cells, transform, heights=None):
     x, y = terrain.to_map(transform, cells[:, 0], cells[:, 1])
     places = [x, y] if heights is None else [x, y, heights[tuple(cells.T)]]
     return shapely.linestrings(np.column_stack(places))
+
+
+def with_contours(line, lines, levels):
+    """A line with heights that also has a vertex at each contour that it crosses, at the contour's level. Between cells, heights
+    of a straight line are not quite those of the contours."""
+    tree = shapely.STRtree(lines)
+    points = shapely.get_coordinates(line, include_z=True)
+    out = [points[:1]]
+    for a, b in zip(points[:-1], points[1:]):
+        piece = shapely.linestrings([a[:2], b[:2]])
+        near = tree.query(piece, predicate="intersects")
+        at, owners = shapely.get_coordinates(shapely.intersection(lines[near], piece), return_index=True)
+        order = np.argsort(np.hypot(*(at - a[:2]).T))
+        out += [np.column_stack([at, levels[near[owners]]])[order], [b]]
+    return shapely.linestrings(np.concatenate(out))

@@ -9,10 +9,13 @@ from .plain_maps import whole
 
 
 def streams(ground, folder, random):
-    """Streams along the true valleys. The ground has no pits: its contours would contradict the streams in them."""
-    ground.heights = grounds.off_levels(flow.filled(ground.heights, 5e-3 * ground.interval), ground.interval)
+    """Streams along the true valleys. The ground has no pits: its contours would contradict the streams in them. Where pits
+    were filled, it has no valleys either."""
+    dry = flow.filled(ground.heights, 5e-3 * ground.interval)
+    sound = dry == ground.heights
+    ground.heights = grounds.off_levels(dry, ground.interval)
     found = whole(ground, folder, random)
-    cells = flow.valleys(ground.heights)
+    cells = [part for line in flow.valleys(ground.heights) for part in flow.pieces(line, sound)]
     lines = [flow.on_map(line[:: int(random.choice([-1, 1]))], ground.transform) for line in cells]
     if not lines:
         return None
@@ -30,14 +33,14 @@ def ridges(ground, folder, random, with_heights=False):
         return None
     heights = ground.heights if with_heights else None
     lines = [flow.on_map(line, ground.transform, heights) for line in cells]
+    if with_heights:
+        spots = shapely.get_coordinates(lines, include_z=True)
+        share = np.abs(spots[:, 2] / ground.interval % 1.0 - 0.5)
+        found.spots = spots[(share < 0.4) & shapely.contains_xy(found.area.buffer(-ground.cell), spots[:, 0], spots[:, 1])]
+        lines = [flow.with_contours(line, found.lines, found.levels) for line in lines]
     kinds = {"kind": np.array(["ridge"] * len(lines), object)} if random.random() < 0.5 else {}
     write_lines(folder / "ridges.gpkg", lines, None, **kinds)
     found.options = ["--breaklines", "ridges.gpkg"]
-    if with_heights:
-        found.spots = shapely.get_coordinates(lines, include_z=True)
-        share = np.abs(found.spots[:, 2] / ground.interval % 1.0 - 0.5)
-        inside = shapely.contains_xy(found.area.buffer(-ground.cell), found.spots[:, 0], found.spots[:, 1])
-        found.spots = found.spots[(share < 0.4) & inside]
     return found
 
 
@@ -66,14 +69,15 @@ def cliffs(ground, folder, random, broken=False):
     at = np.linspace(-length, length, 60)
     cliff = shapely.linestrings(middle + at[:, None] * along + bow(at)[:, None] * across)
     lines, levels = ground.contours()
-    # Between two rows of cells the step is a slope, on which contours lie within a cell of the cliff.
-    unknown = cliff.buffer(1.5 * ground.cell)
+    unknown = None
     if broken:
-        lines, levels = grounds.cut(lines, levels, ground.box.buffer(ground.cell).difference(unknown))
-        unknown = cliff.buffer(3.0 * ground.cell)
+        # The cliff explains ends of contours that are nearer to it than half of the mean spacing.
+        gap = min(1.5 * ground.cell, 0.4 * ground.box.area / shapely.length(lines).sum())
+        lines, levels = grounds.cut(lines, levels, ground.box.buffer(ground.cell).difference(cliff.buffer(gap)))
+        unknown = cliff.buffer(gap + 1.5 * ground.cell)
     write_lines(folder / "in.gpkg", lines, levels)
     write_lines(folder / "cliffs.gpkg", [cliff], None)
-    found = Map(lines, levels, ground, None, ["--cliffs", "cliffs.gpkg"], unknown=unknown if broken else None)
+    found = Map(lines, levels, ground, None, ["--cliffs", "cliffs.gpkg"], unknown=unknown)
     found.covers(lines)
     return found
 
