@@ -36,7 +36,7 @@ from known_ground import counts, ground, kinds
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BINARY = ROOT / "target" / "release" / "tokosen"
-QUICK = {"cells": (60, 80), "maps": 20}
+QUICK = {"cells": (60, 70), "maps": 20}
 
 
 def one(kind, number, o):

@@ -20,7 +20,8 @@ def streams(ground, folder, random):
     if not lines:
         return None
     write_lines(folder / "streams.gpkg", lines, None)
-    found.options = ["--streams", "streams.gpkg", "--diagnostics", "diagnostics.gpkg"]
+    # From cell to cell, a line is within that of the bends of contours.
+    found.options = ["--streams", "streams.gpkg", "--stream-tolerance", 1.5 * ground.cell, "--diagnostics", "diagnostics.gpkg"]
     found.checks = {"rises": checks.rises}
     return found
 
