@@ -80,12 +80,19 @@ def spots_missed(found, heights):
 
 
 def below_lake(found, heights):
-    """Cells beside a lake that lie below it, though no contour is between."""
+    """Cells beside a lake that lie below it, though the shore is much nearer than any contour below.
+
+    At the outlet the contours do not tell where the ground begins to fall.
+    """
     if found.lake is None:
         return 0
     outline, level = found.lake
     x, y = found.ground.centres()
     near = shapely.contains_xy(shapely.buffer(outline, 3 * found.ground.cell), x, y) & certain(found)
+    rows, cols = np.nonzero(near)
+    places = shapely.points(x[rows, cols], y[rows, cols])
+    to_lower = shapely.distance(places, shapely.multilinestrings(list(found.lines[np.asarray(found.levels) < level])))
+    near[rows, cols] = 2 * shapely.distance(places, outline) < to_lower
     return int(np.count_nonzero(near & (heights < level - SHARE * found.ground.interval) & (found.ground.heights >= level)))
 
 
