@@ -92,12 +92,20 @@ def spots_missed(found, heights):
 
 
 def below_lake(found, heights):
-    """Cells beside a lake that lie below it, though no contour is between."""
+    """Cells beside a lake that lie below it, though the shore is much nearer than any contour below.
+
+    At the outlet the contours do not tell where the ground begins to fall.
+    """
     if found.lake is None:
         return 0
     outline, level = found.lake
     x, y = found.ground.centres()
     near = shapely.contains_xy(shapely.buffer(outline, 3 * found.ground.cell), x, y) & certain(found)
+    lower = found.lines[np.asarray(found.levels) < level]
+    if len(lower):
+        rows, cols = np.nonzero(near)
+        places = shapely.points(x[rows, cols], y[rows, cols])
+        near[rows, cols] = 2 * shapely.distance(places, outline) < shapely.distance(places, shapely.multilinestrings(list(lower)))
     return int(np.count_nonzero(near & (heights < level - SHARE * found.ground.interval) & (found.ground.heights >= level)))
 
 
