@@ -10,7 +10,7 @@ use crate::dem::{heights_at, locate};
 use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
-use crate::subdomains::{Band, Regions, Side, lakesides, line_at, line_starts, local_bands};
+use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
 use crate::tin::{NONE, VertexKind};
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
@@ -35,7 +35,6 @@ pub(crate) fn conditions<'a>(
         VertexKind::Axis => on_lines.get(&bits(tin.positions[v as usize])).copied(),
         _ => None,
     };
-    let lakesides = lakesides(tin, &subdivision.regions, |v| Some(given(v)?.0));
     // The search for local bands keeps one thread busy. Meanwhile another one rasterises.
     let (local, (triangles, reference)) = rayon::join(
         || local_bands(tin, &subdivision.regions, is_wrong, given),
@@ -51,12 +50,7 @@ pub(crate) fn conditions<'a>(
     let is_local = |n: usize| beside.get(n) != Some(&true);
     let band = |n: usize| match triangles[n] {
         NONE => None,
-        t => {
-            let band = local.get(&t).copied().filter(|_| is_local(n)).or_else(|| of_region(t))?;
-            let place = || grid.center(n % grid.cols, n / grid.cols) - tin.origin;
-            let floor = lakesides.get(&t).filter(|_| is_local(n)).and_then(|side| side.floor(tin, t, place()));
-            Some(floor.filter(|floor| *floor < band.hi).map_or(band, |floor| Band { lo: band.lo.max(floor), ..band }))
-        }
+        t => local.get(&t).copied().filter(|_| is_local(n)).or_else(|| of_region(t)),
     };
     let mut lo = parallel::values(triangles.len(), |n| band(n).map_or(f32::NAN, |b| b.lo as f32));
     let mut hi = parallel::values(triangles.len(), |n| band(n).map_or(f32::NAN, |b| b.hi as f32));
