@@ -86,6 +86,8 @@ def fault_after(folder, name, old, new, command, program, seconds):
     shutil.rmtree(copy)
     if found not in (old, new):
         return "the output is neither the old nor the new one"
+    if found == new and f"densify {name}" in command:
+        return None  # The run was over but for its end. The layer is there now, and an input is not replaced unasked.
     for path in hidden(folder):
         lock = path / ".lock"
         if lock.exists():

@@ -283,7 +283,7 @@ fn decide_by_spots(tin: &Tin, of_triangle: &[u32], regions: &mut [Region], undec
         let region = &mut regions[r as usize];
         let balance = |level: f64| {
             let [above, below] = [Ordering::Greater, Ordering::Less]
-                .map(|is| heights.iter().filter(|z| z.total_cmp(&&level) == is).count());
+                .map(|is| heights.iter().filter(|z| z.total_cmp(&level) == is).count());
             above.cmp(&below)
         };
         let sides: Vec<Ordering> = region.levels.iter().map(|(level, _)| balance(*level)).collect();

@@ -93,8 +93,7 @@ impl Groups {
     }
 
     /// The groups by themselves; the whole map where there are none.
-    pub fn extents<T>(&self, subdivision: &Subdivision, each: impl FnMut(&MapExtent<'_>) -> T) -> Vec<T> {
-        let mut each = each;
+    pub fn extents<T>(&self, subdivision: &Subdivision, mut each: impl FnMut(&MapExtent<'_>) -> T) -> Vec<T> {
         if self.groups.is_empty() {
             return vec![each(&subdivision.extent())];
         }

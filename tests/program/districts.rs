@@ -18,7 +18,7 @@ const INTERVAL: f64 = 5.0;
 /// A star of some hundred metres.
 fn district(turn: f64) -> Polygon<f64> {
     let corner = |k: u32| {
-        let radius = if k % 2 == 0 { 240.0 } else { 130.0 } + 17.3 * f64::from(k % 5);
+        let radius = if k.is_multiple_of(2) { 240.0 } else { 130.0 } + 17.3 * f64::from(k % 5);
         let p = MIDDLE + DVec2::new(11.1, -7.7) + radius * DVec2::from_angle(turn + f64::from(k) * 0.449);
         Coord { x: p.x, y: p.y }
     };

@@ -53,19 +53,23 @@ def noise(random, rows, cols, roughness):
     return (heights - heights.mean()) / heights.std()
 
 
-def ground(random):
-    """60 to 300 rows and columns, of some roughness, with 6 to 25 levels."""
-    rows, cols = random.integers(60, 301, 2)
+def off_levels(heights, interval):
+    """Heights as 32-bit numbers, which files hold. None is at a level: contours would meet there."""
+    heights = heights.astype(np.float32).astype(float)
+    at_level = np.abs(heights / interval - np.round(heights / interval)) < 1e-3
+    return np.where(at_level, heights + 2e-3 * interval, heights).astype(np.float32).astype(float)
+
+
+def ground(random, cells=(60, 300)):
+    """Ground with some number of rows and columns, of some roughness, with 6 to 25 levels."""
+    rows, cols = random.integers(cells[0], cells[1] + 1, 2)
     roughness = random.uniform(1.6, 2.6)
     # Noise repeats, so only a part of it is taken.
     heights = noise(random, 2 * rows, 2 * cols, roughness)[:rows, :cols]
     interval = float(random.choice(INTERVALS))
     levels = random.uniform(6.0, 25.0)
     heights = (heights - heights.min()) / np.ptp(heights) * levels * interval + random.uniform(0.0, 800.0)
-    # A height at a level makes points where contours meet. Heights are written as 32-bit numbers.
-    heights = heights.astype(np.float32).astype(float)
-    at_level = np.abs(heights / interval - np.round(heights / interval)) < 1e-3
-    heights = np.where(at_level, heights + 2e-3 * interval, heights).astype(np.float32).astype(float)
+    heights = off_levels(heights, interval)
     cell = float(random.choice([2.0, 5.0, 10.0, 12.5, 25.0]))
     west, north = random.uniform(-80_000, 80_000), random.uniform(-200_000, 60_000)
     west, north = math.floor(west / cell) * cell, math.floor(north / cell) * cell

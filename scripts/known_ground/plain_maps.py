@@ -1,44 +1,10 @@
-"""The ways in which a random ground is given to tokosen."""
-from dataclasses import dataclass, field
-
+"""Maps of contours, lakes and spot heights."""
 import numpy as np
-import pyogrio
 import shapely
 
-import terrain
-
+from . import checks
 from . import ground as grounds
-
-
-@dataclass
-class Map:
-    """Input files, the options that name them, and what is known of the ground."""
-
-    lines: np.ndarray
-    levels: np.ndarray
-    ground: grounds.Ground
-    area: object  # where there must be heights
-    options: list = field(default_factory=list)
-    inputs: list = field(default_factory=lambda: ["in.gpkg"])
-    spots: np.ndarray = None  # x, y, z
-    lake: tuple = None  # outline and level
-    steps: int = 1  # how often the lines are densified
-    whole: object = None  # the map whose heights its own must be near
-    original: tuple = None  # lines and levels whose vertices must stay, if not all of its lines
-
-
-def write_lines(path, lines, levels):
-    pyogrio.raw.write(
-        path, shapely.to_wkb(lines), [np.asarray(levels, float)], ["elev"], geometry_type="LineString", crs=grounds.CRS, driver="GPKG",
-        layer="contours",
-    )  # fmt: skip
-
-
-def write_area(path, area, level=None):
-    values, names = ([np.array([level])], ["elev"]) if level is not None else ([], [])
-    pyogrio.raw.write(
-        path, np.array([shapely.to_wkb(area)], object), values, names, geometry_type="Polygon", crs=grounds.CRS, driver="GPKG"
-    )
+from .map import Map, write_area, write_lines
 
 
 def whole(ground, folder, random):
@@ -119,8 +85,10 @@ def sheets(ground, folder, random, digits=None):
             write_lines(folder / inputs[-1], lines, levels)
             all_lines.append(lines)
             all_levels.append(levels)
-    area = shapely.convex_hull(shapely.multilinestrings(list(found.lines))).buffer(-0.01)
-    return Map(np.concatenate(all_lines), np.concatenate(all_levels), ground, area, [], inputs, whole=found)
+    sheet = Map(np.concatenate(all_lines), np.concatenate(all_levels), ground, found.area.buffer(-0.01), inputs=inputs)
+    sheet.runs = [["dem", "in.gpkg", "--like", "ground.tif", "-o", "whole.tif"]]
+    sheet.checks = {"sheets": checks.unlike_whole}
+    return sheet
 
 
 def sheets_in_millimetres(ground, folder, random):
@@ -157,9 +125,3 @@ def two_clipped_steps(ground, folder, random):
     found = clipped_district(ground, folder, random)
     found.steps = 2
     return found
-
-
-KINDS = [
-    whole, whole_with_spots, rectangle, rectangle_as_polygon, district, district_with_spots, clipped_district, sheets,
-    sheets_in_millimetres, lake, two_steps, two_clipped_steps,
-]  # fmt: skip
