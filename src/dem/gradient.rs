@@ -10,34 +10,27 @@ use glam::DVec2;
 pub(super) fn gradients(lines: [Option<&[f32]>; 3], cell: DVec2, mut each: impl FnMut(usize, DVec2, bool)) {
     let [above, Some(line), below] = lines else { return };
     let step = cell * 8.0;
-    let mut beside_border = |col: usize| {
-        if let Some(rise) = rise_by_some(lines, col) {
-            each(col, rise / step, false);
+    let by_some = |col: usize| rise_by_some(lines, col);
+    let mut tell = |col: usize, rise: Option<DVec2>, is_whole: bool| {
+        if let Some(rise) = rise {
+            each(col, rise / step, is_whole);
         }
     };
     let (Some(above), Some(below)) = (above, below) else {
-        (0..line.len()).for_each(beside_border);
+        (0..line.len()).for_each(|col| tell(col, by_some(col), false));
         return;
     };
-    let last = line.len().saturating_sub(1);
-    if !line.is_empty() {
-        beside_border(0);
-    }
+    tell(0, by_some(0), false);
     let cells = above.windows(3).zip(line.windows(3)).zip(below.windows(3));
     for (col, ((above, line), below)) in (1..).zip(cells) {
         match rise_by_all([above, line, below]) {
-            Some(rise) => each(col, rise / step, true),
-            None => {
-                if let Some(rise) = rise_by_some(lines, col) {
-                    each(col, rise / step, false);
-                }
-            }
+            Some(rise) => tell(col, Some(rise), true),
+            None => tell(col, by_some(col), false),
         }
     }
-    if last > 0
-        && let Some(rise) = rise_by_some(lines, last)
-    {
-        each(last, rise / step, false);
+    let last = line.len().saturating_sub(1);
+    if last > 0 {
+        tell(last, by_some(last), false);
     }
 }
 

@@ -45,7 +45,7 @@ fn bounds(bin: usize) -> (f64, f64) {
     (-high, -low)
 }
 
-/// Counts of differences in bins.
+/// Counts of differences in bins. A raster has fewer cells than 32 bits can count.
 #[derive(Debug)]
 pub(super) struct Counts(Vec<u32>);
 
@@ -58,25 +58,26 @@ impl Counts {
         self.0[bin(difference)] += 1;
     }
 
-    /// The number of differences in the bins before each bin, and at the end in all.
-    pub fn sums(&self) -> Sums {
+    /// The ranks of the differences, all of which are from `lowest` to `highest`.
+    pub fn ranks(&self, (lowest, highest): (f64, f64)) -> Ranks {
         let mut sum = 0;
         let before = self.0.iter().map(|&count| {
             sum += u64::from(count);
             sum - u64::from(count)
         });
-        let mut sums: Vec<u64> = before.collect();
-        sums.push(sum);
-        Sums { sums, lowest: f64::NEG_INFINITY, highest: f64::INFINITY }
+        let mut below: Vec<u64> = before.collect();
+        below.push(sum);
+        Ranks { below, lowest, highest }
     }
 }
 
-/// Sums of counts. All differences are from `lowest` to `highest`.
+/// Which bins hold the differences of a rank.
 #[derive(Debug)]
-pub(super) struct Sums {
-    sums: Vec<u64>,
-    pub lowest: f64,
-    pub highest: f64,
+pub(super) struct Ranks {
+    /// The number of differences below each bin, and at the end that of all.
+    below: Vec<u64>,
+    lowest: f64,
+    highest: f64,
 }
 
 /// The differences that must be known for a quantile: those in some bins.
@@ -90,9 +91,9 @@ pub(super) struct Part {
     rank: f64,
 }
 
-impl Sums {
+impl Ranks {
     fn total(&self) -> u64 {
-        self.sums[COUNT]
+        self.below[COUNT]
     }
 
     fn rank(&self, share: f64) -> f64 {
@@ -100,16 +101,16 @@ impl Sums {
     }
 
     fn in_bins(&self, bins: &Range<usize>) -> u64 {
-        if bins.is_empty() { 0 } else { self.sums[bins.end] - self.sums[bins.start] }
+        if bins.is_empty() { 0 } else { self.below[bins.end] - self.below[bins.start] }
     }
 
     /// The part that decides a quantile of the differences.
     pub fn quantile(&self, share: f64) -> Part {
         let rank = self.rank(share);
-        let bin_of = |rank: u64| self.sums.partition_point(|&sum| sum <= rank).max(1) - 1;
+        let bin_of = |rank: u64| self.below.partition_point(|&sum| sum <= rank).max(1) - 1;
         let first = bin_of(rank.floor() as u64);
         let last = bin_of((rank.floor() as u64 + 1).min(self.total() - 1));
-        Part { bins: vec![first..last + 1], below: self.sums[first], rank }
+        Part { bins: std::iter::once(first..last + 1).collect(), below: self.below[first], rank }
     }
 
     /// The part that decides a quantile of the distances from a centre, which is somewhere between two numbers.
@@ -248,16 +249,16 @@ mod tests {
     fn by_bins(values: &[f64]) -> [f64; 4] {
         let mut counts = Counts::new();
         values.iter().for_each(|v| counts.add(*v));
-        let mut sums = counts.sums();
-        sums.lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        sums.highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let median = sums.quantile(0.5);
-        let around = sums.around(&median);
+        let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let ranks = counts.ranks((lowest, highest));
+        let median = ranks.quantile(0.5);
+        let around = ranks.around(&median);
         let parts = [
             median,
-            sums.quantile_around(around, 0.5),
-            sums.quantile_around((0.0, 0.0), 0.9),
-            sums.quantile_around((0.0, 0.0), 0.95),
+            ranks.quantile_around(around, 0.5),
+            ranks.quantile_around((0.0, 0.0), 0.9),
+            ranks.quantile_around((0.0, 0.0), 0.95),
         ];
         let mut collected = Collected::default();
         let is_wanted = |d: f64| parts.iter().flat_map(|part| &part.bins).any(|bins| bins.contains(&bin(d)));
@@ -317,8 +318,8 @@ mod tests {
     fn few_differences_are_collected() {
         let mut counts = Counts::new();
         (0..100_000).for_each(|k| counts.add(f64::from(k) * 1e-5));
-        let sums = counts.sums();
-        let part = sums.quantile_around((0.0, 0.0), 0.9);
-        assert!(part.bins.iter().map(|bins| sums.in_bins(bins)).sum::<u64>() < 1000);
+        let ranks = counts.ranks((0.0, 1.0));
+        let part = ranks.quantile_around((0.0, 0.0), 0.9);
+        assert!(part.bins.iter().map(|bins| ranks.in_bins(bins)).sum::<u64>() < 1000);
     }
 }

@@ -1,85 +1,111 @@
-//! Classes of cells by one value, and the statistics of each.
+//! Classes of cells by one property, and what takes the differences of each.
 
 use glam::DVec2;
 
-use super::classes::Class;
-use super::tally::{Second, Tally};
+use super::classes::{Class, SLOPE_BOUNDS};
+use super::rows::Cells;
+use super::slopes::steepness_of;
+use super::tally::{Collector, Tally};
 
-/// The first pass over the cells of some classes.
+/// What takes the differences of the cells of a class, row by row.
+pub(super) trait Take {
+    /// Takes a difference and the index of its cell. Cells come in order.
+    fn add(&mut self, d: f64, cell: usize);
+
+    /// Ends a row of cells.
+    fn end_row(&mut self);
+}
+
+/// The property that decides the class of a cell.
+#[derive(Debug, Clone, Copy)]
+enum By {
+    /// All cells are one class.
+    Nothing,
+    Slope,
+    Elevation,
+    Distance,
+}
+
+/// Classes of cells by one property.
 #[derive(Debug)]
-pub(super) struct Group {
-    classes: Bounds,
-    tallies: Vec<Tally>,
+pub(super) struct Group<T> {
+    by: By,
+    /// Bounds of the classes: none or at least two.
+    bounds: Vec<f64>,
+    /// The bounds in the unit that cells have the property in.
+    limits: Vec<f64>,
+    classes: Vec<T>,
 }
 
-/// The second pass.
-#[derive(Debug)]
-pub(super) struct SecondGroup {
-    classes: Bounds,
-    tallies: Vec<Option<Second>>,
-}
+impl Group<Tally> {
+    /// All cells.
+    pub fn all() -> Self {
+        Self::new(By::Nothing, &[f64::NEG_INFINITY, f64::INFINITY])
+    }
 
-/// Bounds of classes: those that are reported, and those that values are compared with. There are none or at least two.
-#[derive(Debug, Clone)]
-struct Bounds {
-    told: Vec<f64>,
-    compared: Vec<f64>,
-}
+    /// Classes by the slope of B.
+    pub fn by_slope() -> Self {
+        // Slopes are compared as rise over run, which takes less time than their arc tangents.
+        Self { limits: SLOPE_BOUNDS.map(steepness_of).to_vec(), ..Self::new(By::Slope, &SLOPE_BOUNDS) }
+    }
 
-impl Bounds {
-    /// The class of a value. A class has its lower bound, and not its upper one.
-    fn class(&self, value: f64) -> Option<usize> {
-        let count = self.compared.iter().filter(|bound| value >= **bound).count();
-        if count < self.compared.len() { count.checked_sub(1) } else { None }
+    /// Classes by the elevation of B.
+    pub fn by_elevation(bounds: &[f64]) -> Self {
+        Self::new(By::Elevation, bounds)
+    }
+
+    /// Classes by the distance to the nearest contour.
+    pub fn by_distance(bounds: &[f64]) -> Self {
+        Self::new(By::Distance, bounds)
+    }
+
+    fn new(by: By, bounds: &[f64]) -> Self {
+        let classes = bounds.iter().skip(1).map(|_| Tally::new()).collect();
+        Self { by, bounds: bounds.to_vec(), limits: bounds.to_vec(), classes }
+    }
+
+    /// The same classes for the next pass.
+    pub fn collectors(self) -> Group<Option<Collector>> {
+        let Self { by, bounds, limits, classes } = self;
+        Group { by, bounds, limits, classes: classes.into_iter().map(Tally::collector).collect() }
     }
 }
 
-impl Group {
-    /// Classes between bounds.
-    pub fn new(bounds: &[f64]) -> Self {
-        Self::compared(bounds, bounds.to_vec())
+impl<T: Take> Group<T> {
+    /// Takes a row.
+    pub fn add(&mut self, cells: &Cells<'_>) {
+        match self.by {
+            By::Nothing => self.add_by(cells, |_| 0.0),
+            By::Slope => self.add_by(cells, |col| cells.row.steepness[col].into()),
+            By::Elevation => self.add_by(cells, |col| cells.heights[col].into()),
+            By::Distance => self.add_by(cells, |col| cells.distances.get(col).copied().unwrap_or(f64::NAN)),
+        }
     }
 
-    /// Classes between bounds that are compared with values of another kind.
-    pub fn compared(bounds: &[f64], compared: Vec<f64>) -> Self {
-        let tallies = bounds.iter().skip(1).map(|_| Tally::new()).collect();
-        Self { classes: Bounds { told: bounds.to_vec(), compared }, tallies }
-    }
-
-    /// Counts a row of differences, NaN where there is none. `value` gives the value of a column. `first` is the index of the
-    /// first cell.
-    pub fn add(&mut self, differences: &[f64], value: impl Fn(usize) -> f64, first: usize) {
-        for (col, &d) in differences.iter().enumerate().filter(|(_, d)| !d.is_nan()) {
-            if let Some(class) = self.classes.class(value(col)) {
-                self.tallies[class].add(d, first + col);
+    fn add_by(&mut self, cells: &Cells<'_>, value: impl Fn(usize) -> f64) {
+        for (col, &d) in cells.row.differences.iter().enumerate().filter(|(_, d)| !d.is_nan()) {
+            if let Some(class) = class(&self.limits, value(col)) {
+                self.classes[class].add(d, cells.first + col);
             }
         }
-        self.tallies.iter_mut().for_each(Tally::end_row);
-    }
-
-    pub fn second(self) -> SecondGroup {
-        SecondGroup { classes: self.classes, tallies: self.tallies.into_iter().map(Tally::second).collect() }
+        self.classes.iter_mut().for_each(T::end_row);
     }
 }
 
-impl SecondGroup {
-    /// Takes a row of differences, as [`Group::add`].
-    pub fn add(&mut self, differences: &[f64], value: impl Fn(usize) -> f64) {
-        for (col, &d) in differences.iter().enumerate().filter(|(_, d)| !d.is_nan()) {
-            if let Some(tally) = self.classes.class(value(col)).and_then(|class| self.tallies[class].as_mut()) {
-                tally.add(d);
-            }
-        }
-        self.tallies.iter_mut().flatten().for_each(Second::end_row);
-    }
-
-    pub fn classes(self, place: &dyn Fn(usize) -> DVec2) -> Vec<Class> {
-        let bounds = self.classes.told;
-        let class = |(bound, tally): (&[f64], Option<Second>)| Class {
+impl Group<Option<Collector>> {
+    /// The classes with their statistics. `place` gives the position of a cell.
+    pub fn statistics(self, place: &dyn Fn(usize) -> DVec2) -> Vec<Class> {
+        let class = |(bound, collector): (&[f64], Option<Collector>)| Class {
             from: bound[0],
             to: Some(bound[1]).filter(|to| to.is_finite()),
-            statistics: tally.map(|tally| tally.statistics(place)),
+            statistics: collector.map(|collector| collector.statistics(place)),
         };
-        bounds.windows(2).zip(self.tallies).map(class).collect()
+        self.bounds.windows(2).zip(self.classes).map(class).collect()
     }
+}
+
+/// The class of a value. A class has its lower bound, and not its upper one.
+fn class(bounds: &[f64], value: f64) -> Option<usize> {
+    let count = bounds.iter().filter(|bound| value >= **bound).count();
+    if count < bounds.len() { count.checked_sub(1) } else { None }
 }

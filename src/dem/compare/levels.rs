@@ -143,7 +143,11 @@ impl Counts {
 
     fn add(&mut self, heights: &[f32], precision: Option<Precision>) {
         for &height in heights.iter().filter(|h| h.is_finite()) {
-            self.counts[(bin(height, &self.interval, precision) - self.first) as usize] += 1;
+            // A file that is changed between two passes may hold heights beyond the range.
+            let place = usize::try_from(bin(height, &self.interval, precision) - self.first);
+            if let Some(count) = place.ok().and_then(|place| self.counts.get_mut(place)) {
+                *count += 1;
+            }
         }
     }
 

@@ -7,26 +7,31 @@
 //! All calculations are in double precision, from the heights as they are stored. The results do not depend on the
 //! number of threads.
 //!
-//! Both are read three times, some rows at a time. So the memory does not depend on the number of rows. The first pass finds the
-//! range of heights, from which the classes follow. The second one sums up and counts. The third one needs the means of the
-//! second, and collects the few differences that the exact quantiles lie between.
+//! Both are read three times, some rows at a time. So the memory does not depend on the number of rows. The first pass finds
+//! the ranges of heights, from which the classes follow. The second one sums up and counts. The third one needs the means
+//! of the second, and collects the few differences that the exact quantiles lie between.
 
 mod bands;
 mod bins;
 mod classes;
+mod difference;
 mod distance;
 mod group;
 mod heights;
 mod levels;
+mod passes;
 mod precision;
 mod resampled;
 mod rows;
 mod sample;
+mod slopes;
 mod statistics;
 mod tally;
 
 pub use bands::{BandShare, outside_bands};
 pub use classes::{Class, SLOPE_BOUNDS};
+pub(crate) use difference::subtract;
+pub use difference::{Difference, difference};
 pub use distance::contour_distances;
 pub use heights::{HeightFigures, height_figures};
 pub use levels::{BINS, LevelHistogram, find_terraces, level_histogram};
@@ -34,21 +39,17 @@ pub use precision::{Precision, precision};
 pub use resampled::Resampled;
 pub(crate) use sample::Strip;
 pub use sample::{height_at, heights_at_places, heights_between};
+pub use slopes::SlopeError;
 pub use statistics::{Extreme, Statistics, statistics};
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::{Dem, RasterRows, empty};
-use crate::base::Grid;
+use super::RasterRows;
 use crate::base::error::{Error, Result};
 use crate::contour::Interval;
-use crate::crs::Crs;
-use classes::{distance_bounds, elevation_bounds, round_up};
-use group::{Group, SecondGroup};
-use heights::Scan;
-use levels::LevelCounts;
-use rows::{Row, each_block, fill};
+use classes::round_up;
+use passes::{Counted, collect, count, find_ranges};
 
 /// Number of standard deviations that a difference exceeds by chance once in twenty times.
 const SIGNIFICANT: f64 = 1.96;
@@ -96,17 +97,6 @@ pub struct Comparison {
     pub b: HeightFigures,
 }
 
-/// The difference of slopes, A − B.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SlopeError {
-    /// Cells that have all eight neighbours in both.
-    pub cells: usize,
-    /// Root mean square difference, degrees.
-    pub rmse: f64,
-    /// Mean difference, degrees. Below 0 where A is smoother.
-    pub bias: f64,
-}
-
 /// The part of the differences that the stated accuracy of the reference does not explain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Significance {
@@ -138,231 +128,26 @@ pub fn compare(a: &dyn RasterRows, b: &dyn RasterRows, params: &CompareParams<'_
         let (name, must) = ("standard deviation", "more than 0");
         return Err(Error::OutOfRange { name, value: sigma, unit: " m", must });
     }
-    let first = First::of([a, b], params)?;
-    let second = Sums::of([a, b], params, &first)?;
-    let (slope, beyond) = (second.slopes.error(), second.beyond);
-    let levels = [&second.a, &second.b];
-    let [of_a, of_b] = std::array::from_fn(|side| first.sides[side].figures(levels[side]));
+    let no_overlap =
+        || Error::Data("there is no place where both A and B have heights: do they overlap at all?".into());
+    let ranges = find_ranges([a, b], params)?.ok_or_else(no_overlap)?;
+    let Counted { groups, slopes, beyond, levels } = count([a, b], params, &ranges)?;
+    let [of_a, of_b] = std::array::from_fn(|side| ranges.sides[side].figures(&levels[side]));
     let place = |i: usize| grid.center(i % grid.cols, i / grid.cols);
     let [overall, by_slope, by_elevation, by_distance] =
-        second.groups.third([a, b], params)?.map(|group| group.classes(&place));
-    let Some(overall) = overall.first().and_then(|class| class.statistics) else { return Err(no_overlap()) };
+        collect([a, b], params, groups)?.map(|group| group.statistics(&place));
+    let overall = overall.first().and_then(|class| class.statistics).ok_or_else(no_overlap)?;
     Ok(Comparison {
         overall,
         by_slope,
         by_elevation,
         by_distance,
-        slope,
+        slope: slopes.error(),
         significance: params.sigma.map(|sigma| significance(beyond, &overall, sigma)),
         bands: None,
         a: of_a,
         b: of_b,
     })
-}
-
-fn no_overlap() -> Error {
-    Error::Data("there is no place where both A and B have heights: do they overlap at all?".into())
-}
-
-/// What the first pass finds.
-struct First {
-    sides: [Scan; 2],
-    /// The bounds of the classes of elevation and of distance.
-    elevations: Vec<f64>,
-    distances: Vec<f64>,
-}
-
-impl First {
-    fn of(sides: [&dyn RasterRows; 2], params: &CompareParams<'_>) -> Result<Self> {
-        let [mut of_a, mut of_b] = [Scan::new(); 2];
-        let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
-        let mut known = Vec::new();
-        each_block(sides, |a, b, _| {
-            let compared = || a.heights().iter().zip(b.heights()).map(|(a, b)| a.is_finite() && b.is_finite());
-            let range = || {
-                for (height, _) in b.heights().iter().zip(compared()).filter(|(_, is_compared)| *is_compared) {
-                    (lowest, highest) = (lowest.min(*height), highest.max(*height));
-                }
-            };
-            rayon::join(|| of_a.add(a.heights()), || rayon::join(|| of_b.add(b.heights()), range));
-            let first = b.rows.start * sides[1].grid().cols;
-            let distances = params.distances.and_then(|distances| distances.get(first..)).unwrap_or_default();
-            known.extend(distances.iter().zip(compared()).filter(|(_, is_compared)| *is_compared).map(|(d, _)| *d));
-        })?;
-        if lowest > highest {
-            return Err(no_overlap());
-        }
-        let elevations = elevation_bounds(lowest.into(), highest.into());
-        Ok(Self { sides: [of_a, of_b], elevations, distances: distance_bounds(known.into_iter()) })
-    }
-}
-
-/// Classes: all cells, by slope, by elevation, by distance.
-struct Groups<G>([G; 4]);
-
-/// What the second pass sums up.
-struct Sums {
-    groups: Groups<Group>,
-    slopes: Slopes,
-    /// Number of differences beyond the accuracy that is stated.
-    beyond: usize,
-    a: LevelCounts,
-    b: LevelCounts,
-}
-
-impl Sums {
-    fn of(sides: [&dyn RasterRows; 2], params: &CompareParams<'_>, first: &First) -> Result<Self> {
-        let Grid { cell, cols, .. } = sides[1].grid();
-        let cell = cell * params.metres_per_unit;
-        let limit = params.sigma.map_or(f64::INFINITY, |sigma| SIGNIFICANT * sigma);
-        let steepness = SLOPE_BOUNDS.map(steepness_of).to_vec();
-        let mut all = Group::new(&[f64::NEG_INFINITY, f64::INFINITY]);
-        let mut by_slope = Group::compared(&SLOPE_BOUNDS, steepness);
-        let (mut by_elevation, mut by_distance) = (Group::new(&first.elevations), Group::new(&first.distances));
-        let (mut slopes, mut beyond) = (Slopes::default(), 0);
-        let [mut of_a, mut of_b] = [0, 1].map(|side: usize| first.sides[side].levels(params.interval.as_ref()));
-        each_block(sides, |a, b, rows| {
-            fill(b, rows, |row, out| {
-                out.subtract(a.row(row), b.row(row));
-                out.compare_slopes(a.around(row), b.around(row), cell);
-            });
-            let numbered = || b.rows.clone().zip(rows.iter());
-            // Each task goes through the rows in order. So sums do not depend on the threads.
-            rayon::scope(|scope| {
-                scope.spawn(|_| of_a.add(a.heights()));
-                scope.spawn(|_| of_b.add(b.heights()));
-                scope.spawn(|_| {
-                    for (row, Row { differences, slopes: of_row, .. }) in numbered() {
-                        all.add(differences, |_| 0.0, row * cols);
-                        slopes.add(of_row);
-                        beyond += differences.iter().filter(|d| d.abs() > limit).count();
-                    }
-                });
-                scope.spawn(|_| {
-                    for (row, Row { differences, steepness, .. }) in numbered() {
-                        by_slope.add(differences, |col| steepness[col].into(), row * cols);
-                    }
-                });
-                scope.spawn(|_| {
-                    for (row, Row { differences, .. }) in numbered() {
-                        let heights = b.row(row);
-                        by_elevation.add(differences, |col| heights[col].into(), row * cols);
-                    }
-                });
-                if let Some(distances) = params.distances {
-                    let by_distance = &mut by_distance;
-                    scope.spawn(move |_| {
-                        for (row, Row { differences, .. }) in numbered() {
-                            by_distance.add(differences, |col| distances[row * cols + col], row * cols);
-                        }
-                    });
-                }
-            });
-        })?;
-        Ok(Self { groups: Groups([all, by_slope, by_elevation, by_distance]), slopes, beyond, a: of_a, b: of_b })
-    }
-}
-
-impl Groups<Group> {
-    /// The third pass.
-    fn third(self, sides: [&dyn RasterRows; 2], params: &CompareParams<'_>) -> Result<[SecondGroup; 4]> {
-        let Grid { cell, cols, .. } = sides[1].grid();
-        let cell = cell * params.metres_per_unit;
-        let [mut all, mut by_slope, mut by_elevation, mut by_distance] = self.0.map(Group::second);
-        each_block(sides, |a, b, rows| {
-            fill(b, rows, |row, out| {
-                out.subtract(a.row(row), b.row(row));
-                out.incline(b.around(row), cell);
-            });
-            let numbered = || b.rows.clone().zip(rows.iter());
-            rayon::scope(|scope| {
-                scope.spawn(|_| numbered().for_each(|(_, row)| all.add(&row.differences, |_| 0.0)));
-                scope.spawn(|_| {
-                    for (_, Row { differences, steepness, .. }) in numbered() {
-                        by_slope.add(differences, |col| steepness[col].into());
-                    }
-                });
-                scope.spawn(|_| {
-                    for (row, Row { differences, .. }) in numbered() {
-                        let heights = b.row(row);
-                        by_elevation.add(differences, |col| heights[col].into());
-                    }
-                });
-                if let Some(distances) = params.distances {
-                    let by_distance = &mut by_distance;
-                    scope.spawn(move |_| {
-                        for (row, Row { differences, .. }) in numbered() {
-                            by_distance.add(differences, |col| distances[row * cols + col]);
-                        }
-                    });
-                }
-            });
-        })?;
-        Ok([all, by_slope, by_elevation, by_distance])
-    }
-}
-
-/// Sums of the differences of slopes.
-#[derive(Debug, Default)]
-struct Slopes {
-    cells: usize,
-    sum: f64,
-    squares: f64,
-}
-
-impl Slopes {
-    fn add(&mut self, row: &[f64]) {
-        self.cells += row.len();
-        self.sum += row.iter().sum::<f64>();
-        self.squares += row.iter().map(|d| d * d).sum::<f64>();
-    }
-
-    fn error(&self) -> Option<SlopeError> {
-        let count = self.cells as f64;
-        let error = || SlopeError { cells: self.cells, rmse: (self.squares / count).sqrt(), bias: self.sum / count };
-        (self.cells > 0).then(error)
-    }
-}
-
-/// The difference A − B of two height maps on one grid. NaN where one of them has no height.
-///
-/// # Errors
-/// As [`RasterRows::read`]. If there is not enough memory.
-pub fn difference(a: &dyn RasterRows, b: &dyn RasterRows) -> Result<Dem> {
-    Ok(Difference { a, b }.whole()?.into_owned())
-}
-
-/// The difference A − B of two height maps on one grid, computed when its rows are read.
-#[derive(Debug, Clone, Copy)]
-pub struct Difference<'a> {
-    /// The heights that are compared.
-    pub a: &'a dyn RasterRows,
-    /// The heights that are subtracted.
-    pub b: &'a dyn RasterRows,
-}
-
-impl RasterRows for Difference<'_> {
-    fn grid(&self) -> Grid {
-        self.b.grid()
-    }
-
-    fn crs(&self) -> Option<&Crs> {
-        self.b.crs()
-    }
-
-    fn read(&self, first: usize, values: &mut [f32]) -> Result<()> {
-        let mut heights = empty(values.len())?;
-        heights.resize(values.len(), f32::NAN);
-        let (of_a, of_b) = rayon::join(|| self.a.read(first, values), || self.b.read(first, &mut heights));
-        of_a.and(of_b)?;
-        values.iter_mut().zip(heights).for_each(|(a, b)| *a = subtract(*a, b));
-        Ok(())
-    }
-}
-
-/// The difference of two heights. NaN if one of them is no number.
-pub(crate) fn subtract(a: f32, b: f32) -> f32 {
-    if a.is_finite() && b.is_finite() { (f64::from(a) - f64::from(b)) as f32 } else { f32::NAN }
 }
 
 /// Statistics of height − check height. `heights` are the heights of a surface or a height map at the check points, NaN
@@ -378,21 +163,6 @@ pub fn round_limit(statistics: &Statistics) -> f64 {
     round_up(most)
 }
 
-fn degrees(steepness: f32) -> f64 {
-    f64::from(steepness).atan().to_degrees()
-}
-
-/// The smallest slope, as rise over run in single precision, of at least some degrees. Slopes are compared with it, which takes
-/// less time than their arc tangents.
-fn steepness_of(bound: f64) -> f64 {
-    let (mut low, mut high) = (0, f32::INFINITY.to_bits());
-    while low < high {
-        let middle = low.midpoint(high);
-        if degrees(f32::from_bits(middle)) >= bound { high = middle } else { low = middle + 1 }
-    }
-    f32::from_bits(low).into()
-}
-
 fn significance(beyond: usize, overall: &Statistics, sigma: f64) -> Significance {
     Significance {
         sigma,
@@ -406,6 +176,7 @@ fn significance(beyond: usize, overall: &Statistics, sigma: f64) -> Significance
 mod tests {
     use super::*;
     use crate::base::Grid;
+    use crate::dem::Dem;
 
     fn plane(height: impl Fn(f64, f64) -> f64) -> Dem {
         let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::splat(10.0), cols: 20, rows: 10 };

@@ -2,10 +2,9 @@
 
 use glam::DVec2;
 
-use crate::base::error::Result;
 use crate::base::parallel;
+use crate::dem::Block;
 use crate::dem::gradient::gradients;
-use crate::dem::{Block, Blocks, RasterRows};
 
 /// A row of the comparison.
 #[derive(Debug, Default, Clone)]
@@ -63,23 +62,21 @@ impl Row {
     }
 }
 
-/// Calls `of_block` with the blocks of both, from the first rows to the last, and with room for what is computed for each row.
-pub(super) fn each_block(
-    [a, b]: [&dyn RasterRows; 2],
-    mut of_block: impl FnMut(&Block, &Block, &mut Vec<Row>),
-) -> Result<()> {
-    let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));
-    let mut rows = Vec::new();
-    loop {
-        let (block_a, block_b) = rayon::join(|| a.next(), || b.next());
-        let (Some(block_a), Some(block_b)) = (block_a?, block_b?) else { return Ok(()) };
-        rows.resize(block_b.rows.len(), Row::default());
-        of_block(block_a, block_b, &mut rows);
-    }
+/// The cells of a row of both height maps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells<'a> {
+    /// The index of the first cell.
+    pub first: usize,
+    /// What was computed.
+    pub row: &'a Row,
+    /// The heights of B.
+    pub heights: &'a [f32],
+    /// The distances to the nearest contour. Empty if there are none.
+    pub distances: &'a [f64],
 }
 
 /// Computes each row of a block. `compute` gets its number in the raster.
-pub(super) fn fill(block: &Block, rows: &mut [Row], compute: impl Fn(usize, &mut Row) + Sync) {
-    let first = block.rows.start;
-    parallel::update(rows, |k, row| compute(first + k, row));
+pub(super) fn fill(block: &Block, rows: &mut Vec<Row>, compute: impl Fn(usize, &mut Row) + Sync) {
+    rows.resize(block.rows.len(), Row::default());
+    parallel::update(rows, |k, row| compute(block.rows.start + k, row));
 }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::base::error::Result;
 use crate::base::{Grid, parallel};
-use crate::dem::{Dem, RasterRows, empty};
+use crate::dem::{Dem, RasterRows, uniform};
 
 /// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
 const ON_CENTRE: f64 = 1e-6;
@@ -59,8 +59,7 @@ impl Strip {
         let end = last.saturating_add(1).min(grid.rows);
         let first = first.min(end);
         let cells = (end - first) * grid.cols;
-        let mut heights = empty(cells)?;
-        heights.resize(cells, f32::NAN);
+        let mut heights = uniform(cells, f32::NAN)?;
         source.read(first, &mut heights)?;
         Ok(Self { grid, first, heights })
     }

@@ -1,4 +1,5 @@
-//! Statistics of the differences of one class of cells, in two passes over the cells.
+//! Statistics of the differences of one class of cells, in two passes over the cells: a [`Tally`] counts, then a [`Collector`]
+//! collects.
 //!
 //! Sums are taken over each row, and then over the rows in order. So they do not depend on how many rows are read at once, nor
 //! on the number of threads.
@@ -6,16 +7,17 @@
 use glam::DVec2;
 
 use super::bins::{Collected, Counts, Part, bin};
+use super::group::Take;
 use super::statistics::{Extreme, NORMAL, Statistics};
 
 /// A difference and the index of its cell.
 type At = (f64, usize);
 
-/// What the first pass counts.
+/// Sums and counts of differences.
 #[derive(Debug)]
 pub(super) struct Tally {
     cells: usize,
-    /// The sums of d, d² and |d|.
+    /// The sums of d, d² and |d|, and those in the row that has not ended.
     sums: [f64; 3],
     row: [f64; 3],
     lowest: At,
@@ -29,8 +31,30 @@ impl Tally {
         Self { cells: 0, sums: [0.0; 3], row: [0.0; 3], lowest, highest, counts: Counts::new() }
     }
 
-    /// Counts a difference. Cells come in order.
-    pub fn add(&mut self, d: f64, cell: usize) {
+    /// What takes the same differences in the next pass. `None` if there are none.
+    pub fn collector(self) -> Option<Collector> {
+        if self.cells == 0 {
+            return None;
+        }
+        let ranks = self.counts.ranks((self.lowest.0, self.highest.0));
+        let median = ranks.quantile(0.5);
+        let around = ranks.around(&median);
+        let nmad = ranks.quantile_around(around, 0.5);
+        let [le90, le95] = [0.9, 0.95].map(|share| ranks.quantile_around((0.0, 0.0), share));
+        let parts = [median, nmad, le90, le95];
+        let bins = parts.iter().flat_map(|part| &part.bins);
+        let first = bins.clone().map(|bins| bins.start).min().unwrap_or(0);
+        let mut is_wanted = vec![false; bins.clone().map(|bins| bins.end).max().unwrap_or(0) - first];
+        bins.for_each(|bins| is_wanted[bins.start - first..bins.end - first].fill(true));
+        let [bias, square, size] = self.sums.map(|sum| sum / self.cells as f64);
+        let Self { cells, lowest, highest, .. } = self;
+        let figures = Figures { cells, bias, rmse: square.sqrt(), mae: size, lowest, highest };
+        Some(Collector { figures, parts, first, is_wanted, collected: Collected::default(), sum: 0.0, row: 0.0 })
+    }
+}
+
+impl Take for Tally {
+    fn add(&mut self, d: f64, cell: usize) {
         self.cells += 1;
         self.row[0] += d;
         self.row[1] += d * d;
@@ -44,35 +68,12 @@ impl Tally {
         self.counts.add(d);
     }
 
-    /// Ends a row of cells.
-    pub fn end_row(&mut self) {
+    fn end_row(&mut self) {
         self.sums.iter_mut().zip(&mut self.row).for_each(|(sum, row)| *sum += std::mem::take(row));
-    }
-
-    /// What the second pass needs. `None` if there are no cells.
-    pub fn second(self) -> Option<Second> {
-        if self.cells == 0 {
-            return None;
-        }
-        let mut sums = self.counts.sums();
-        (sums.lowest, sums.highest) = (self.lowest.0, self.highest.0);
-        let median = sums.quantile(0.5);
-        let around = sums.around(&median);
-        let nmad = sums.quantile_around(around, 0.5);
-        let [le90, le95] = [0.9, 0.95].map(|share| sums.quantile_around((0.0, 0.0), share));
-        let parts = [median, nmad, le90, le95];
-        let bins = parts.iter().flat_map(|part| &part.bins);
-        let first = bins.clone().map(|bins| bins.start).min().unwrap_or(0);
-        let mut is_wanted = vec![false; bins.clone().map(|bins| bins.end).max().unwrap_or(0) - first];
-        bins.for_each(|bins| is_wanted[bins.start - first..bins.end - first].fill(true));
-        let [bias, square, size] = self.sums.map(|sum| sum / self.cells as f64);
-        let Self { cells, lowest, highest, .. } = self;
-        let figures = Figures { cells, bias, rmse: square.sqrt(), mae: size, lowest, highest };
-        Some(Second { figures, parts, first, is_wanted, collected: Collected::default(), sum: 0.0, row: 0.0 })
     }
 }
 
-/// The figures that are known after the first pass.
+/// The figures that a tally gives.
 #[derive(Debug)]
 struct Figures {
     cells: usize,
@@ -83,9 +84,9 @@ struct Figures {
     highest: At,
 }
 
-/// What the second pass collects.
+/// Collects the differences that quantiles lie between.
 #[derive(Debug)]
-pub(super) struct Second {
+pub(super) struct Collector {
     figures: Figures,
     /// Those of the median, of the distance from it, and of the two sizes.
     parts: [Part; 4],
@@ -93,25 +94,12 @@ pub(super) struct Second {
     first: usize,
     is_wanted: Vec<bool>,
     collected: Collected,
-    /// The sum of (d − bias)².
+    /// The sum of (d − bias)², and that in the row that has not ended.
     sum: f64,
     row: f64,
 }
 
-impl Second {
-    /// Takes a difference.
-    pub fn add(&mut self, d: f64) {
-        self.row += (d - self.figures.bias) * (d - self.figures.bias);
-        if self.is_wanted.get(bin(d).wrapping_sub(self.first)).copied().unwrap_or(false) {
-            self.collected.add(d);
-        }
-    }
-
-    /// Ends a row of cells.
-    pub fn end_row(&mut self) {
-        self.sum += std::mem::take(&mut self.row);
-    }
-
+impl Collector {
     /// The statistics. `place` gives the position of a cell.
     pub fn statistics(mut self, place: impl Fn(usize) -> DVec2) -> Statistics {
         let collected = self.collected.counts();
@@ -131,6 +119,22 @@ impl Second {
             le95: le95.quantile(collected, f64::abs),
             lowest: extreme(lowest),
             highest: extreme(highest),
+        }
+    }
+}
+
+impl Take for Option<Collector> {
+    fn add(&mut self, d: f64, _: usize) {
+        let Some(Collector { figures, first, is_wanted, collected, row, .. }) = self else { return };
+        *row += (d - figures.bias) * (d - figures.bias);
+        if is_wanted.get(bin(d).wrapping_sub(*first)).copied().unwrap_or(false) {
+            collected.add(d);
+        }
+    }
+
+    fn end_row(&mut self) {
+        if let Some(collector) = self {
+            collector.sum += std::mem::take(&mut collector.row);
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::base::{Grid, parallel};
 use crate::crs::Crs;
 use crate::dem::gradient::gradients;
 use crate::dem::shade::{Lights, ShadeParams};
-use crate::dem::{GroundScale, RasterRows, empty};
+use crate::dem::{GroundScale, RasterRows, uniform};
 
 /// What is computed of each cell.
 #[derive(Debug, Clone, Copy)]
@@ -64,8 +64,7 @@ impl RasterRows for Derived<'_> {
         let Grid { cols, rows, .. } = self.grid();
         let end = rows.min(first + values.len() / cols.max(1) + 1);
         let from = first.saturating_sub(1);
-        let mut held = empty((end - from) * cols)?;
-        held.resize((end - from) * cols, f32::NAN);
+        let mut held = uniform((end - from) * cols, f32::NAN)?;
         self.heights.read(from, &mut held)?;
         let held = (from, held.as_slice());
         match self.derivative {

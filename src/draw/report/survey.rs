@@ -4,7 +4,7 @@ use super::charts::{Bars, Pairs};
 use super::maps::{DataBox, Reduced, Window};
 use crate::base::error::Result;
 use crate::dem::compare::{Comparison, subtract};
-use crate::dem::{Blocks, Dem, RasterRows};
+use crate::dem::{Dem, RasterRows, each_pair};
 
 /// What the passes find.
 pub(super) struct Survey {
@@ -23,7 +23,7 @@ pub(super) fn survey(a: &dyn RasterRows, b: &dyn RasterRows, found: &Comparison)
     let grid = b.grid();
     let mut data = DataBox::default();
     let (mut lowest, mut highest) = (f32::INFINITY, f32::NEG_INFINITY);
-    each_row(a, b, |row, a, b| {
+    each_row([a, b], |row, a, b| {
         let is_known = |col: usize| a[col].is_finite() && b[col].is_finite();
         data.add(row, grid.cols, is_known);
         for col in (0..grid.cols).filter(|col| is_known(*col)) {
@@ -33,7 +33,7 @@ pub(super) fn survey(a: &dyn RasterRows, b: &dyn RasterRows, found: &Comparison)
     let window = Window::around(data, &grid);
     let [mut small_a, mut small_b, mut small] = std::array::from_fn(|_| Reduced::new(&grid, &window));
     let (mut bars, mut pairs) = (Bars::new(found), Pairs::new((lowest, highest)));
-    each_row(a, b, |row, a, b| {
+    each_row([a, b], |row, a, b| {
         small_a.add(row, |col| a[col]);
         small_b.add(row, |col| b[col]);
         small.add(row, |col| subtract(a[col], b[col]));
@@ -50,11 +50,6 @@ pub(super) fn survey(a: &dyn RasterRows, b: &dyn RasterRows, found: &Comparison)
 }
 
 /// Calls `of_row` with the number of each row and the heights of both.
-fn each_row(a: &dyn RasterRows, b: &dyn RasterRows, mut of_row: impl FnMut(usize, &[f32], &[f32])) -> Result<()> {
-    let (mut a, mut b) = (Blocks::of(a), Blocks::of(b));
-    loop {
-        let (block_a, block_b) = rayon::join(|| a.next(), || b.next());
-        let (Some(block_a), Some(block_b)) = (block_a?, block_b?) else { return Ok(()) };
-        block_b.rows.clone().for_each(|row| of_row(row, block_a.row(row), block_b.row(row)));
-    }
+fn each_row(sides: [&dyn RasterRows; 2], mut of_row: impl FnMut(usize, &[f32], &[f32])) -> Result<()> {
+    each_pair(sides, |a, b| b.rows.clone().for_each(|row| of_row(row, a.row(row), b.row(row))))
 }

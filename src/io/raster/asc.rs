@@ -53,7 +53,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
         let message = format!("holds more heights than its {} rows of {} have cells", grid.rows, grid.cols);
         return Err(Error::file(path, message));
     }
-    let findings = unit.finding.into_iter().chain(heights.findings()).collect();
+    let findings = unit.finding.into_iter().chain(heights.finding()).collect();
     Ok(Report { value: Dem { grid, values, crs }, findings })
 }
 

@@ -161,7 +161,7 @@ fn read_channel(path: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<Option<
         FlatSamples::F16(samples) => samples.into_iter().map(|v| heights.height(v.to_f64())).collect(),
         FlatSamples::U32(samples) => samples.into_iter().map(|v| heights.height(v.into())).collect(),
     };
-    findings.extend(heights.findings());
+    findings.extend(heights.finding());
     let grid = placement.grid;
     if values.len() != grid.len() {
         let message = format!("its channel has {} values for {} x {} cells", values.len(), grid.cols, grid.rows);

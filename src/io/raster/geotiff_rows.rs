@@ -20,7 +20,7 @@ use super::zstd::{self, Storage};
 use crate::base::Grid;
 use crate::base::error::{Error, Finding, Result};
 use crate::crs::Crs;
-use crate::dem::RasterRows;
+use crate::dem::{RasterRows, reserve};
 
 /// How the values of a band are stored.
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +85,9 @@ impl GeoTiffRows {
         }
         if state.held[0].0 != Some(chunk_row) {
             let mut heights = std::mem::take(&mut state.held[0]).1;
-            heights.resize(self.rows_of(chunk_row).len() * self.placement.grid.cols, f32::NAN);
+            let cells = self.rows_of(chunk_row).len() * self.placement.grid.cols;
+            reserve(&mut heights, cells).map_err(|error| error.in_file(&self.path))?;
+            heights.resize(cells, f32::NAN);
             self.decode(state, chunk_row, &mut heights)?;
             state.held[0] = (Some(chunk_row), heights);
         }
@@ -99,6 +101,8 @@ impl GeoTiffRows {
         let (path, cols, count) = (&self.path, self.placement.grid.cols, self.chunks.count());
         let covered = self.rows_of(chunk_row);
         heights.fill(f32::NAN);
+        // The decoder aborts if it finds no memory. A whole map may be one strip.
+        reserve(&mut Vec::<u8>::new(), size.0 * size.1 * samples * sample_bytes).map_err(|e| e.in_file(path))?;
         let State { decoder, decoded, odd, is_searched, .. } = state;
         let mut again = Heights::new(coding);
         let odd = if std::mem::replace(&mut is_searched[chunk_row], true) { &mut again } else { odd };

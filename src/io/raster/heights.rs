@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::base::error::{Error, Finding, FindingKind, Result};
+use crate::dem::uniform;
 
 /// The largest number of cells of a height map; each takes four bytes of memory.
 const MAX_CELLS: u64 = 4_000_000_000;
@@ -31,14 +32,8 @@ pub(super) fn check_size(path: &Path, cols: u64, rows: u64, file_length: u64) ->
 /// Allocates the heights of a raster, all without data. `file_length` limits the size.
 pub(super) fn room(path: &Path, cols: u64, rows: u64, file_length: u64) -> Result<Vec<f32>> {
     let cells = check_size(path, cols, rows, file_length)?;
-    let mut values = Vec::new();
-    match usize::try_from(cells) {
-        Ok(count) if values.try_reserve_exact(count).is_ok() => {
-            values.resize(count, f32::NAN);
-            Ok(values)
-        }
-        _ => Err(Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory"))),
-    }
+    let values = usize::try_from(cells).ok().and_then(|count| uniform(count, f32::NAN).ok());
+    values.ok_or_else(|| Error::file(path, format!("has {cols} x {rows} cells, for which there is not enough memory")))
 }
 
 /// How stored values become heights.
@@ -84,11 +79,6 @@ impl Heights {
             return f32::NAN;
         }
         height as f32
-    }
-
-    /// The finding about undeclared nodata values, if there were any.
-    pub fn findings(self) -> Option<Finding> {
-        self.finding()
     }
 
     /// The finding about the undeclared nodata values so far, if there were any.

@@ -9,7 +9,7 @@ use super::output::{check_grid, create};
 use super::pam;
 use super::png::filled;
 use crate::base::error::{Error, Result};
-use crate::dem::{Blocks, Dem, RasterRows, empty};
+use crate::dem::{Blocks, Dem, RasterRows, uniform};
 use crate::io::maker::PROGRAM;
 
 /// Writes a picture as PNG. The name must end in `.png`.
@@ -46,11 +46,11 @@ pub fn write_shade(path: &Path, shade: &dyn RasterRows) -> Result<()> {
     }
     let grid = shade.grid();
     check_grid(path, &grid)?;
-    let mut grey: Vec<u8> = empty(grid.len())?;
+    let mut grey = uniform(grid.len(), 0)?;
     let mut blocks = Blocks::of(shade);
     while let Some(block) = blocks.next()? {
-        let of_cell = |v: &f32| if v.is_nan() { 0 } else { v.round().clamp(1.0, 255.0) as u8 };
-        grey.extend(block.heights().iter().map(of_cell));
+        let pixels = grey[block.rows.start * grid.cols..].iter_mut().zip(block.heights());
+        pixels.filter(|(_, v)| !v.is_nan()).for_each(|(pixel, v)| *pixel = v.round().clamp(1.0, 255.0) as u8);
     }
     // The check above ensures that both fit into 31 bits.
     encode(path, (grid.cols as u32, grid.rows as u32), ColorType::Grayscale, &grey)?;

@@ -161,7 +161,7 @@ fn grey(path: &Path, size: (u32, u32), own: Aux, beside: Option<Aux>, pixels: &P
     let values =
         pixels.iter().map(|pixel| pixel.map_or(f32::NAN, |[value, ..]| heights.height(value.into()))).collect();
     let mut findings: Vec<_> = unit.finding.into_iter().collect();
-    findings.extend(heights.findings());
+    findings.extend(heights.finding());
     let dem = turned(placement, values, crs);
     Ok(Report { value: dem, findings })
 }

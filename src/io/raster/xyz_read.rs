@@ -73,7 +73,7 @@ pub(super) fn read(path: &Path) -> Result<Report<Dem>> {
     let cell = DVec2::new(x.step, y.step);
     let corner = DVec2::new(x.first - 0.5 * x.step, y.first + (y.count as f64 - 0.5) * y.step);
     let grid = Grid { corner, cell, cols: x.count, rows: y.count };
-    Ok(Report { value: Dem { grid, values, crs: read_prj(path)? }, findings: heights.findings().into_iter().collect() })
+    Ok(Report { value: Dem { grid, values, crs: read_prj(path)? }, findings: heights.finding().into_iter().collect() })
 }
 
 /// Calls `visit` with the number of each line and its point.
