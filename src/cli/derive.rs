@@ -26,9 +26,9 @@ use super::light::LightArgs;
 use super::output::{self, CogArgs, GridArgs, extension};
 use super::part::PartArgs;
 use super::plane::CellsCrsArgs;
-use super::summary;
 use super::surface::SurfaceArgs;
 use super::unit::UnitArg;
+use super::{memory, summary};
 
 /// Slope, aspect, hillshade, steep places, flow of water and catchments
 ///
@@ -166,23 +166,18 @@ pub fn run(args: &DeriveArgs, console: &Console) -> Result<(), Failure> {
         let params = RasterParams { quantity, tiff, ..RasterParams::default() };
         write(staged.as_ref(), &params, &derived, console)?;
     }
-    // Areas and the flow of water are found on the whole height map.
-    let is_whole = outputs.steep.is_some() || outputs.flow.is_any();
-    let whole = if is_whole { Some(console.step("reading", || heights.whole()).map_err(in_file)?) } else { None };
     let note = steep_note(source, args.steep_height);
-    let steeps = match outputs.steep.as_ref().zip(whole.as_deref()) {
-        Some((staged, dem)) => {
-            let params = SteepParams { angle: args.steep_angle, height: args.steep_height };
-            let found = console.step("steep places", || steep(dem, &scale, &params))?;
-            console.step("writing", || write_layers(staged, &[steep_areas(&found, &note)], dem.crs.as_ref()))?;
+    let steeps = match &outputs.steep {
+        Some(staged) => {
+            let memory = memory::available();
+            let params = SteepParams { angle: args.steep_angle, height: args.steep_height, memory };
+            let found = console.step("steep places", || steep(&*heights, &scale, &params)).map_err(in_file)?;
+            console.step("writing", || write_layers(staged, &[steep_areas(&found, &note)], heights.crs()))?;
             Some(found)
         }
         None => None,
     };
-    let catchments = match &whole {
-        Some(dem) => outputs.flow.write(dem, &scale, tiff, console)?,
-        None => None,
-    };
+    let catchments = outputs.flow.write(&*heights, &scale, tiff, console)?;
     findings.extend(heights.findings());
     // For contours, `--strict` was checked when they were read.
     if args.input.map.strict {

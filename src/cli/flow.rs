@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tokosen::dem::derive::{Catchments, catchment_parts, catchments, flow_accumulation, flow_directions};
-use tokosen::dem::{Dem, GroundScale};
+use tokosen::dem::{GroundScale, RasterRows};
 use tokosen::io::layer::of_catchments;
 use tokosen::io::raster::{DEM_EXTENSIONS, Quantity, RasterParams, TiffLayout};
 use tokosen::io::{StagedOutput, write_layers};
@@ -12,6 +12,7 @@ use tokosen::io::{StagedOutput, write_layers};
 use super::console::Console;
 use super::derive::write;
 use super::failure::Failure;
+use super::memory;
 use super::output::{check_vector, extension, open_raster};
 
 #[derive(Debug, Clone, Args)]
@@ -79,24 +80,20 @@ impl FlowArgs {
 }
 
 impl FlowOutputs {
-    /// Whether anything is asked for.
-    pub fn is_any(&self) -> bool {
-        [&self.directions, &self.accumulation, &self.catchments].into_iter().any(Option::is_some)
-    }
-
     /// Computes what is asked for and writes it, still under temporary names.
     pub fn write(
         &self,
-        dem: &Dem,
+        heights: &dyn RasterRows,
         scale: &GroundScale,
         tiff: TiffLayout,
         console: &Console,
     ) -> Result<Option<Written>, Failure> {
-        if !self.is_any() {
+        if [&self.directions, &self.accumulation, &self.catchments].into_iter().all(Option::is_none) {
             return Ok(None);
         }
         let params = |quantity| RasterParams { quantity, tiff, ..RasterParams::default() };
-        let directions = console.step("flow direction", || flow_directions(dem, scale))?;
+        let dem = &*console.step("reading", || heights.whole())?;
+        let directions = console.step("flow direction", || flow_directions(dem, scale, memory::available()))?;
         if self.directions.is_some() {
             let raster = directions.raster();
             write(self.directions.as_ref(), &params(Quantity::FlowDirection), &raster, console)?;

@@ -6,9 +6,13 @@
 use glam::DVec2;
 
 use super::outline::{Joined, OUTSIDE, area, on_map, outlines, pieces};
-use super::slope::slope;
+use super::rows::{Derivative, Derived};
 use crate::base::error::{Error, Result};
-use crate::dem::{Dem, GroundScale};
+use crate::base::memory;
+use crate::dem::{Blocks, GroundScale, RasterRows, each_pair, uniform};
+
+/// Bytes of memory per cell: the areas, the parts of them that are joined along edges, and marks.
+const BYTES_PER_CELL: f64 = 12.0;
 
 /// The limits that make a place steep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,11 +21,13 @@ pub struct SteepParams {
     pub angle: f64,
     /// Least difference in height within an area, metres.
     pub height: f64,
+    /// Memory that the work may take, bytes. Work that needs more is an error. No limit if `None`.
+    pub memory: Option<u64>,
 }
 
 impl Default for SteepParams {
     fn default() -> Self {
-        Self { angle: 30.0, height: 5.0 }
+        Self { angle: 30.0, height: 5.0, memory: None }
     }
 }
 
@@ -60,8 +66,9 @@ pub struct Steeps {
 /// them. The slopes depend on these cells too.
 ///
 /// # Errors
-/// An angle that is not between 0 and 90 degrees, or a height that is negative or not finite.
-pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Steeps> {
+/// An angle that is not between 0 and 90 degrees, or a height that is negative or not finite. [`Error::OutOfMemory`] if the
+/// work needs more memory than it may take. As [`RasterRows::read`].
+pub fn steep(heights: &dyn RasterRows, scale: &GroundScale, params: &SteepParams) -> Result<Steeps> {
     if !(params.angle > 0.0 && params.angle < 90.0) {
         return Err(Error::out_of_range("angle", params.angle, "between 0 and 90 degrees"));
     }
@@ -69,34 +76,16 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         let (name, must) = ("height", "0 or more");
         return Err(Error::OutOfRange { name, value: params.height, unit: " m", must });
     }
-    let grid = dem.grid;
-    let slopes = slope(dem, scale).values;
-    let is_steep = |&slope: &f32| f64::from(slope) >= params.angle;
-    let mut sets: Vec<u32> = slopes.iter().map(|slope| if is_steep(slope) { 0 } else { OUTSIDE }).collect();
-    let (labels, count) = pieces(grid.cols, &sets, Joined::AtCorners);
-    let mut measures = vec![Measure::default(); count];
-    for (cell, label) in labels.iter().enumerate() {
-        let Some(measure) = measures.get_mut(*label as usize) else { continue };
-        let slope = f64::from(slopes[cell]);
-        measure.cells += 1.0;
-        measure.slope_sum += slope;
-        measure.slope_max = measure.slope_max.max(slope);
-        let (col, row) = (cell % grid.cols, cell / grid.cols);
-        for near_row in row.saturating_sub(1)..(row + 2).min(grid.rows) {
-            for near_col in col.saturating_sub(1)..(col + 2).min(grid.cols) {
-                // The comparisons ignore NaN.
-                let height = dem.values[near_row * grid.cols + near_col];
-                measure.low = measure.low.min(height);
-                measure.high = measure.high.max(height);
-            }
-        }
-    }
+    let grid = heights.grid();
+    let (what, remedy) =
+        (format!("steep places of {} cells", grid.len()), "clip the height map, or make its cells larger");
+    memory::check(BYTES_PER_CELL * grid.len() as f64, params.memory, what, remedy)?;
+    let slopes = Derived { heights, scale, derivative: Derivative::Slope };
+    let (mut areas, count) = pieces(grid.cols, &steep_cells(&slopes, params.angle)?, Joined::AtCorners);
+    let measures = measures([heights, &slopes], &areas, count)?;
     let is_high = |measure: &Measure| measure.height() >= params.height;
-    for (set, label) in sets.iter_mut().zip(&labels) {
-        if !measures.get(*label as usize).is_some_and(is_high) {
-            *set = OUTSIDE;
-        }
-    }
+    let is_left_out = |area: u32| !measures.get(area as usize).is_some_and(is_high);
+    areas.iter_mut().filter(|area| is_left_out(**area)).for_each(|area| *area = OUTSIDE);
     // Areas that are high enough are numbered in order.
     let mut number = 0;
     let numbers: Vec<u32> = measures
@@ -107,11 +96,11 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         })
         .collect();
 
-    let parts = outlines(grid.cols, &sets).into_iter().map(|part| {
-        let label = labels[part.cell] as usize;
-        let measure = &measures[label];
+    let parts = outlines(grid.cols, &areas).into_iter().map(|part| {
+        let area_of_part = areas[part.cell] as usize;
+        let measure = &measures[area_of_part];
         SteepArea {
-            area_id: numbers[label],
+            area_id: numbers[area_of_part],
             area: area(&part.rings, &grid, scale),
             rings: on_map(&part.rings, &grid),
             height: measure.height(),
@@ -120,8 +109,44 @@ pub fn steep(dem: &Dem, scale: &GroundScale, params: &SteepParams) -> Result<Ste
         }
     });
     let parts: Vec<SteepArea> = parts.collect();
-    let areas = number as usize;
-    Ok(Steeps { parts, areas, too_low: count - areas })
+    let high = number as usize;
+    Ok(Steeps { parts, areas: high, too_low: count - high })
+}
+
+/// The set of the cells that are steep enough.
+fn steep_cells(slopes: &Derived<'_>, angle: f64) -> Result<Vec<u32>> {
+    let grid = slopes.grid();
+    let mut set = uniform(grid.len(), OUTSIDE)?;
+    let mut blocks = Blocks::of(slopes);
+    while let Some(block) = blocks.next()? {
+        let cells = set[block.rows.start * grid.cols..].iter_mut().zip(block.heights());
+        cells.filter(|(_, slope)| f64::from(**slope) >= angle).for_each(|(cell, _)| *cell = 0);
+    }
+    Ok(set)
+}
+
+/// Measures areas. `areas` has the number of the area of each cell.
+fn measures(heights_and_slopes: [&dyn RasterRows; 2], areas: &[u32], count: usize) -> Result<Vec<Measure>> {
+    let cols = heights_and_slopes[0].grid().cols;
+    let mut measures = vec![Measure::default(); count];
+    each_pair(heights_and_slopes, |heights, slopes| {
+        for row in slopes.rows.clone() {
+            for (col, (area, slope)) in areas[row * cols..].iter().zip(slopes.row(row)).enumerate() {
+                let Some(measure) = measures.get_mut(*area as usize) else { continue };
+                let slope = f64::from(*slope);
+                measure.cells += 1.0;
+                measure.slope_sum += slope;
+                measure.slope_max = measure.slope_max.max(slope);
+                let near = col.saturating_sub(1)..(col + 2).min(cols);
+                // The comparisons ignore NaN.
+                for height in heights.around(row).into_iter().flatten().flat_map(|line| &line[near.clone()]) {
+                    measure.low = measure.low.min(*height);
+                    measure.high = measure.high.max(*height);
+                }
+            }
+        }
+    })?;
+    Ok(measures)
 }
 
 /// Measurements of an area.
@@ -151,6 +176,7 @@ mod tests {
     use super::*;
     use crate::base::Grid;
     use crate::crs::Crs;
+    use crate::dem::Dem;
 
     const METRES: GroundScale = GroundScale::Uniform(DVec2::ONE);
 
@@ -217,10 +243,21 @@ mod tests {
     }
 
     #[test]
+    fn what_needs_more_memory_than_there_is_is_refused() {
+        let dem = dem(40, 10, 1.0, |p| p.x);
+        let params = |memory| SteepParams { memory: Some(memory), ..SteepParams::default() };
+        assert!(matches!(steep(&dem, &METRES, &params(1000)), Err(Error::OutOfMemory { .. })));
+        assert_eq!(steep(&dem, &METRES, &params(10_000)).unwrap().areas, 1);
+    }
+
+    #[test]
     fn parameters_out_of_range_are_refused() {
         let dem = dem(3, 3, 1.0, |_| 0.0);
         for (angle, height) in [(0.0, 5.0), (90.0, 5.0), (f64::NAN, 5.0), (30.0, -1.0), (30.0, f64::INFINITY)] {
-            assert!(matches!(steep(&dem, &METRES, &SteepParams { angle, height }), Err(Error::OutOfRange { .. })));
+            assert!(matches!(
+                steep(&dem, &METRES, &SteepParams { angle, height, memory: None }),
+                Err(Error::OutOfRange { .. })
+            ));
         }
         assert_eq!(steep(&dem, &METRES, &SteepParams::default()).unwrap(), Steeps::default());
     }

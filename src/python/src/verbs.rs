@@ -239,18 +239,18 @@ pub fn derive(
         })?;
         Raster::new(py, made, None, quantity, &[]).map(Derived::Raster)
     };
+    let memory = tokosen::cli::available_memory();
+    let directions = || flow_directions(&dem, &scale, memory);
     match what {
         "slope" => raster(Quantity::Slope, &|| Ok(slope(&dem, &scale))),
         "aspect" => raster(Quantity::Aspect, &|| Ok(aspect(&dem, &scale))),
         "hillshade" => raster(Quantity::Shade, &|| Ok(shade(&dem, &light, &scale))),
-        "flow_direction" => raster(Quantity::FlowDirection, &|| Ok(flow_directions(&dem, &scale)?.raster())),
-        "flow_accumulation" => {
-            raster(Quantity::FlowAccumulation, &|| Ok(flow_accumulation(&flow_directions(&dem, &scale)?)))
-        }
+        "flow_direction" => raster(Quantity::FlowDirection, &|| Ok(directions()?.raster())),
+        "flow_accumulation" => raster(Quantity::FlowAccumulation, &|| Ok(flow_accumulation(&directions()?))),
         "steep" => {
             let source = interval.map_or(HeightsFrom::HeightMap, |step| HeightsFrom::Contours(Some(step)));
             let note = steep_note(source, height);
-            let params = SteepParams { angle, height };
+            let params = SteepParams { angle, height, memory };
             let layer = work(py, progress, |_| {
                 Layer::new(&steep_areas(&steep(&dem, &scale, &params)?, &note), dem.crs.as_ref())
             })?;
@@ -258,7 +258,7 @@ pub fn derive(
         }
         "catchments" => {
             let layer = work(py, progress, |_| {
-                let found = catchments(&flow_directions(&dem, &scale)?);
+                let found = catchments(&directions()?);
                 Layer::new(&of_catchments(&catchment_parts(&found, &scale)), dem.crs.as_ref())
             })?;
             Ok(Derived::Layer(layer))

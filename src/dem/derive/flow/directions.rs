@@ -2,12 +2,14 @@
 
 use glam::DVec2;
 
-use crate::base::Grid;
 use crate::base::error::{Error, Result};
+use crate::base::{self, Grid};
 use crate::crs::Crs;
 use crate::dem::{Dem, GroundScale};
 use crate::drain::{Flood, STEPS, neighbours, sortable, unsorted};
 
+/// Bytes of memory per cell: its direction, a mark, the flood's edge, and what is computed from the directions.
+const BYTES_PER_CELL: f64 = 14.0;
 /// The neighbour of an outlet.
 const OUTLET: u8 = 8;
 /// The neighbour of a cell without data.
@@ -74,11 +76,13 @@ impl FlowDirections {
 /// need not be square.
 ///
 /// The time is in proportion to n log n for n cells. The memory is two bytes per cell, and sixteen per cell of the
-/// flood's edge.
+/// flood's edge. `memory` is what the directions, and the accumulation or the catchments that are computed from them, may take,
+/// bytes; no limit if `None`.
 ///
 /// # Errors
 /// [`Error::Parameter`] if the values do not fit the grid, or if there are more cells than 32 bits count.
-pub fn flow_directions(dem: &Dem, scale: &GroundScale) -> Result<FlowDirections> {
+/// [`Error::OutOfMemory`] if they need more memory than they may take.
+pub fn flow_directions(dem: &Dem, scale: &GroundScale, memory: Option<u64>) -> Result<FlowDirections> {
     let Grid { cols, rows, cell: size, .. } = dem.grid;
     if cols.checked_mul(rows) != Some(dem.values.len()) {
         let count = dem.values.len();
@@ -89,6 +93,9 @@ pub fn flow_directions(dem: &Dem, scale: &GroundScale) -> Result<FlowDirections>
             "a height map of {cols} x {rows} cells is too large for flow directions"
         )));
     }
+    let (what, remedy) =
+        (format!("the flow of water over {} cells", cols * rows), "clip the height map, or make its cells larger");
+    base::memory::check(BYTES_PER_CELL * dem.values.len() as f64, memory, what, remedy)?;
     let has_data = |cell: usize| dem.values[cell].is_finite();
     let neighbours = |cell: usize| neighbours(cell, cols, rows);
     let is_outlet = |cell: usize| neighbours(cell).flatten().filter(|(_, near)| has_data(*near)).count() < STEPS.len();

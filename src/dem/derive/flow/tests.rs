@@ -24,7 +24,7 @@ fn ground(cols: usize, rows: usize, height: impl Fn(DVec2) -> f64) -> Dem {
 }
 
 fn flow(dem: &Dem) -> FlowDirections {
-    flow_directions(dem, &METRES).unwrap()
+    flow_directions(dem, &METRES, None).unwrap()
 }
 
 /// Values with `-` for no data.
@@ -141,7 +141,7 @@ fn distances_are_those_on_the_ground() {
     steep.grid = Grid { corner: DVec2::new(10.0, 60.0), cell: DVec2::splat(1e-4), ..steep.grid };
     steep.crs = Some(Crs::from_epsg(4326));
     let scale = GroundScale::of(&steep);
-    let found = flow_directions(&steep, &scale).unwrap();
+    let found = flow_directions(&steep, &scale, None).unwrap();
     assert_eq!(found.raster().values[4], 1.0);
     let parts = catchment_parts(&catchments(&found), &scale);
     let total: f64 = parts.iter().map(|part| part.area).sum();
@@ -152,7 +152,7 @@ fn distances_are_those_on_the_ground() {
 #[test]
 fn values_that_do_not_fit_the_grid_are_refused() {
     let wrong = Dem { values: vec![1.0; 5], ..dem(2, vec![1.0; 4]) };
-    assert!(flow_directions(&wrong, &METRES).is_err());
+    assert!(flow_directions(&wrong, &METRES, None).is_err());
 }
 
 /// Random ground: heights that are all different, and holes.
