@@ -33,7 +33,7 @@ use crate::io::maker::PROGRAM;
 const TILE: usize = 256;
 
 /// Tiles that are compressed before they are written. This bounds the memory in addition to the height map.
-const BATCH: usize = 64;
+const BATCH: usize = 32;
 
 /// The offsets of a classic TIFF have 32 bits. A margin is left for tiles that do not compress.
 const CLASSIC_LIMIT: u64 = 4_000_000_000;
