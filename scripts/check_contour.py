@@ -104,10 +104,7 @@ def off(z, lines, elevations, raw):
         if len(of_level) == 0:
             continue
         largest = max(largest, distances(densified(of_level, 0.2), traced_lines).max())
-        # Lines without width are not written: single cells or rows of cells exactly at the level.
-        wide = [l for l in traced_lines if not l.is_closed or shapely.polygons(l.coords).area > 1e-9]
-        if wide:
-            largest = max(largest, distances(densified(np.array(wide), 0.2), of_level).max())
+        largest = max(largest, distances(densified(traced_lines, 0.2), of_level).max())
     return largest
 
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use geo::MultiPolygon;
+use tokosen::base::ElevationUnit;
 use tokosen::base::error::{Error, FindingKind};
-use tokosen::contour::ContourLayer;
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, contours};
@@ -28,7 +28,7 @@ use super::{memory, plane, summary};
 ///
 /// Heights are those at the centres of cells. Between four neighbouring centres, lines cross the sides where linear
 /// interpolation gives the level. The written lines cross the same sides, within --tolerance. They run smoothly, have
-/// few vertices, and never cross or touch each other. A height equal to a level is above it. Lines are closed, or end at
+/// few vertices, and never cross or touch each other. A height equal to a level is always above it. Lines are closed, or end at
 /// the outermost cell centres, beside cells without data, and at the border of --extent and --clip. Rings around single
 /// cells are kept.
 ///
@@ -57,7 +57,7 @@ pub struct ContourArgs {
     #[command(flatten)]
     levels: LevelsArgs,
     /// Largest horizontal distance between a line and the contour of the height map [units of the height map; default:
-    /// half a cell, the smaller side]. Beyond about one cell, it has no more effect
+    /// half a cell, the smaller side]. At least a thousandth of a cell is used. Beyond about one cell, it has no more effect
     #[arg(long, value_name = "DISTANCE", help_heading = "Output")]
     tolerance: Option<f64>,
     /// Smooth the heights first, for noisy height maps: a Gaussian with this standard deviation, corrected so that even
@@ -156,7 +156,10 @@ pub fn run(args: &ContourArgs, console: &Console) -> Result<(), Failure> {
         if let Some(labels) = &labels {
             console.say(&format!("           {} labels on index contours", labels[k].len()));
         }
-        warn_if_empty(layer, part.is_some(), console);
+        if layer.lines.is_empty() {
+            let why = why_empty(&found.levels[k], found.heights, unit, part.is_some());
+            console.warn(&format!("layer {name} has no line: {why}"));
+        }
     }
     if let Some(picture) = picture {
         console.say(&format!("written    {}", picture.commit()?.display()));
@@ -207,11 +210,18 @@ impl ContourArgs {
             "tolerance  {}{kind}: lines are within it of the contour of the {of}, which crosses {} sides of cells",
             found.tolerance, found.crossings
         ));
-        if found.without_width > 0 {
+        if let Some(asked) = self.tolerance.filter(|asked| *asked < found.tolerance) {
+            console.warn(&format!(
+                "--tolerance {asked} is less than a thousandth of a cell: {} is used. Closer to cells exactly at a level, \
+                 lines would touch",
+                found.tolerance
+            ));
+        }
+        let lowest = found.levels.iter().flatten().find(|level| **level as f32 == found.heights[0]);
+        if let Some(level) = lowest.filter(|_| found.layers.iter().any(|layer| !layer.lines.is_empty())) {
             console.say(&format!(
-                "           {} lines without width were not written: single cells or rows of cells exactly at a level, with \
-                 lower ground around",
-                found.without_width
+                "           no line at {}, the lowest height: a height equal to a level is above it",
+                in_unit(*level, self.levels.to_unit.unit())
             ));
         }
     }
@@ -230,9 +240,24 @@ fn draw(staged: &StagedOutput, dem: &Dem, found: &DemContours) -> Result<(), Err
     write_picture(path, &picture).map_err(|e| staged.with_final_name(e))
 }
 
-fn warn_if_empty(layer: &ContourLayer, is_part: bool, console: &Console) {
-    if layer.lines.is_empty() {
-        let here = if is_part { " in this part" } else { "" };
-        console.warn(&format!("layer {} has no line: the height map crosses none of its levels{here}", layer.name));
+/// Why a layer has no line. `levels` are those from the lowest to the highest height.
+fn why_empty(levels: &[f64], [low, high]: [f32; 2], unit: ElevationUnit, is_part: bool) -> String {
+    let is_crossed = |level: &f64| low < *level as f32 && *level as f32 <= high;
+    if is_part {
+        return "the height map crosses none of its levels in this part".into();
     }
+    if levels.iter().any(is_crossed) {
+        return "no four neighbouring cells with heights lie on both sides of one of its levels".into();
+    }
+    match levels.iter().find(|level| **level as f32 == low) {
+        Some(level) => format!(
+            "the level {} is the lowest height, and a height equal to a level is above it",
+            in_unit(*level, unit)
+        ),
+        None => format!("none of its levels is between the lowest and the highest height, {low} m and {high} m"),
+    }
+}
+
+fn in_unit(level: f64, unit: ElevationUnit) -> String {
+    format!("{} {}", unit.from_metres(level), unit.symbol())
 }

@@ -19,4 +19,4 @@ pub use random::Random;
 pub use terrain::{
     Terrain, all_kinds, cliffs, fractal, hills, meanders, plane, plateaus, saddles, spiral_valley, volcano,
 };
-pub use tracer::contours_of;
+pub use tracer::{contours_of, traces_of};

@@ -12,13 +12,29 @@ use glam::DVec2;
 /// An edge of the grid: the node at its west or north end, and whether it runs east (false) or south (true).
 type Edge = (usize, bool);
 
-/// The contour lines of heights at the nodes of a grid, at all multiples of `interval`, by level.
+/// The contour lines of heights at the nodes of a grid, as [`traces_of`] gives them. Repeated points are dropped, and so are
+/// lines of which only one point is left; closed lines that fold onto themselves are kept as they are.
+pub fn contours_of(
+    heights: &[f64],
+    cols: usize,
+    rows: usize,
+    cell: f64,
+    interval: f64,
+    origin: DVec2,
+) -> Vec<(f64, Vec<DVec2>)> {
+    let mut lines = traces_of(heights, cols, rows, cell, interval, origin);
+    lines.iter_mut().for_each(|(_, line)| line.dedup());
+    lines.retain(|(_, line)| line.len() >= 2);
+    lines
+}
+
+/// The contour lines of heights at the nodes of a grid, at all multiples of `interval`, by level. There is a point on each
+/// edge that a line crosses. Around a node at the level they are all at the node.
 ///
 /// `heights` go row by row from the north-west, `origin` is the position of the first node, x grows with the column and y
 /// falls with the row by `cell`. Lines are open where they meet the border or a cell with a height that is NaN, else
-/// closed with the first point repeated; higher ground lies on the right. Repeated points are dropped, and so are lines
-/// of which only one point is left; closed lines that fold onto themselves are kept as they are.
-pub fn contours_of(
+/// closed with the first point repeated; higher ground lies on the right.
+pub fn traces_of(
     heights: &[f64],
     cols: usize,
     rows: usize,
@@ -61,11 +77,7 @@ pub fn contours_of(
             }
         };
         for chain in chains_of(&pieces) {
-            let mut line: Vec<DVec2> = chain.into_iter().map(point).collect();
-            line.dedup();
-            if line.len() >= 2 {
-                lines.push((level, line));
-            }
+            lines.push((level, chain.into_iter().map(point).collect()));
         }
     }
     lines

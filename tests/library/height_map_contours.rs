@@ -13,7 +13,7 @@ use tokosen::dem::Dem;
 use tokosen::dem::contour::{ContourParams, DemContours, SMALLEST_TOLERANCE, TOLERANCE, contours};
 use tokosen::slice::{Target, signed_area};
 
-use crate::common::{self, Random, Terrain, contours_of, crossings, distance};
+use crate::common::{self, Random, Terrain, crossings, distance, traces_of};
 
 /// The heights of a terrain as a height map.
 fn dem_of(terrain: &Terrain) -> Dem {
@@ -161,8 +161,7 @@ fn assert_topology(dem: &Dem, found: &DemContours, interval: f64, what: &str) {
             missing += usize::from(is_crossed && found.times == 0 && sides == 2);
         }
     }
-    // A line without width around one cell crosses four sides or fewer.
-    assert!(missing == 0 || found.without_width > 0, "{what}: {missing} sides are not crossed");
+    assert_eq!(missing, 0, "{what}: {missing} sides are not crossed");
 }
 
 /// A line with the box around it.
@@ -174,7 +173,8 @@ struct Boxed<'a> {
 
 /// Lines are within the tolerance of those of the independent tracer, and these of them.
 fn assert_near(terrain: &Terrain, found: &DemContours, interval: f64, what: &str) -> f64 {
-    let raw = contours_of(&terrain.heights, terrain.cols, terrain.rows, terrain.cell, interval, terrain.origin);
+    // A single cell at a level has a ring, so near to it that the tracer gives only the cell's centre.
+    let raw = traces_of(&terrain.heights, terrain.cols, terrain.rows, terrain.cell, interval, terrain.origin);
     let most = found.tolerance * (1.0 + 1e-9) + 1e-7;
     let boxed = |line| {
         let (low, high) = (|a: DVec2, p: &DVec2| a.min(*p), |a: DVec2, p: &DVec2| a.max(*p));
@@ -204,8 +204,7 @@ fn assert_near(terrain: &Terrain, found: &DemContours, interval: f64, what: &str
             largest = largest.max(off);
         }
         for line in traced.iter().map(|boxed| boxed.line) {
-            let has_width = line.first() != line.last() || signed_area(line).abs() > 1e-9;
-            for p in samples(line, terrain.cell).filter(|_| has_width && found.without_width == 0) {
+            for p in samples(line, terrain.cell) {
                 let off = nearest(p, written);
                 assert!(off <= most, "{what}: {p} of the traced line is {off} off");
             }
@@ -274,14 +273,28 @@ fn ground_exactly_at_a_level_is_above_it() {
     let low = [97.0; 6];
     let flat = [97.0, 100.0, 100.0, 100.0, 100.0, 97.0];
     let found = run(&small(&[&low, &flat, &flat, &low]), 100.0, None);
-    assert_eq!((lines(&found).len(), found.without_width), (1, 0));
+    assert_eq!(lines(&found).len(), 1);
     let ring = &lines(&found)[0];
     assert!(ring.is_closed() && !ring.depression && !ring.index);
     assert!(signed_area(&ring.points) < 0.0, "clockwise around higher ground");
-    // A single top and a crest at 100 m have no width.
-    for row in [[97.0, 97.0, 100.0, 97.0, 97.0, 97.0], flat] {
-        let found = run(&small(&[&low, &row, &low]), 100.0, None);
-        assert_eq!((lines(&found).len(), found.without_width), (0, 1));
+    // A single top and a crest at 100 m have a ring, or a line on each side that is in the map.
+    let top = [97.0, 97.0, 100.0, 97.0, 97.0, 97.0];
+    let (to_edge, whole) = ([97.0, 97.0, 100.0, 100.0, 100.0, 100.0], [100.0; 6]);
+    let cases: [(&[&[f32]], &[bool]); 6] = [
+        (&[&low, &top, &low], &[true]),
+        (&[&low, &flat, &low], &[true]),
+        (&[&low, &to_edge, &low], &[false]),
+        (&[&low, &whole, &low], &[false, false]),
+        (&[&whole, &low, &low], &[false]),
+        (&[&low, &low, &top], &[false]),
+    ];
+    for (rows, closed) in cases {
+        for tolerance in [None, Some(0.0), Some(0.01)] {
+            let found = run(&small(rows), 100.0, tolerance);
+            assert_eq!(lines(&found).iter().map(ContourLine::is_closed).collect::<Vec<_>>(), closed, "{rows:?}");
+            assert_apart(lines(&found), "a crest");
+            assert!(lines(&found).iter().all(|line| !line.depression), "{rows:?}");
+        }
     }
     // A hollow.
     let found = run(&small(&[&[103.0; 4], &[103.0, 98.0, 98.0, 103.0], &[103.0; 4]]), 100.0, None);

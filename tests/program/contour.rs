@@ -267,3 +267,48 @@ fn wrong_usage_and_wrong_input_say_what_to_do() {
     let text = folder.succeeds("contour dem.tif --levels 5000 -o none.gpkg");
     assert!(text.contains("layer contours has no line"), "{text}");
 }
+
+#[test]
+fn what_is_said_about_heights_exactly_at_a_level_is_true() {
+    let folder = Folder::new();
+    let grid = Grid { corner: DVec2::new(0.0, 50.0), cell: DVec2::splat(10.0), cols: 5, rows: 5 };
+    let write = |name: &str, ground: f32, at: &[usize], height: f32| {
+        let mut values = vec![ground; 25];
+        at.iter().for_each(|&i| values[i] = height);
+        write_dem(&folder.path(name), &Dem { grid, values, crs: Some(Crs::from_epsg(6677)) }).unwrap();
+    };
+    write("top.tif", 99.0, &[12], 100.0);
+    write("row.tif", 99.0, &[10, 11, 12, 13, 14], 100.0);
+    write("lake.tif", 100.0, &[12], 103.0);
+    write("holes.tif", f32::NAN, &[12], 103.0);
+    let said = |dem: &str, options: &str| folder.succeeds(&format!("contour {dem} -o lines.geojson {options}"));
+    for (dem, count) in [("top.tif", 1), ("row.tif", 2)] {
+        let text = said(dem, "-i 100");
+        assert!(!text.contains("has no line") && text.contains(&format!("({count} lines")), "{text}");
+        assert_eq!(features(&folder, "lines.geojson").len(), count);
+    }
+    let text = said("lake.tif", "-i 100");
+    assert!(text.contains("no line: the level 100 m is the lowest height, and a height equal"), "{text}");
+    let text = said("lake.tif", "-i 2");
+    assert!(text.contains("no line at 100 m, the lowest height: a height equal") && !text.contains("has no"), "{text}");
+    let text = said("lake.tif", "--levels 50,104");
+    assert!(text.contains("no line: none of its levels is between the lowest and the highest height, 100 m and 103 m"));
+    let text = said("lake.tif", "--levels 328.0839895013123 --to-unit ft");
+    assert!(text.contains("the level 328.0839895013123 ft is the lowest height"), "{text}");
+    let text = said("holes.tif", "-i 103");
+    assert!(text.contains("no line"), "{text}");
+    for quiet in ["top.tif", "lake.tif"] {
+        assert_eq!(said(quiet, "-i 100 -q"), "");
+    }
+}
+
+#[test]
+fn a_tolerance_that_is_raised_is_told() {
+    let folder = Folder::new();
+    write_dem(&folder.path("dem.tif"), &cone()).unwrap();
+    for (asked, is_told) in [("0", true), ("0.0019", true), ("0.002", false), ("0.5", false)] {
+        let text = folder.succeeds(&format!("contour dem.tif -i 10 -o lines.geojson --tolerance {asked}"));
+        let told = format!("--tolerance {asked} is less than a thousandth of a cell: 0.002 is used");
+        assert_eq!(text.contains(&told), is_told, "{text}");
+    }
+}

@@ -3,6 +3,9 @@
 //! The steps: heights are smoothed, if asked for ([`smoothed`]); each level is traced through
 //! the squares of four cell centres; the traced lines get a smooth course with few vertices, within a tolerance. Lines
 //! never cross or touch, by construction: each has its own windows on the sides of the squares.
+//!
+//! One rule for heights exactly at a level: they are above it. So each line depends on the heights beside it alone, and
+//! height maps with common cells have the same lines there.
 
 mod course;
 mod trace;
@@ -22,7 +25,7 @@ use crate::base::{ElevationUnit, Grid, memory};
 use crate::contour::{ContourLayer, ContourLine, Source, clip_lines};
 use crate::slice::{Target, end_of_batch, is_index, signed_area};
 use course::Workspace;
-use trace::{Field, Freedom, NOT_VISITED, Trace, is_flat};
+use trace::{Field, Freedom, NOT_VISITED, Trace};
 
 /// Default of the tolerance, cells. Half a cell is how exactly a height map states where a height is.
 pub const TOLERANCE: f64 = 0.5;
@@ -51,7 +54,8 @@ pub struct ContourParams {
     /// is the smallest difference between two of them.
     pub index_every: u32,
     /// Largest horizontal distance between a line and the contour of the height map, map units. If `None`,
-    /// [`TOLERANCE`] times the smaller side of a cell. At least [`SMALLEST_TOLERANCE`] times this side is used.
+    /// [`TOLERANCE`] times the smaller side of a cell. At least [`SMALLEST_TOLERANCE`] times this side is used;
+    /// [`DemContours::tolerance`] tells.
     pub tolerance: Option<f64>,
     /// Standard deviation of the Gaussian that smooths the heights first, map units. `None` for none.
     pub smooth: Option<f64>,
@@ -80,19 +84,34 @@ pub struct DemContours {
     pub tolerance: f64,
     /// How often lines cross the sides of squares. This would be the number of vertices without the tolerance.
     pub crossings: u64,
-    /// Number of lines without width that were left out: cell centres exactly at a level, single or in a row, with lower
-    /// ground around.
-    pub without_width: u64,
+    /// The lowest and the highest height, metres, after smoothing.
+    pub heights: [f32; 2],
+    /// The levels of each target from the lowest to the highest height, metres, ascending. One that is the lowest height
+    /// has no line.
+    pub levels: Vec<Vec<f64>>,
     /// What smoothing did to the heights, if it was asked for.
     pub smoothing: Option<HeightChange>,
+}
+
+impl DemContours {
+    /// That and why the tolerance is larger than one that was asked for, as the rest of a sentence. `None` if it is not.
+    pub fn raised_from(&self, asked: f64) -> Option<String> {
+        (asked < self.tolerance).then(|| {
+            format!(
+                "{asked} is less than a thousandth of a cell: {} is used. Closer to cells exactly at a level, lines would touch",
+                self.tolerance
+            )
+        })
+    }
 }
 
 /// The contour lines of a height map at the levels of each target.
 ///
 /// The contour of a height map is defined here by its cell centres. Four neighbouring ones are the corners of a square.
-/// Heights are linear on its sides, and the contour is straight between two sides. A height equal to a level is above
-/// it. Where two corners above the level lie across from each other, the mean of the four heights decides which sides
-/// are connected. These are the lines that other programs trace.
+/// Heights are linear on its sides, and the contour is straight between two sides. A height equal to a level is always
+/// above it: a line runs around single cells and rows of cells at the level too, close beside them. Where two corners above
+/// the level lie across from each other, the mean of the four heights decides which sides are connected. These are the
+/// lines that other programs trace.
 ///
 /// The lines of the result:
 /// * Each lies within the tolerance of that contour, and crosses the same sides of the same squares. So cell centres
@@ -155,17 +174,17 @@ pub fn contours(dem: &Dem, params: &ContourParams, progress: &dyn Progress) -> R
         None => (None, None),
     };
     let dem = changed.as_ref().unwrap_or(dem);
-    let wanted = wanted(dem, params)?;
+    let heights = extremes(dem)?;
+    let wanted = wanted(heights, params)?;
     let levels = together(&wanted)?;
     let tolerance = tolerance.max(SMALLEST_TOLERANCE * side);
     let traced = traced(dem, &levels, tolerance, params.memory, progress)?;
     let crossings = traced.iter().map(|level| level.crossings).sum();
-    let without_width = traced.iter().map(|level| level.without_width).sum();
     let mut layers = layers(params, &wanted, &levels, traced);
     if let Some(part) = &params.part {
         layers.iter_mut().for_each(|layer| clip_lines(&mut layer.lines, part));
     }
-    Ok(DemContours { layers, tolerance, crossings, without_width, smoothing })
+    Ok(DemContours { layers, tolerance, crossings, heights, levels: wanted, smoothing })
 }
 
 /// # Errors
@@ -207,17 +226,22 @@ fn line(elevation: f64, points: Vec<DVec2>, index: bool) -> ContourLine {
     line
 }
 
-/// The levels of each target between the lowest and the highest height, metres.
-fn wanted(dem: &Dem, params: &ContourParams) -> Result<Vec<Vec<f64>>> {
-    if params.targets.is_empty() {
-        return Err(Error::Parameter("no interval and no levels are given".into()));
-    }
+/// The lowest and the highest height.
+fn extremes(dem: &Dem) -> Result<[f32; 2]> {
     let extremes = |(low, high): (f32, f32), height: f32| (low.min(height), high.max(height));
     let both = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
     let none = || (f32::INFINITY, f32::NEG_INFINITY);
     let (low, high) = dem.values.par_iter().copied().fold(none, extremes).reduce(none, both);
     if low > high {
         return Err(Error::Data("no cell of the height map has a height".into()));
+    }
+    Ok([low, high])
+}
+
+/// The levels of each target between the lowest and the highest height, metres.
+fn wanted([low, high]: [f32; 2], params: &ContourParams) -> Result<Vec<Vec<f64>>> {
+    if params.targets.is_empty() {
+        return Err(Error::Parameter("no interval and no levels are given".into()));
     }
     let beyond = |height: f32, sign: f64| f64::from(height) + sign * BEYOND * f64::from(height.abs());
     let levels = |target: &Target| target.levels(params.unit, beyond(low, -1.0), beyond(high, 1.0));
@@ -250,7 +274,6 @@ fn smallest_difference(levels: &[f64]) -> Option<f64> {
 struct Level {
     lines: Vec<Vec<DVec2>>,
     crossings: u64,
-    without_width: u64,
 }
 
 /// Traces all levels.
@@ -293,10 +316,6 @@ fn traced(
             let (mut level, mut space) = (Level::default(), Workspace::default());
             trace.lines(squares.of(k - from), |course| {
                 level.crossings += course.crossings.len() as u64;
-                if is_flat(&course, cols) {
-                    level.without_width += 1;
-                    return;
-                }
                 let vertices = course::vertices(&course, freedom.tolerance, &mut space);
                 level.lines.push(vertices.into_iter().map(|p| first + p * cell).collect());
             });

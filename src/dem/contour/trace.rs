@@ -2,8 +2,9 @@
 //!
 //! Four neighbouring cell centres are the corners of a square. On a side of it, heights are linear. A corner with
 //! `height >= level` is above the level, any other corner is below. So a corner exactly on the level is no special
-//! case. Inside a square, a line runs straight from side to side. Where two corners above the level lie across from
-//! each other (a saddle), the mean of the four heights decides which two sides a line joins.
+//! case, also where it is a single one or one of a row: the level runs around it, close beside it. Inside a square, a
+//! line runs straight from side to side. Where two corners above the level lie across from each other (a saddle), the
+//! mean of the four heights decides which two sides a line joins.
 //!
 //! Lines of one level and of different levels never meet. On each side they have windows of their own (see
 //! [`window`]), in the order of their levels and apart from the corners. And two straight pieces in a square do not cross
@@ -47,8 +48,6 @@ pub(super) struct Crossing {
     pub window: [f64; 2],
     /// Whether the side rises with the coordinate.
     pub rises: bool,
-    /// The corner where the line crosses, if it is exactly at the level.
-    pub corner: Option<u32>,
 }
 
 impl Crossing {
@@ -129,21 +128,20 @@ impl<'a> Field<'a> {
         let share = (f64::from(self.levels[k]) - start) / (end - start);
         let tolerance = if along_x { freedom.tolerance.x } else { freedom.tolerance.y };
         let [mut low, mut high] = window(tolerance, freedom.gap / (end - start).abs(), share, TO_CORNER);
-        let mut corner = None;
         if share <= 0.0 {
-            (low, corner) = (OFF_CORNER * high, Some(from as u32));
+            low = OFF_CORNER * high;
         } else if share >= 1.0 {
-            (high, corner) = (1.0 - OFF_CORNER * (1.0 - low), Some(to as u32));
+            high = 1.0 - OFF_CORNER * (1.0 - low);
         }
         let share = share.clamp(low, high);
         let (col, row) = ((from % self.cols) as f64, (from / self.cols) as f64);
         let rises = end > start;
         if along_x {
             let (at, window) = (col + share, [col + low, col + high]);
-            Crossing { along_x, across: -row, at, window, rises, corner }
+            Crossing { along_x, across: -row, at, window, rises }
         } else {
             let (at, window) = (-row - share, [-row - high, -row - low]);
-            Crossing { along_x, across: col, at, window, rises: !rises, corner }
+            Crossing { along_x, across: col, at, window, rises: !rises }
         }
     }
 }
@@ -235,23 +233,4 @@ impl Trace<'_> {
             }
         }
     }
-}
-
-/// Whether a line has no width: all its crossings are corners exactly at the level, and it returns along itself. Only
-/// single corners or rows of them are at the level, and nothing inside the line is above it.
-pub(super) fn is_flat(course: &Course<'_>, cols: usize) -> bool {
-    let nodes = || course.crossings.iter().map(|crossing| crossing.corner);
-    let (Some(first), Some(last)) = (nodes().next().flatten(), nodes().next_back().flatten()) else { return false };
-    if first != last || nodes().any(|node| node.is_none()) {
-        return false;
-    }
-    let place = |node: u32| ((node as usize % cols) as i64, (node as usize / cols) as i64);
-    let (from, mut last, mut area) = (place(first), (0, 0), 0);
-    for node in nodes().flatten() {
-        let (x, y) = place(node);
-        let here = (x - from.0, y - from.1);
-        area += last.0 * here.1 - last.1 * here.0;
-        last = here;
-    }
-    area == 0
 }
