@@ -210,12 +210,8 @@ impl ContourArgs {
             "tolerance  {}{kind}: lines are within it of the contour of the {of}, which crosses {} sides of cells",
             found.tolerance, found.crossings
         ));
-        if let Some(asked) = self.tolerance.filter(|asked| *asked < found.tolerance) {
-            console.warn(&format!(
-                "--tolerance {asked} is less than a thousandth of a cell: {} is used. Closer to cells exactly at a level, \
-                 lines would touch",
-                found.tolerance
-            ));
+        if let Some(why) = self.tolerance.and_then(|asked| found.raised_from(asked)) {
+            console.warn(&format!("--tolerance {why}"));
         }
         let lowest = found.levels.iter().flatten().find(|level| **level as f32 == found.heights[0]);
         if let Some(level) = lowest.filter(|_| found.layers.iter().any(|layer| !layer.lines.is_empty())) {

@@ -3,6 +3,7 @@
 
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
+use tokosen::base::error::Severity;
 use tokosen::crs::{Crs, Reprojection};
 use tokosen::dem::GroundScale;
 use tokosen::dem::contour::{ContourParams, contours};
@@ -153,7 +154,7 @@ pub fn skeleton(
     })
 }
 
-/// Contours of a height map, as those of a terrain. `given` says which part of the height map is wanted.
+/// Contours of a height map, as those of a terrain, and what to warn of. `given` says which part of the height map is wanted.
 #[pyfunction]
 #[pyo3(signature = (dem, given, intervals, base, levels, to_crs, to_unit, index, tolerance, smooth, labels, progress))]
 #[allow(clippy::too_many_arguments, reason = "each is a keyword argument of the package's function")]
@@ -171,7 +172,7 @@ pub fn contour(
     smooth: Option<f64>,
     labels: Option<f64>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<Layer>> {
+) -> PyResult<(Vec<Layer>, Vec<Warned>)> {
     for (name, value) in [("tolerance", tolerance), ("smooth", smooth)] {
         if let Some(bad) = value.filter(|v| !(v.is_finite() && *v >= 0.0)) {
             return Err(parameter(py, format!("{name} is {bad}, it must be 0 or more")));
@@ -189,7 +190,9 @@ pub fn contour(
         let dem = ground.of(dem, &mut params)?;
         let [low, high] = params.part.as_ref().map_or_else(|| dem.corners(), |part| dem.around(part).corners());
         let found = contours(&dem, &params, progress)?;
-        with_labels(&found.layers, labels, (low, high), unit, &back)
+        let raised = tolerance.and_then(|asked| found.raised_from(asked));
+        let warned = raised.map(|why| (Severity::Warning.name(), "tolerance-raised", format!("tolerance {why}")));
+        Ok((with_labels(&found.layers, labels, (low, high), unit, &back)?, warned.into_iter().collect()))
     })
 }
 

@@ -66,6 +66,15 @@ def test_nan_in_coordinates_and_elevations():
         tokosen.dem((coords, offsets, np.full(2, np.nan)), 20)
 
 
+def test_a_tolerance_that_is_raised_is_told():
+    truth = tokosen.dem(frame(), 20)
+    with pytest.warns(tokosen.FindingWarning, match="tolerance 0.01 is less than a thousandth of a cell: 0.02 is used"):
+        tokosen.contour(truth, 10, tolerance=0.01)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tokosen.contour(truth, 10, tolerance=0.02)
+
+
 def test_an_error_has_the_findings_that_explain_it():
     coords, offsets, elevations = hill()
     coords[40:] = np.nan

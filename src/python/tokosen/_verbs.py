@@ -161,8 +161,8 @@ def contour(
     """Contour lines of a height map, smooth and with few vertices, as the command `tokosen contour`.
 
     `dem` is a path, a Dem, a DataArray, or (values, transform, crs). `tolerance` is how far lines may be from the bilinear surface
-    of the heights, map units (half a cell). `smooth` smooths noisy heights first, by this distance. `extent` or `clip` is the part
-    of the height map that the lines are cut to; outside of `frame` is no ground.
+    of the heights, map units (half a cell); at least a thousandth of a cell is used. `smooth` smooths noisy heights first, by this
+    distance. `extent` or `clip` is the part of the height map that the lines are cut to; outside of `frame` is no ground.
 
     >>> hill = tokosen.dem(tokosen.example(), cell=10)
     >>> sorted(set(tokosen.contour(hill, 10)["elev"].tolist()))
@@ -172,7 +172,7 @@ def contour(
     elevations = None if levels is None else [float(level) for level in levels]
     ground = options(given, GroundOptions)
     with reporting(progress) as report:
-        found = _tokosen.contour(
+        found, warned = _tokosen.contour(
             raster("dem", dem),
             ground,
             intervals,
@@ -186,6 +186,7 @@ def contour(
             None,
             report,
         )
+    warn_of(warned, stacklevel=3)
     layers = [shaped(layer, output, False) for layer in found]
     return layers if is_several(interval) else layers[0]
 
