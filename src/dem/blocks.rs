@@ -5,7 +5,7 @@ use crate::base::Grid;
 use crate::base::error::Result;
 
 /// Cells of a block of rows.
-const BLOCK: usize = 1 << 19;
+const BLOCK: usize = 1 << 18;
 
 /// A block of rows, with the row above and the row below if there are such.
 #[derive(Debug)]
