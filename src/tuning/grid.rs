@@ -10,7 +10,7 @@ tuned! {
         /// Tried 3 and 12: the RMSE of four maps changes by +6.18 % and -0.26 %.
         ///
         /// Refit: RMSE and time.
-        nodes_per_spacing: f64 = 6.0,
+        nodes_per_spacing: f64 = 12.0,
         /// Nodes per mean segment of the contours, at most. What lies between two vertices is unknown.
         ///
         /// Tried 1 and 4: no effect on the RMSE of two maps.
@@ -29,7 +29,7 @@ tuned! {
         /// Tried 4 and 16: the RMSE of four maps changes by +4.74 % and 0 %.
         ///
         /// Refit: RMSE and time.
-        max_times_finer: f64 = 8.0,
+        max_times_finer: f64 = 4.0,
         /// Largest cell of a height map, in spacings, that is not divided for the working grid. Above it, several
         /// contours cross the edges between nodes.
         ///
