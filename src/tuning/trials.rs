@@ -27,7 +27,7 @@ tuned! {
         /// Nodes per spacing of a trial. A surface on fewer nodes shows how well a tension suits the ground too, and takes
         /// less time.
         ///
-        /// Tried 3 and 12: TODO
+        /// Tried 3 and 12: the error of new lines of four maps changes by +0.8 % and +0.7 %.
         ///
         /// Refit: RMSE and time.
         nodes_per_spacing: f64 = 6.0,
