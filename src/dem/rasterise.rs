@@ -50,11 +50,8 @@ pub fn locate(tin: &Tin, grid: &Grid, progress: &dyn Progress) -> Vec<u32> {
 
 /// Height of triangle `t` at a position relative to the triangulation's origin, between its lowest and highest corner.
 pub(crate) fn height(tin: &Tin, t: u32, p: DVec2) -> f64 {
-    let [a, b, c] = tin.corners(t);
     let heights = tin.corner_heights(t);
-    let area = (b - a).perp_dot(c - a);
-    let wb = (p - a).perp_dot(c - a) / area;
-    let wc = (b - a).perp_dot(p - a) / area;
+    let [_, wb, wc] = tin.weights(t, p);
     let (lowest, highest) = (heights[0].min(heights[1]).min(heights[2]), heights[0].max(heights[1]).max(heights[2]));
     (heights[0] + wb * (heights[1] - heights[0]) + wc * (heights[2] - heights[0])).clamp(lowest, highest)
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::trace::as_given;
-use super::{Simplification, Target, ascends_right, signed_area, slice};
+use super::{Bends, Simplification, Target, ascends_right, signed_area, slice};
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::memory;
@@ -101,7 +101,9 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     if !(tolerance.is_finite() && tolerance >= 0.0) {
         return Err(Error::out_of_range("tolerance of simplified lines", tolerance, "0 or more"));
     }
-    let traced = slice(&surface.tin, &surface.regions, &levels, Simplification { tolerance }, progress);
+    let bends = surface.working.as_ref().map(|working| Bends::new(&surface.tin, working));
+    let simplification = Simplification { tolerance };
+    let traced = slice(&surface.tin, &surface.regions, &levels, simplification, bends.as_ref(), progress);
     let mut rings: HashMap<u64, HashSet<[u64; 2]>> = HashMap::new();
     for ring in map.contours.iter().filter(|c| c.is_closed()) {
         let is_traced = |k: usize| !traced[k].lines.is_empty();

@@ -8,6 +8,8 @@
 
 use glam::DVec2;
 
+use super::edge::Edge;
+
 /// Share of the way to the next level that a window may take. Windows of neighbouring levels do not meet.
 const TO_NEXT_LEVEL: f64 = 0.45;
 /// Share of the way to the ends of the edge that a window may take.
@@ -26,10 +28,14 @@ impl Simplification {
     /// All vertices stay.
     pub const NONE: Self = Self { tolerance: 0.0 };
 
-    /// The window on an edge with these ends and heights, as shares of the edge; the line crosses it at `share`. `gap` is
-    /// the difference to the nearest other level, metres.
-    pub(super) fn window(self, [a, b]: [DVec2; 2], [za, zb]: [f64; 2], share: f64, gap: f64) -> [f64; 2] {
-        window(self.tolerance / a.distance(b), gap / (zb - za).abs(), share, TO_END)
+    /// The window around the crossing of a level with an edge of this length, as shares of the edge. `gap` is the difference
+    /// to the nearest other level, metres.
+    pub(super) fn window(self, length: f64, edge: &Edge, level: f64, gap: f64) -> [f64; 2] {
+        let (share, free) = (edge.share(level), self.tolerance / length);
+        let next = if edge.rises() { TO_NEXT_LEVEL * gap } else { -TO_NEXT_LEVEL * gap };
+        let (before, after) = (edge.share(level - next), edge.share(level + next));
+        let (first, last) = (share - TO_END * share, share + TO_END * (1.0 - share));
+        [(share - free).max(before).max(first), (share + free).min(after).min(last)]
     }
 }
 
@@ -177,14 +183,14 @@ mod tests {
 
     #[test]
     fn a_window_ends_before_the_next_level_and_before_the_ends_of_its_edge() {
-        let edge = [DVec2::ZERO, DVec2::new(10.0, 0.0)];
+        let edge = Edge::new([0, 1], [0.0, 20.0], None);
         for (tolerance, gap, ends) in [
             (0.5, 100.0, [0.15, 0.25]),
             (50.0, 100.0, [0.1, 0.6]),
             (50.0, 2.0, [0.2 - 0.045, 0.2 + 0.045]),
             (0.0, 2.0, [0.2, 0.2]),
         ] {
-            let window = Simplification { tolerance }.window(edge, [0.0, 20.0], 0.2, gap);
+            let window = Simplification { tolerance }.window(10.0, &edge, 4.0, gap);
             assert!(window.iter().zip(ends).all(|(a, b)| (a - b).abs() < 1e-12), "{window:?}");
         }
     }

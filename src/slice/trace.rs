@@ -8,6 +8,9 @@
 //! A height that differs from a level only by rounding is set to this level. Otherwise, points around this vertex would
 //! differ by rounding too, in any order.
 //!
+//! On a smooth surface, a level crosses an edge where the smooth surface has it ([`Bends`]). Levels cross it in the same order
+//! as on flat triangles, so all this still holds.
+//!
 //! A level is traced only in sub-domains whose band has it strictly inside. At the limits of the band, there are
 //! contours of the input already. A contour may end inside the map (auxiliary contours, gaps). A new line then goes on
 //! from its end and does not run along it again.
@@ -19,6 +22,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::edge::{Bends, Edge};
 use super::simplify::{Simplification, simplified};
 use crate::base::parallel;
 use crate::base::progress::Progress;
@@ -38,12 +42,14 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// level, with lines in a fixed order. A ring around a single computed vertex between two contours is an artefact of
 /// the interpolation along a ridge or a gully. Such rings are only counted.
 ///
-/// Lines lose vertices that `simplification` does not need.
+/// Lines lose vertices that `simplification` does not need. They follow `bends` of the surface; without them, edges are
+/// straight.
 pub fn slice(
     tin: &Tin,
     regions: &Regions,
     levels: &[f64],
     simplification: Simplification,
+    bends: Option<&Bends<'_>>,
     progress: &dyn Progress,
 ) -> Vec<Traced> {
     let heights = &*heights_on_levels(tin, levels);
@@ -82,6 +88,7 @@ pub fn slice(
                 level,
                 gap: gap(levels, k),
                 simplification,
+                bends,
                 visited: &mut visited,
                 artefact_rings: 0,
             };
@@ -177,6 +184,7 @@ struct Trace<'a> {
     /// Difference to the nearest other level, metres.
     gap: f64,
     simplification: Simplification,
+    bends: Option<&'a Bends<'a>>,
     /// For each triangle, the last level that visited it.
     visited: &'a mut [u32],
     /// Number of rings left out because they are smaller than the detail of the contours.
@@ -233,12 +241,13 @@ impl Trace<'_> {
             let position = self.tin.positions[w as usize] + self.tin.origin;
             return Step { position, vertex: Some(w), window: [position; 2], on_border };
         }
-        let share = (self.level - zu) / (zv - zu);
+        let edge = Edge::new([u, v], [zu, zv], self.bends);
         let at = |share: f64| pu + (pv - pu) * share + self.tin.origin;
-        let [low, high] = self.simplification.window([pu, pv], [zu, zv], share, self.gap).map(at);
+        let share = edge.share(self.level);
+        let [low, high] = self.simplification.window(pu.distance(pv), &edge, self.level, self.gap).map(at);
         // Higher ground is on the right.
-        let window = if zv > zu { [high, low] } else { [low, high] };
-        Step { position: pu + (pv - pu) * share + self.tin.origin, vertex: None, window, on_border }
+        let window = if edge.rises() { [high, low] } else { [low, high] };
+        Step { position: at(share), vertex: None, window, on_border }
     }
 
     fn walk(&mut self, first: u32, entry: usize, lines: &mut Vec<Vec<DVec2>>) {
@@ -417,7 +426,7 @@ mod tests {
         }
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
-        slice(&tin, &regions, &[level], Simplification::NONE, &()).remove(0).lines
+        slice(&tin, &regions, &[level], Simplification::NONE, None, &()).remove(0).lines
     }
 
     #[test]
@@ -495,7 +504,7 @@ mod tests {
         input.push_line(&[DVec2::new(-8.0, 8.0), DVec2::new(8.0, 8.0)], 20.0, VertexKind::Contour);
         let tin = triangulate(input).unwrap();
         let regions = regions(&tin, &Interval { step: 10.0, base: 0.0 });
-        let lines = slice(&tin, &regions, &[10.0], Simplification::NONE, &()).remove(0).lines;
+        let lines = slice(&tin, &regions, &[10.0], Simplification::NONE, None, &()).remove(0).lines;
         assert!(!lines.is_empty());
         let on_ring = |p: &DVec2| p.abs().max_element() == 2.0;
         for line in lines {

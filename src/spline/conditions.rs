@@ -11,6 +11,7 @@ use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::SoftSpot;
 use crate::drain::{Drain, Placed, Sink, mark_sinks};
 use crate::streams::Stream;
+use crate::tin::Tin;
 use crate::tuning::SplineTuning;
 
 /// What the smooth surface on a grid has to meet. Arrays have one value per node, row by row from the north-west. NaN
@@ -18,6 +19,13 @@ use crate::tuning::SplineTuning;
 pub struct Conditions<'a> {
     /// The working grid. The centres of its cells are the nodes.
     pub grid: Grid,
+    /// The triangulation with ridge and canyon lines.
+    pub tin: &'a Tin,
+    /// The triangle that each node lies in, [`NONE`](crate::tin::NONE) outside the frame.
+    pub triangles: Vec<u32>,
+    /// The levels of the contours at the vertices of the triangulation, metres; NaN at other vertices, and on contours whose
+    /// elevations are wrong.
+    pub levels: Vec<f32>,
     /// Level (metres) and vertices (map coordinates) of the contours.
     pub contours: Vec<(f64, &'a [DVec2])>,
     /// Spot heights: map position and height, metres.

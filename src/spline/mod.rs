@@ -17,7 +17,7 @@
 //! The steps are in `solve`. First the surface is found on coarse lattices, then on finer ones (`stages`, `lattice`).
 //! On each, conjugate gradients between bounds (`minimise`, `tile`, `stencil`) minimise the energy in `energy`. Its
 //! weights follow the surface (`reweight`). Then heights shrink towards the centre of their band (`shrinkage`), ridges
-//! and valleys get their curvature gain (`curvature_gain`), pits are breached (`pits`), and heights are made to fall along
+//! and valleys get their curvature gain (`curvature_gain`), dense contours are met (`misses`), pits are breached (`pits`), and heights are made to fall along
 //! streams (`stream_beds`).
 
 mod blur;
@@ -31,6 +31,7 @@ mod grid;
 mod inside;
 mod lattice;
 mod minimise;
+mod misses;
 mod params;
 mod pits;
 mod residual;
@@ -56,6 +57,7 @@ pub(crate) use conditions::{Conditions, Drainage};
 pub(crate) use fold::Fold;
 pub(crate) use grid::{bytes_on, coarser_than_asked, finer_grid, working_grid};
 pub(crate) use lattice::{CrossingKind, Lattice};
+pub(crate) use misses::Misses;
 pub use params::{HyperParameters, SplineParams, Wanted};
 pub(crate) use slopes::slopes;
 pub(crate) use solve::spline;

@@ -12,11 +12,14 @@ use super::slack::with_slack;
 use super::stages::{Problem, STEP, solve};
 use super::wide::WidePlaces;
 use super::working_grid::WorkingGrid;
-use super::{curvature_gain, residual, shrinkage, soft_spots, spots, stream_beds};
+use super::{curvature_gain, misses, residual, shrinkage, soft_spots, spots, stream_beds};
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
 use crate::streams::Stream;
 use crate::tuning::SplineTuning;
+
+/// The nodes per spacing of the grid that the weights of noisy contours and of streams are for.
+const NODES_PER_SPACING: f64 = 6.0;
 
 /// Finds the smooth surface that meets the conditions, and the streams with its heights where theirs were guessed.
 pub fn spline(
@@ -99,6 +102,7 @@ pub fn spline(
     }
     let breach = |heights: &mut [f32], limits: &Limits<'_>| problem.breach(heights, limits);
     let mut working = WorkingGrid { grid: *grid, heights };
+    misses::add_misses(&mut working, conditions, [lo, hi]);
     let mut streams = conditions.streams.to_vec();
     spots::meet(&conditions.spots, &mut working, [lo, hi], *spacing, interval);
     stream_beds::settle(&mut streams, &mut working, [lo, hi], interval, breach);
@@ -145,7 +149,7 @@ fn bounded(
 fn contour_weight(noise: f64, grid: &Grid, spacing: f64, tuning: &SplineTuning) -> CrossingWeight {
     let SplineTuning { contour_weight_at_vertex: at_vertex, contour_weight_on_chord: on_chord, .. } = *tuning;
     let cell = (grid.cell.x * grid.cell.y).sqrt();
-    let per_length = (tuning.grid.nodes_per_spacing * cell / spacing).powi(3);
+    let per_length = (NODES_PER_SPACING * cell / spacing).powi(3);
     let noisy = tuning.noisy_contour_weight / (noise * noise) * per_length;
     let between = tuning.stream_weight * per_length;
     CrossingWeight { at_vertex, on_chord, between }.map(|weight| noisy.min(weight))

@@ -85,7 +85,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         {
             progress.start(spline::STEP, 0);
             let lines: Vec<KnownLine<'_>> = known(&own_streams, &creases).collect();
-            let (of_map, located) = conditions(&subdivision, &break_lines, &lines, grid, (&params.cliffs, cliff_reach));
+            let of_map = conditions(&subdivision, &break_lines, &lines, grid, (&params.cliffs, cliff_reach));
             let mut conditions = Conditions {
                 soft_spots: &soft_spots,
                 drainage: Drainage { drain: params.drain, sinks: &own_sinks },
@@ -102,7 +102,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
                 sinks: own_sinks.clone(),
                 bounds: &conditions.bounds,
                 regions: &subdivision.regions,
-                triangles: &located,
+                triangles: &conditions.triangles,
                 interval: interval.step,
             };
             let (moved, of_pits) = drain_working(&mut solved, wanted);
@@ -110,7 +110,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
             findings.extend(of_pits);
             streams.extend(followed);
             working.push(solved);
-            triangles.push(located);
+            triangles.push(conditions.triangles);
         }
         let working = WorkingGrids(working);
         creases.iter_mut().for_each(|crease| crease.follow(|p| f64::from(working.at(p))));
@@ -151,6 +151,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         (subdivision, break_lines) = with_nodes(subdivision, axis, working, &triangles, tuning)?;
         progress.finish();
     }
+    let wrong_lines = subdivision.wrong_lines();
     let Subdivision { map, tin, regions, frame, interval, .. } = subdivision;
     let surface = Surface {
         map,
@@ -163,6 +164,7 @@ pub fn build(map: ContourMap, params: &SurfaceParams, progress: &dyn Progress) -
         creases,
         drain: params.drain,
         sinks,
+        wrong_lines,
         frame,
         interval,
         working,

@@ -36,6 +36,8 @@ pub struct Surface {
     pub drain: Drain,
     /// Where water may stay. A point is the deepest place of its pit.
     pub sinks: Vec<Sink>,
+    /// Numbers of the contours whose elevation contradicts the ground around it, ascending.
+    pub wrong_lines: Vec<u32>,
     /// The outline of the frame.
     pub frame: FrameRing,
     /// The contour interval of the input.

@@ -11,18 +11,18 @@ use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{Regions, Side, line_at, line_starts, local_bands};
-use crate::tin::{NONE, VertexKind};
+use crate::tin::{NONE, Tin, VertexKind};
 
 /// Looks up bands and reference heights at the nodes of a grid. `subdivision` holds the triangulation with ridge and
 /// canyon lines, and `known` are the streams and break lines in it. Of the cliffs, the reach (map units) says how far they
-/// act. Also gives the triangle that each node lies in, as [`locate`] does.
+/// act.
 pub(crate) fn conditions<'a>(
     subdivision: &'a Subdivision,
     break_lines: &[BreakLine],
     known: &[KnownLine<'_>],
     grid: &Grid,
     (cliffs, cliff_reach): (&'a [Vec<DVec2>], f64),
-) -> (Conditions<'a>, Vec<u32>) {
+) -> Conditions<'a> {
     let (wrong, starts) = (subdivision.wrong_lines(), line_starts(&subdivision.map));
     let is_wrong = |v: u32| {
         !wrong.is_empty()
@@ -64,8 +64,11 @@ pub(crate) fn conditions<'a>(
         t != NONE && is_hollow[subdivision.regions.of_triangle[t as usize] as usize]
     });
     let flat = |line: &BreakLine| (Fold::Found, line.points.iter().map(|p| p.truncate()).collect());
-    let conditions = Conditions {
+    Conditions {
         grid: *grid,
+        tin,
+        levels: levels_of_vertices(tin, &subdivision.map, &wrong),
+        triangles,
         contours: subdivision.map.contours.iter().map(|c| (c.elevation, c.points.as_slice())).collect(),
         spots: subdivision.used_spots().collect(),
         creases: break_lines.iter().map(flat).collect(),
@@ -80,8 +83,19 @@ pub(crate) fn conditions<'a>(
         known: Vec::new(),
         streams: &[],
         drainage: Drainage::default(),
-    };
-    (conditions, triangles)
+    }
+}
+
+/// The levels of the contours at the vertices of a triangulation; NaN at other vertices, and on the `wrong` contours.
+pub(crate) fn levels_of_vertices(tin: &Tin, map: &ContourMap, wrong: &[u32]) -> Vec<f32> {
+    let starts = line_starts(map);
+    parallel::values(tin.positions.len(), |v| {
+        let is_wrong = || line_at(tin, &starts, v as u32).is_some_and(|line| wrong.binary_search(&line).is_ok());
+        match tin.kinds[v] {
+            VertexKind::Contour if wrong.is_empty() || !is_wrong() => tin.heights[v] as f32,
+            _ => f32::NAN,
+        }
+    })
 }
 
 /// The nodes of a grid at vertices of contours, with the level of the contour. The band on either side of the contour

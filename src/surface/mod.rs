@@ -7,6 +7,7 @@
 //! * [`SurfaceKind::Spline`] is smooth: a minimum-curvature surface on a working grid ([`spline`](crate::spline)).
 
 mod along_streams;
+mod between_nodes;
 mod build;
 mod built;
 mod coarse;

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::along_streams::{Centres, flow_along};
+use super::between_nodes::BetweenNodes;
 use super::built::Surface;
 use super::conditions::on_contours;
 use crate::base::progress::Progress;
@@ -16,8 +17,9 @@ const BAND_ROWS: usize = 16;
 /// Heights of the surface at the cell centres of `grid`, metres; NaN outside the frame.
 ///
 /// On the smooth surface, a centre at a node of the working grid has the node's height. Other centres are interpolated
-/// by cubic convolution and kept in the band of their sub-domain. A centre at a vertex of a contour has the level of
-/// the contour. Other surfaces are triangles (see [`rasterise`]).
+/// by cubic convolution. What that misses at the contours around is added, and the height is kept in the band of its
+/// sub-domain. A centre at a vertex of a contour has the level of the contour. Other surfaces are triangles (see
+/// [`rasterise`]).
 pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
     let Some(working) = &surface.working else {
         return rasterise(&surface.tin, grid, surface.map.crs.clone(), progress);
@@ -27,9 +29,10 @@ pub fn heights(surface: &Surface, grid: &Grid, progress: &dyn Progress) -> Dem {
         return Dem { grid: *grid, values, crs: surface.map.crs.clone() };
     }
     let triangles = locate(&surface.tin, grid, progress);
+    let between = BetweenNodes::new(surface, working);
     let mut values = parallel::values(triangles.len(), |i| match triangles[i] {
         NONE => f32::NAN,
-        t => height_in(surface, t, grid.center(i % grid.cols, i / grid.cols)),
+        t => between.at(t, grid.center(i % grid.cols, i / grid.cols)),
     });
     for (cell, level) in on_contours(&surface.map, grid) {
         if triangles[cell] != NONE
@@ -58,6 +61,11 @@ pub fn heights_on(
     if values.is_empty() || tin.is_empty() {
         return values;
     }
+    let between = surface.working.as_ref().map(|working| BetweenNodes::new(surface, working));
+    let height_in = |t: u32, p: DVec2| match &between {
+        Some(between) => between.at(t, p),
+        None => height(tin, t, p - tin.origin) as f32,
+    };
     progress.start("evaluating the surface", grid.rows as u64);
     parallel::chunks(&mut values, grid.cols * BAND_ROWS, |band, cells| {
         // The search for the triangle of a centre starts at the triangle of the centre before. At the start of a row,
@@ -72,7 +80,7 @@ pub fn heights_on(
                     start_of_row = near;
                 }
                 if let Some(t) = found {
-                    *value = height_in(surface, t, p);
+                    *value = height_in(t, p);
                 }
             }
         }
@@ -100,17 +108,4 @@ fn with_height(tin: &Tin, t: u32, place: DVec2) -> Option<u32> {
     }
     let mut around = tin.neighbours[t as usize].into_iter();
     around.find(|&n| n != NONE && good(n) && tin.holds(n, place))
-}
-
-/// The height of the surface at a position in triangle `t`.
-fn height_in(surface: &Surface, t: u32, p: DVec2) -> f32 {
-    match &surface.working {
-        None => height(&surface.tin, t, p - surface.tin.origin) as f32,
-        Some(working) => surface.regions.region(t).map_or(f32::NAN, |region| {
-            let (lo, hi) = (region.band.lo as f32, region.band.hi as f32);
-            // Where the frame is narrower than the cells of the working grid, there may be no node near.
-            let smooth = Some(working.at(p)).filter(|height| !height.is_nan());
-            smooth.unwrap_or_else(|| height(&surface.tin, t, p - surface.tin.origin) as f32).clamp(lo, hi)
-        }),
-    }
 }

@@ -27,12 +27,7 @@ impl SurfaceBuilder for TrialBuilder<'_> {
         Some((subdivision, break_lines))
     }
 
-    fn conditions<'a>(
-        &self,
-        subdivision: &'a Subdivision,
-        break_lines: &[BreakLine],
-        grid: &Grid,
-    ) -> (Conditions<'a>, Vec<u32>) {
+    fn conditions<'a>(&self, subdivision: &'a Subdivision, break_lines: &[BreakLine], grid: &Grid) -> Conditions<'a> {
         conditions(subdivision, break_lines, &[], grid, (&[], 0.0))
     }
 }

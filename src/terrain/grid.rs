@@ -123,6 +123,20 @@ enum Size {
     Given(Grid),
 }
 
+impl Size {
+    /// The side of a square as large as a cell at `place`, on the working plane. `way` leads there.
+    fn on_plane(&self, way: &Transform, place: DVec2) -> Option<f64> {
+        let cell = match self {
+            Self::Square(size) => DVec2::splat(*size),
+            Self::Given(grid) => grid.cell,
+        };
+        let centre = way.inverse(place)?;
+        let across = |half: DVec2| Some(way.forward(centre + half)? - way.forward(centre - half)?);
+        let (east, north) = (across(DVec2::new(cell.x / 2.0, 0.0))?, across(DVec2::new(0.0, cell.y / 2.0))?);
+        Some(east.perp_dot(north).abs().sqrt()).filter(|side| side.is_finite() && *side > 0.0)
+    }
+}
+
 /// A system that is not the working one, and the conversion from it to the working one.
 struct Apart {
     crs: Crs,
@@ -203,11 +217,14 @@ impl Cells {
         self.apart.as_ref().map_or(working, |apart| Some(&apart.crs))
     }
 
-    /// What the smooth surface needs to know about the cells; `None` if its nodes cannot be at their centres.
-    pub fn wanted(&self) -> Option<Wanted> {
+    /// What the smooth surface needs to know about the cells. In another system, their centres are no nodes. Then its nodes
+    /// are as close as the cells are at `place`, on the working plane.
+    pub fn wanted(&self, place: DVec2) -> Option<Wanted> {
         match (&self.apart, &self.size) {
             (Some(Apart { way, .. }), size) => {
-                let metres = way.factor()?;
+                let Some(metres) = way.factor() else {
+                    return size.on_plane(way, place).map(Wanted::Cell);
+                };
                 Some(match size {
                     Size::Square(cell) => Wanted::Cell(cell * metres),
                     Size::Given(Grid { corner, cell, cols, rows }) => {

@@ -1,9 +1,12 @@
 //! How a terrain is made: [`Options`].
 
-use super::grid::GridSpec;
+use glam::DVec2;
+
+use super::grid::{Cells, GridSpec};
 use super::input::Input;
 use super::prepare::Preparation;
 use crate::base::error::{Error, Result};
+use crate::contour::ContourMap;
 use crate::crs::Reprojection;
 use crate::drain::Drain;
 use crate::spline::SplineParams;
@@ -11,8 +14,6 @@ use crate::streams::Streams;
 use crate::subdivision::Water;
 use crate::surface::{SurfaceKind, SurfaceParams, Triangles, Uncertainty};
 use crate::tuning::Tuning;
-
-use super::grid::Cells;
 
 /// How the lines are prepared and the surface is made.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,6 +87,7 @@ impl Options {
 
     /// The parameters of the surface of an input, whose frame and lakes are moved out of it.
     pub(super) fn surface(&self, input: &mut Input, cells: Option<&Cells>) -> SurfaceParams {
+        let wanted = cells.zip(middle(&input.map)).and_then(|(cells, place)| cells.wanted(place));
         SurfaceParams {
             kind: self.kind,
             frame: std::mem::take(&mut input.frame),
@@ -100,11 +102,18 @@ impl Options {
             },
             drain: self.drain,
             sinks: std::mem::take(&mut input.sinks),
-            spline: SplineParams { wanted: cells.and_then(Cells::wanted), tension: self.tension, noise: self.noise },
+            spline: SplineParams { wanted, tension: self.tension, noise: self.noise },
             triangles: self.triangles,
             uncertainty: self.uncertainty,
             memory: self.memory,
             tuning: self.tuning,
         }
     }
+}
+
+/// The middle of the box around the contours of a map.
+fn middle(map: &ContourMap) -> Option<DVec2> {
+    let points = map.contours.iter().flat_map(|c| c.points.iter().copied());
+    let around = points.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)));
+    around.map(|(lo, hi)| (lo + hi) / 2.0)
 }

@@ -97,6 +97,16 @@ impl Tin {
         self.positions[u as usize].distance(self.positions[v as usize])
     }
 
+    /// Weights of the corners of triangle `t` at a place relative to the origin. Their sum is 1; all are positive inside the
+    /// triangle.
+    pub fn weights(&self, t: u32, place: DVec2) -> [f64; 3] {
+        let [a, b, c] = self.corners(t);
+        let area = (b - a).perp_dot(c - a);
+        let of_b = (place - a).perp_dot(c - a) / area;
+        let of_c = (b - a).perp_dot(place - a) / area;
+        [1.0 - of_b - of_c, of_b, of_c]
+    }
+
     /// The smallest altitude of triangle `t`, map units.
     pub fn width(&self, t: u32) -> f64 {
         let [a, b, c] = self.corners(t);

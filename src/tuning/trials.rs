@@ -24,6 +24,13 @@ tuned! {
         ///
         /// Refit: RMSE.
         max_extrapolation: f64 = 0.5,
+        /// Nodes per spacing of a trial. A surface on fewer nodes shows how well a tension suits the ground too, and takes
+        /// less time.
+        ///
+        /// Tried 3 and 12: the error of new lines of four maps changes by +0.8 % and +0.7 %.
+        ///
+        /// Refit: RMSE and time.
+        nodes_per_spacing: f64 = 6.0,
         /// Noise of contours that are noisy.
         ///
         /// [`SplineTuning::noisy_contour_weight`](super::SplineTuning::noisy_contour_weight) is divided by its square, and

@@ -14,14 +14,8 @@ pub trait SurfaceBuilder: Sync {
     /// Adds ridge and canyon lines, if the surface has any. `None` if they cannot be triangulated.
     fn with_lines(&self, subdivision: Subdivision) -> Option<(Subdivision, Vec<BreakLine>)>;
 
-    /// The conditions of the smooth surface at the nodes of `grid`, and the triangle that each node lies in
-    /// ([`NONE`](crate::tin::NONE) outside the frame).
-    fn conditions<'a>(
-        &self,
-        subdivision: &'a Subdivision,
-        break_lines: &[BreakLine],
-        grid: &Grid,
-    ) -> (Conditions<'a>, Vec<u32>);
+    /// The conditions of the smooth surface at the nodes of `grid`.
+    fn conditions<'a>(&self, subdivision: &'a Subdivision, break_lines: &[BreakLine], grid: &Grid) -> Conditions<'a>;
 }
 
 /// Parameters of trials that are the same for all of them.

@@ -95,9 +95,9 @@ pub fn trials<const N: usize>(
 /// Contours twice as far apart need cells twice as large. Cells are larger still where the grid is finer than the
 /// contours need.
 pub fn cell(extent: &MapExtent<'_>, params: &TrialParams<'_>, every: i64) -> f64 {
-    let tuning = &params.tuning.spline.grid;
-    let cell = working_grid(extent, params.wanted, tuning).cell;
-    every as f64 * (cell.x * cell.y).sqrt().max(extent.spacing / tuning.nodes_per_spacing)
+    let tuning = &params.tuning;
+    let cell = working_grid(extent, params.wanted, &tuning.spline.grid).cell;
+    every as f64 * (cell.x * cell.y).sqrt().max(extent.spacing / tuning.trials.nodes_per_spacing)
 }
 
 /// The whole map, or squares of a large one.
@@ -230,7 +230,8 @@ impl Trial {
         let tuning = &params.tuning.spline;
         let [nearest, furthest] = params.tuning.trials.spacing_limits;
         let grid = &self.grid;
-        let (conditions, triangles) = params.builder.conditions(&self.subdivision, &self.break_lines, grid);
+        let conditions = params.builder.conditions(&self.subdivision, &self.break_lines, grid);
+        let triangles = &conditions.triangles;
         let slopes = slopes(&conditions.reference, grid);
         let spacing = conditions.spacing;
         let asked = |place: &HiddenPlace| {
@@ -297,7 +298,7 @@ mod tests {
             Some((subdivision, Vec::new()))
         }
 
-        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid) -> (Conditions<'a>, Vec<u32>) {
+        fn conditions<'a>(&self, _: &'a Subdivision, _: &[BreakLine], _: &Grid) -> Conditions<'a> {
             unimplemented!("no smooth surface is drawn here")
         }
     }

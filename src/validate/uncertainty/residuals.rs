@@ -50,8 +50,9 @@ pub fn hidden_residuals(
 
 fn of_trial(trial: &Trial, hyper_parameters: Option<HyperParameters>, params: &TrialParams<'_>) -> Vec<Residual> {
     let Trial { subdivision, break_lines, places, grid } = trial;
-    let (conditions, triangles) = params.builder.conditions(subdivision, break_lines, grid);
-    let sides = sides(subdivision, grid, &triangles);
+    let conditions = params.builder.conditions(subdivision, break_lines, grid);
+    let triangles = &conditions.triangles;
+    let sides = sides(subdivision, grid, triangles);
     // No shrinkage: all hidden contours lie half-way, which is where heights shrink to.
     let tuning = &params.tuning.spline;
     let smooth = hyper_parameters.map(|hyper_parameters| {
