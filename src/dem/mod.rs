@@ -22,5 +22,7 @@ pub use height_map::Dem;
 pub(crate) use part::mask;
 pub(crate) use rasterise::{height, heights_at};
 pub use rasterise::{locate, rasterise};
+#[cfg(feature = "io")]
+pub(crate) use rows::reserve;
+pub(crate) use rows::uniform;
 pub use rows::{RasterRows, WithCrs};
-pub(crate) use rows::{reserve, uniform};

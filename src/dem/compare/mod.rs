@@ -30,6 +30,7 @@ mod tally;
 
 pub use bands::{BandShare, outside_bands};
 pub use classes::{Class, SLOPE_BOUNDS};
+#[cfg(feature = "draw")]
 pub(crate) use difference::subtract;
 pub use difference::{Difference, difference};
 pub use distance::contour_distances;
@@ -37,6 +38,7 @@ pub use heights::{HeightFigures, height_figures};
 pub use levels::{BINS, LevelHistogram, find_terraces, level_histogram};
 pub use precision::{Precision, precision};
 pub use resampled::Resampled;
+#[cfg(feature = "draw")]
 pub(crate) use sample::Strip;
 pub use sample::{height_at, heights_at_places, heights_between};
 pub use slopes::SlopeError;
