@@ -82,7 +82,7 @@ class Plane(unittest.TestCase):
         self.assertTrue((level == 7).all())
 
     def test_meets(self):
-        vertices = score_dem.lone_vertices(self.truth, self.transform, GIVEN)
+        vertices = score_dem.lone_vertices(*terrain.contours(self.truth, self.transform, GIVEN), self.transform)
         self.assertGreater(len(vertices[0]), 0)
         use = np.ones_like(self.truth, bool)
         for lift, share in ((0, 100), (0.9 * score_dem.MEETS * GIVEN, 100), (1.1 * score_dem.MEETS * GIVEN, 0)):
@@ -90,7 +90,8 @@ class Plane(unittest.TestCase):
 
     def test_near_contours_are_left_out(self):
         # Contours at 2.5 metres stand 12.5 metres apart, less than two cells.
-        self.assertEqual(len(score_dem.lone_vertices(self.truth, self.transform, 2.5)[0]), 0)
+        near = terrain.contours(self.truth, self.transform, 2.5)
+        self.assertEqual(len(score_dem.lone_vertices(*near, self.transform)[0]), 0)
 
 
 class Pits(unittest.TestCase):
