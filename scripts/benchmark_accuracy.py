@@ -61,7 +61,7 @@ def main():
     a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
     a.add_argument("--only", action="append", metavar="NAME", help="run only tools with NAME in their name; may be repeated")
     a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each step of a tool (600)")
-    a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
+    a.add_argument("--keep", metavar="DIR", help="leave the contours and the height maps there")
     a.add_argument("--json", action="store_true", help="print the figures as JSON")
     o = a.parse_args()
     if o.turned and o.contours:
@@ -78,7 +78,8 @@ def main():
     lines, crs = given(o) if o.contours else cut(way, o.truth, heights, transform, o.interval)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        every = tools.tools(folder, tools.write_inputs(folder, lines, crs, transform, heights.shape), binary)
+        inputs = tools.write_inputs(folder, lines, crs, transform, heights.shape)
+        every = tools.tools(folder, inputs, binary)
         # Threads do not change what comes out.
         present, missing = tools.chosen([tool for tool in every if tool.name != tools.ONE_THREAD], o.only)
         made, failed = {}, []
@@ -93,7 +94,7 @@ def main():
         cells, scores = score_dem.compare(o.truth, o.interval, made.values(), cut=way) if made else (0, {})
         if o.keep:
             pathlib.Path(o.keep).mkdir(parents=True, exist_ok=True)
-            for path in made.values():
+            for path in [inputs.lines, *made.values()]:
                 shutil.copy(path, o.keep)
     figures = {name: scores[path] for name, path in made.items()}
     about = {"turned": o.turned, "vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval, "cells": cells,
