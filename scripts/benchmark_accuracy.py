@@ -18,6 +18,7 @@ Contours that people draw lie on no raster. With --turned, the contours do not l
 
 - The smooth surface through the cells is the cubic spline. It passes through every cell, so the truth stays exact there.
 - Its contours are cut on another raster, turned by 27 degrees, with cells of 0.8 of those of TRUTH.
+- Some of their vertices are not met even by TRUTH itself, because heights between its cells are bilinear for that figure.
 
 One row per tool:
 

@@ -20,7 +20,8 @@ one mean spacing, however far away the next line of its level is.
 
 Height error. The smooth surface through the cells of TRUTH is the cubic spline, which passes through every cell. The error
 of a sample is its height minus the level of the line. With --dem, the contours that a plain contourer cuts from DEM at the
-new levels are scored too. The true lines have a height error because they run straight between their vertices.
+new levels are scored too. The true lines have a height error because they run straight between their vertices. Missing lines
+have no height error: they count in the distances alone, true to new.
 
 Bends. Each line is cut into even pieces of about one cell, so that dense and sparse vertices give the same figure. Where two
 pieces meet, the line turns by an angle. The figure is the mean of these angles per cell of length. Bends shorter than two
