@@ -98,8 +98,8 @@ def main():
             for path in [inputs.lines, *made.values()]:
                 shutil.copy(path, o.keep)
     figures = {name: scores[path] for name, path in made.items()}
-    about = {"turned": o.turned, "vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval, "cells": cells,
-             "versions": tools.versions(present), "not installed": missing, "failed": failed}
+    about = {"turned": o.turned, "vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval,
+             "cells": cells, "versions": tools.versions(present), "not installed": missing, "failed": failed}
     if o.json:
         print(json.dumps({**about, "figures": figures}, indent=1))
     else:
@@ -132,7 +132,8 @@ def make(tool, folder, limit):
 
 
 def show(figures, about):
-    print(f"{about['vertices']:,} vertices of contours every {about['interval']:g} m, {about['cells']:,} cells; "
+    where = " that lie on no raster" if about["turned"] else ""
+    print(f"{about['vertices']:,} vertices of contours every {about['interval']:g} m{where}, {about['cells']:,} cells; "
           f"{about['versions']}.\n")
     print(tools.table(["", *COLUMNS], [[name, *(form.format(f[key]) for key, form in COLUMNS.values())]
                                        for name, f in figures.items()]))
