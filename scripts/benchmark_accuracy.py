@@ -5,10 +5,22 @@
     benchmark_accuracy.py lidar.tif 10
     benchmark_accuracy.py lidar.tif 10 --only tokosen --only GMT --keep height_maps
     benchmark_accuracy.py lidar.tif 10 --contours drawn.gpkg
+    benchmark_accuracy.py --turned                         # the sample, with contours that lie on no raster
+    benchmark_accuracy.py lidar.tif 10 --turned
 
 TRUTH is a height map in metres with square cells, INTERVAL the contour interval in metres. The contours are cut at every
 multiple of it, by linear interpolation between cell centres; --contours takes those of a file instead. Each tool makes a
-height map on the cells of TRUTH. benchmark_speed.py lists the tools and their parameters. One row per tool:
+height map on the cells of TRUTH. benchmark_speed.py lists the tools and their parameters.
+
+Contours that are cut between the cells of TRUTH give some of its heights away. Where two contours pass between two cells, a
+straight line through both points gives the heights of both cells. A tool that works on the same cells gains by this.
+Contours that people draw lie on no raster. With --turned, the contours do not lie on one either:
+
+- The smooth surface through the cells is the cubic spline. It passes through every cell, so the truth stays exact there.
+- Its contours are cut on another raster, turned by 27 degrees, with cells of 0.8 of those of TRUTH.
+- Some of their vertices are not met even by TRUTH itself, because heights between its cells are bilinear for that figure.
+
+One row per tool:
 
     RMSE         root mean square error, in units of the interval
     95 % below   95 % of the errors are at most this, in units of the interval
@@ -44,24 +56,31 @@ def main():
     a.add_argument("truth", nargs="?", help="height map of the true ground (the sample's)")
     a.add_argument("interval", nargs="?", type=float, help="of the contours, metres")
     a.add_argument("--contours", help="use these instead of cutting contours")
+    a.add_argument("--turned", action="store_true", help="cut contours that lie on no raster")
     a.add_argument("--layer", help="layer of --contours (the first)")
     a.add_argument("--elev", help="attribute of --contours that holds the elevation (found by its name)")
     a.add_argument("--tokosen", default=str(tools.BINARY), help="the program (target/release/tokosen)")
     a.add_argument("--only", action="append", metavar="NAME", help="run only tools with NAME in their name; may be repeated")
     a.add_argument("--limit", type=float, default=600, metavar="SECONDS", help="for each step of a tool (600)")
-    a.add_argument("--keep", metavar="DIR", help="leave the height maps there")
+    a.add_argument("--keep", metavar="DIR", help="leave the contours and the height maps there")
     a.add_argument("--json", action="store_true", help="print the figures as JSON")
     o = a.parse_args()
+    if o.turned and o.contours:
+        a.error("--turned cuts contours, so it does not go with --contours")
     if o.truth is None:
-        o.truth, o.interval, o.contours = str(tools.SAMPLE_TRUTH), tools.SAMPLE_INTERVAL, o.contours or str(tools.SAMPLE)
+        o.truth, o.interval = str(tools.SAMPLE_TRUTH), tools.SAMPLE_INTERVAL
+        if not o.turned:
+            o.contours = o.contours or str(tools.SAMPLE)
     if o.interval is None or not 0 < o.interval < math.inf or not 0 < o.limit < math.inf:
         a.error("name the INTERVAL of the contours; it and --limit are above 0")
     binary = tools.find(o.tokosen)
     heights, transform = terrain.read_dem(o.truth)
-    lines, crs = given(o) if o.contours else cut(o.truth, heights, transform, o.interval)
+    way = terrain.turned_contours if o.turned else terrain.contours
+    lines, crs = given(o) if o.contours else cut(way, o.truth, heights, transform, o.interval)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        every = tools.tools(folder, tools.write_inputs(folder, lines, crs, transform, heights.shape), binary)
+        inputs = tools.write_inputs(folder, lines, crs, transform, heights.shape)
+        every = tools.tools(folder, inputs, binary)
         # Threads do not change what comes out.
         present, missing = tools.chosen([tool for tool in every if tool.name != tools.ONE_THREAD], o.only)
         made, failed = {}, []
@@ -73,14 +92,14 @@ def main():
             else:
                 made[tool.name] = tool.output
         tools.say("")
-        cells, scores = score_dem.compare(o.truth, o.interval, made.values()) if made else (0, {})
+        cells, scores = score_dem.compare(o.truth, o.interval, made.values(), cut=way) if made else (0, {})
         if o.keep:
             pathlib.Path(o.keep).mkdir(parents=True, exist_ok=True)
-            for path in made.values():
+            for path in [inputs.lines, *made.values()]:
                 shutil.copy(path, o.keep)
     figures = {name: scores[path] for name, path in made.items()}
-    about = {"vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval, "cells": cells,
-             "versions": tools.versions(present), "not installed": missing, "failed": failed}
+    about = {"turned": o.turned, "vertices": int(shapely.get_num_coordinates(lines).sum()), "interval": o.interval,
+             "cells": cells, "versions": tools.versions(present), "not installed": missing, "failed": failed}
     if o.json:
         print(json.dumps({**about, "figures": figures}, indent=1))
     else:
@@ -92,11 +111,11 @@ def given(o):
     return tools.read_contours(o.contours, o.layer, o.elev)
 
 
-def cut(path, heights, transform, interval):
-    """3-D contours of the heights, and the coordinate reference system of their file."""
+def cut(way, path, heights, transform, interval):
+    """3-D contours of the heights, cut by the function `way`, and the coordinate reference system of their file."""
     if not np.isfinite(heights).any():
         sys.exit(f"{path}: no cell has data")
-    lines, levels = terrain.contours(heights, transform, interval)
+    lines, levels = way(heights, transform, interval)
     if not len(lines):
         sys.exit(f"{path}: no contours every {interval:g} m in {np.nanmin(heights):g} to {np.nanmax(heights):g} m")
     with rasterio.open(path) as file:
@@ -113,7 +132,8 @@ def make(tool, folder, limit):
 
 
 def show(figures, about):
-    print(f"{about['vertices']:,} vertices of contours every {about['interval']:g} m, {about['cells']:,} cells; "
+    where = " that lie on no raster" if about["turned"] else ""
+    print(f"{about['vertices']:,} vertices of contours every {about['interval']:g} m{where}, {about['cells']:,} cells; "
           f"{about['versions']}.\n")
     print(tools.table(["", *COLUMNS], [[name, *(form.format(f[key]) for key, form in COLUMNS.values())]
                                        for name, f in figures.items()]))

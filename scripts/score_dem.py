@@ -86,9 +86,8 @@ def pieces(lines):
     return shapely.linestrings(np.concatenate(cut), indices=np.repeat(np.arange(len(cut)), size)), np.array(owner)
 
 
-def lone_vertices(truth, transform, interval):
+def lone_vertices(lines, levels, transform):
     """Vertices of the contours with no other contour line near: rows and columns (broken) and levels."""
-    lines, levels = terrain.contours(truth, transform, interval)
     xy, owner = shapely.get_coordinates(lines, return_index=True)
     parts, part_owner = pieces(lines)
     vertex, part = shapely.STRtree(parts).query(shapely.points(xy), predicate="dwithin", distance=APART * transform.a)
@@ -137,8 +136,11 @@ def score(heights, angle, truth, truth_slope, use, transform, interval, vertices
     return out
 
 
-def compare(path, interval, dems, lines=None):
-    """Cells that count, and the figures of the truth at `path` and of each height map among `dems`, by path."""
+def compare(path, interval, dems, lines=None, cut=terrain.contours):
+    """Cells that count, and the figures of the truth at `path` and of each height map among `dems`, by path.
+
+    `cut` makes the contours of the truth that the height maps have to meet.
+    """
     truth, transform = terrain.read_dem(path)
     dx, dy = transform.a, -transform.e
     truth_slope = slope(truth, dx, dy)
@@ -151,7 +153,7 @@ def compare(path, interval, dems, lines=None):
     use = np.all([np.isfinite(s) for _, _, s in read], axis=0)
     if not use.any():
         sys.exit("no cell has data in all of the height maps")
-    vertices = lone_vertices(truth, transform, interval)
+    vertices = lone_vertices(*cut(truth, transform, interval), transform)
     canyons = canyon_lines(lines) if lines else None
     return int(use.sum()), {
         dem: score(heights, angle, truth, truth_slope, use, transform, interval, vertices, canyons)
