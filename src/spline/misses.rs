@@ -69,3 +69,37 @@ pub(super) fn add_misses(working: &mut WorkingGrid, conditions: &Conditions<'_>,
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tin::{TinInput, VertexKind, triangulate};
+
+    /// What level ground at 0 misses at places (x, 4.3), if contours at these x have the levels of a parabola.
+    fn missed(lines: impl Iterator<Item = f64>, places: &[f64]) -> Vec<f32> {
+        let mut input = TinInput::new([DVec2::ZERO, DVec2::new(100.0, 8.0)], 0.0);
+        for x in lines {
+            let line: Vec<DVec2> = (0..=16).map(|k| DVec2::new(x, f64::from(k) / 2.0)).collect();
+            input.push_line(&line, x * x, VertexKind::Contour);
+        }
+        let tin = triangulate(input).unwrap();
+        let levels: Vec<f32> = tin.heights.iter().map(|z| *z as f32).collect();
+        let misses = Misses::new(&tin, &levels, 1.0, |_| 0.0);
+        let at = |&x: &f64| {
+            let place = DVec2::new(x, 4.3) - tin.origin;
+            misses.at(tin.locate(0, place).unwrap(), place)
+        };
+        places.iter().map(at).collect()
+    }
+
+    #[test]
+    fn what_is_missed_between_dense_contours_follows_them_and_ends_where_they_are_far_apart() {
+        let places = [0.1, 1.0, 2.37, 7.99];
+        let dense = missed((0..=40).map(|k| f64::from(k) / 4.0), &places);
+        for (missed, x) in dense.iter().zip(places) {
+            assert!((f64::from(*missed) - x * x).abs() < 0.02, "{missed} at {x}");
+        }
+        let sparse = missed([0.0, 10.0, 20.0].into_iter(), &[1.0, 5.0, 13.0]);
+        assert_eq!(sparse, [0.0; 3]);
+    }
+}

@@ -14,6 +14,7 @@ use crate::crs::Crs;
 use crate::dem::Dem;
 use crate::io::{ReadOptions, read_contours};
 use crate::mesh::MeshParams;
+use crate::spline::Wanted;
 use crate::subdomains::Frame;
 use crate::surface::{SurfaceKind, Triangles, Uncertainty};
 
@@ -84,6 +85,15 @@ fn coordinates_in_degrees_come_back_bit_for_bit() {
     }
     let dem = terrain.dem(&GridSpec::Degrees(1e-4)).unwrap();
     assert!(dem.crs.is_some_and(|crs| crs.is_geographic()) && dem.values.iter().any(|z| *z > 19.0));
+}
+
+#[test]
+fn cells_in_degrees_get_nodes_as_close_as_they_are() {
+    let plane = input(hill());
+    let cells = GridSpec::Degrees(1e-4).over(&plane.reprojection).unwrap();
+    let Some(Wanted::Cell(side)) = cells.wanted(DVec2::ZERO) else { panic!("square cells on the plane") };
+    // The origin of the zone lies at 40 degrees north. There, these cells are 8.54 x 11.10 m large.
+    assert!((side - (8.54 * 11.10f64).sqrt()).abs() < 0.01, "{side}");
 }
 
 #[test]
