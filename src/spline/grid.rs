@@ -44,7 +44,7 @@ fn vertex_spacing(extent: &MapExtent<'_>) -> f64 {
 ///   its cells.
 /// * Without such a raster, cells lie on multiples of their size.
 pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Grid {
-    let Sizes { lo, hi, asked, least, cut, most } = Sizes::new(extent, wanted, tuning);
+    let Sizes { lo, hi, asked, finest, least, cut, most } = Sizes::new(extent, wanted, tuning);
     let cells = cut.map_or(0, |cut| cut.len()) as f64;
     let (spacing, size) = (extent.spacing, hi - lo);
     let cell = asked.max(least).max(1e-6 * size.max_element());
@@ -54,7 +54,7 @@ pub fn working_grid(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &Gri
         let whole = divided(&cut, odd_above(is / spacing.max(least), most / cells));
         let on_map = clipped(&divided(&cut, odd_above(is / spacing.max(least), f64::INFINITY)), lo, hi);
         if on_map.len() < whole.len() / WASTE { on_map } else { whole }
-    } else if is >= cell / tuning.max_times_finer && cells <= most {
+    } else if is >= finest.max(least / tuning.max_times_finer) && cells <= most {
         cut
     } else {
         thinned(&cut, (cell / is).ceil() as usize)
@@ -75,6 +75,8 @@ struct Sizes {
     hi: DVec2,
     /// The distance between nodes that the contours ask for.
     asked: f64,
+    /// The least cell of a height map whose grid is the working grid.
+    finest: f64,
     /// The least distance that the limit of nodes allows.
     least: f64,
     /// The grid that is wanted, cut to the box.
@@ -87,8 +89,10 @@ impl Sizes {
     fn new(extent: &MapExtent<'_>, wanted: Option<Wanted>, tuning: &GridTuning) -> Self {
         let (lo, hi) = extent.frame.extent();
         let spacing = extent.spacing;
-        let asked = (spacing / tuning.nodes_per_spacing)
-            .max((vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing));
+        let of_vertices =
+            (vertex_spacing(extent) / tuning.nodes_per_segment).min(spacing / tuning.min_nodes_per_spacing);
+        let asked = (spacing / tuning.nodes_per_spacing).max(of_vertices);
+        let finest = (2.0 * spacing / tuning.nodes_per_spacing).max(of_vertices) / tuning.max_times_finer;
         let is_given = matches!(wanted, Some(Wanted::Grid(_)));
         let cut = match wanted {
             Some(Wanted::Grid(grid)) if !grid.is_empty() => Some(grid),
@@ -101,7 +105,7 @@ impl Sizes {
         // Ground outside the grid that is wanted needs no nodes.
         let covered = cut.filter(|_| is_given).map(|cut| cut.cell * DVec2::new(cut.cols as f64, cut.rows as f64));
         let size = covered.map_or(hi - lo, |covered| covered.min(hi - lo));
-        Self { lo, hi, asked, least: (size.x * size.y / most).sqrt(), cut, most }
+        Self { lo, hi, asked, finest, least: (size.x * size.y / most).sqrt(), cut, most }
     }
 }
 
