@@ -1,20 +1,11 @@
-//! Classes of cells by one property, and what takes the differences of each.
+//! Classes of cells by one property.
 
 use glam::DVec2;
 
 use super::classes::{Class, SLOPE_BOUNDS};
 use super::rows::Cells;
 use super::slopes::steepness_of;
-use super::tally::{Collector, Tally};
-
-/// What takes the differences of the cells of a class, row by row.
-pub(super) trait Take {
-    /// Takes a difference and the index of its cell. Cells come in order.
-    fn add(&mut self, d: f64, cell: usize);
-
-    /// Ends a row of cells.
-    fn end_row(&mut self);
-}
+use super::tally::{Collector, Take, Tally};
 
 /// The property that decides the class of a cell.
 #[derive(Debug, Clone, Copy)]

@@ -7,8 +7,16 @@
 use glam::DVec2;
 
 use super::bins::{Collected, Counts, Part, bin};
-use super::group::Take;
 use super::statistics::{Extreme, NORMAL, Statistics};
+
+/// What takes the differences of the cells of a class, row by row.
+pub(super) trait Take {
+    /// Takes a difference and the index of its cell. Cells come in order.
+    fn add(&mut self, d: f64, cell: usize);
+
+    /// Ends a row of cells.
+    fn end_row(&mut self);
+}
 
 /// A difference and the index of its cell.
 type At = (f64, usize);
