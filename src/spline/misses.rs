@@ -12,7 +12,7 @@ use crate::tin::{NONE, Tin};
 
 /// Distances between contours, in steps between nodes, up to which misses count in full, and from which they do not count. Where
 /// contours are further apart, the nodes tell enough.
-const REACH: [f64; 2] = [3.0, 6.0];
+const REACH: [f64; 2] = [1.0, 2.0];
 
 /// What a surface misses at the contours.
 pub(crate) struct Misses<'a> {
