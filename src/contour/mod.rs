@@ -17,6 +17,7 @@ mod same_levels;
 mod source_raster;
 mod spots;
 mod stated_unit;
+mod target;
 mod unit_hint;
 
 pub use crate::base::ElevationUnit;
@@ -37,4 +38,5 @@ pub use same_levels::unite_levels;
 pub use source_raster::{SourceRaster, source_raster};
 pub use spots::{SoftSpot, SpotHeights};
 pub use stated_unit::StatedUnit;
+pub use target::Target;
 pub use unit_hint::UnitHint;

@@ -4,7 +4,7 @@
 //! projections in wide use. If the shift between two datums is not known, the transformation is refused. A silent error
 //! of a hundred metres is worse than no result.
 
-use super::system::{Crs, CrsKind, definition};
+use super::system::{Crs, CrsKind, DEGREE, definition};
 use super::wkt::Node;
 use crate::base::error::{Error, Result};
 
@@ -280,9 +280,6 @@ fn from_text(root: &Node, base: &Node, angle: Option<f64>) -> Option<String> {
 fn degrees(value: f64, unit: f64) -> f64 {
     if (unit - DEGREE).abs() < 1e-12 { value } else { (value * unit).to_degrees() }
 }
-
-/// Radians per degree.
-pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 impl Node {
     /// Radians per unit of angle of this geographic system; those of a degree if it does not say.

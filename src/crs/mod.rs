@@ -8,6 +8,7 @@
 mod definition;
 mod esri;
 mod local;
+mod named;
 #[cfg(feature = "io")]
 mod parts;
 mod proj_string;
@@ -24,6 +25,7 @@ pub(crate) use parts::{number_of_part, part_of_table};
 pub use reprojection::{FromWorking, Reprojection, ToWorking};
 pub use system::{Crs, CrsKind, LengthUnit};
 pub use transform::Transform;
+pub(crate) use transform::converted;
 #[cfg(feature = "io")]
 pub(crate) use vertical::{epsg_name, vertical_unit};
 pub use working::working_crs;

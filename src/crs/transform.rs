@@ -13,8 +13,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use proj4rs::Proj;
 
-use super::definition::{DEGREE, Definition, Shift, label};
-use super::system::Crs;
+use super::definition::{Definition, Shift, label};
+use super::system::{Crs, DEGREE};
 use crate::base::error::{Error, Result};
 
 /// Corrections of the way back between shifted datums. Each takes off all but some millionths of what is left.
@@ -59,7 +59,21 @@ impl std::fmt::Debug for Transform {
     }
 }
 
+/// A place after a transformation; unchanged if there is none.
+pub(crate) fn converted(transform: Option<&Transform>, p: DVec2) -> Option<DVec2> {
+    transform.map_or(Some(p), |transform| transform.forward(p))
+}
+
 impl Transform {
+    /// The transformation between two systems; `None` if coordinates are the same in both, or if one is not known.
+    ///
+    /// # Errors
+    /// As [`Transform::between`].
+    pub(crate) fn between_known(from: Option<&Crs>, to: Option<&Crs>) -> Result<Option<Self>> {
+        let Some((from, to)) = from.zip(to) else { return Ok(None) };
+        Ok(Some(Self::between(from, to)?).filter(|transform| !transform.is_identity()))
+    }
+
     /// The transformation from `from` to `to`. Between systems of the same name, coordinates stay as they are, bit for
     /// bit.
     ///

@@ -8,8 +8,8 @@
 
 use glam::DVec2;
 
-use super::definition::{DEGREE, Definition, Shift, label};
-use super::system::{Crs, CrsKind};
+use super::definition::{Definition, Shift, label};
+use super::system::{Crs, CrsKind, DEGREE};
 use super::transform::Transform;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};

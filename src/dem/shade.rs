@@ -6,10 +6,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::gradient::gradients;
-use super::ground::GroundScale;
-use super::height_map::Dem;
 use crate::base::parallel;
+use crate::raster::Dem;
+use crate::raster::GroundScale;
+use crate::raster::gradient::gradients;
 
 /// A distant light.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,10 +5,10 @@
 //! again ("twicing", Tukey 1977). Then planes and gentle curves stay as they are, also at the border, and what is lost
 //! is mostly noise.
 
-use super::Dem;
 use crate::base::error::{Error, Result};
 use crate::base::parallel;
 use crate::base::progress::{Progress, step};
+use crate::raster::Dem;
 
 /// Largest standard deviation, cells. The time is proportional to it.
 const LARGEST: f64 = 50.0;

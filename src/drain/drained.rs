@@ -2,6 +2,7 @@
 
 use super::flood::{Flood, sortable};
 use super::ground::{Ground, ponds};
+use super::levels::drainable;
 
 /// Largest number of cells of a way out that is cut. It limits time. A pit that needs more is filled.
 const LONGEST: usize = 20_000;
@@ -26,13 +27,13 @@ pub(crate) enum Bands {
 ///
 /// The time is in proportion to n log n for n cells, besides the length of the cuts.
 pub(crate) fn drain(heights: &mut [f32], ground: &Ground<'_>, depth: f32, bands: Bands) {
-    let levels = ground.drainable(heights);
+    let levels = drainable(heights, ground);
     let costs = match bands {
         Bands::Kept => Vec::new(),
         Bands::Left => costs_of_filling(heights, &levels, ground),
     };
     cut(heights, ground, &levels, &costs, depth);
-    let levels = if bands == Bands::Left { ground.drainable(heights) } else { levels };
+    let levels = if bands == Bands::Left { drainable(heights, ground) } else { levels };
     if raise(heights, ground, &levels, bands) {
         cut(heights, ground, &levels, &[], depth);
     }

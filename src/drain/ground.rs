@@ -1,7 +1,6 @@
 //! What is known about the ground at the cells of a grid, and the depressions in it.
 
 use super::flood::neighbours;
-use super::levels::levels;
 
 /// Limits of heights at the cells of a grid, row by row.
 pub(crate) struct Ground<'a> {
@@ -25,24 +24,6 @@ impl Ground<'_> {
     pub fn is_outlet(&self, heights: &[f32], cell: usize) -> bool {
         self.around(cell).filter(|&near| heights[near].is_finite()).count() < 8
     }
-
-    /// The lowest level at which each cell can drain while no ground goes below its contours: the least height, over all
-    /// ways out, of the highest floor on the way. NaN without height.
-    pub fn drainable(&self, heights: &[f32]) -> Vec<f32> {
-        let floor = |cell: usize| if self.stays[cell] { heights[cell] } else { lower(self.lo[cell], heights[cell]) };
-        levels(heights, self, floor, |cell| self.stays[cell] || self.is_outlet(heights, cell))
-    }
-}
-
-/// The lower one of a limit and a height; the height if there is no limit.
-fn lower(limit: f32, height: f32) -> f32 {
-    if limit < height { limit } else { height }
-}
-
-/// The height to which each cell is flooded when water rises until it runs off. `is_outlet` says where it leaves. NaN
-/// without height.
-pub(crate) fn flooded(heights: &[f32], ground: &Ground<'_>, is_outlet: impl Fn(usize) -> bool + Sync) -> Vec<f32> {
-    levels(heights, ground, |cell| heights[cell], is_outlet)
 }
 
 /// A connected part of the grid under water of one level.

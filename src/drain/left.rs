@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::ground::{Ground, Pond, flooded, ponds};
+use super::ground::{Ground, Pond, ponds};
+use super::levels::{drainable, flooded};
 
 /// Why a pit stays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -84,7 +85,7 @@ pub(crate) fn cell_pits(heights: &[f32], ground: &Ground<'_>, kinds: &Kinds<'_>)
     if others.is_empty() {
         return found;
     }
-    let drainable = ground.drainable(heights);
+    let drainable = drainable(heights, ground);
     for pond in &others {
         let bottom = pond.bottom(heights);
         let reason = if (kinds.hollow)(bottom) {

@@ -18,7 +18,7 @@ const RUNS_OFF: u32 = u32::MAX - 1;
 /// off drains at its own height. The others in the catchment of one pit drain at the level at which this pit overflows, or at
 /// their own height if they are higher. Pits overflow in the order of their levels, as in a priority-flood (Barnes, Lehman
 /// and Mulla 2014, Computers & Geosciences 62), but with one entry for each pair of catchments instead of one for each cell.
-pub(super) fn levels(
+fn levels(
     heights: &[f32],
     ground: &Ground<'_>,
     height: impl Fn(usize) -> f32 + Sync,
@@ -80,6 +80,25 @@ pub(super) fn levels(
         }
     }
     levels
+}
+
+/// The lowest level at which each cell can drain while no ground goes below its contours: the least height, over all
+/// ways out, of the highest floor on the way. NaN without height.
+pub(crate) fn drainable(heights: &[f32], ground: &Ground<'_>) -> Vec<f32> {
+    let stays = ground.stays;
+    let floor = |cell: usize| if stays[cell] { heights[cell] } else { lower(ground.lo[cell], heights[cell]) };
+    levels(heights, ground, floor, |cell| stays[cell] || ground.is_outlet(heights, cell))
+}
+
+/// The lower one of a limit and a height; the height if there is no limit.
+fn lower(limit: f32, height: f32) -> f32 {
+    if limit < height { limit } else { height }
+}
+
+/// The height to which each cell is flooded when water rises until it runs off. `is_outlet` says where it leaves. NaN
+/// without height.
+pub(crate) fn flooded(heights: &[f32], ground: &Ground<'_>, is_outlet: impl Fn(usize) -> bool + Sync) -> Vec<f32> {
+    levels(heights, ground, |cell| heights[cell], is_outlet)
 }
 
 #[cfg(test)]

@@ -18,5 +18,6 @@ pub(crate) use flood::{Flood, STEPS, neighbours, sortable, unsorted, ways_end};
 pub(crate) use ground::{Ground, ponds};
 pub(crate) use left::{CellPit, Kinds, cell_pits};
 pub use left::{Pit, Reason};
+pub(crate) use levels::drainable;
 pub use params::{Drain, Sink, SinkShape};
 pub(crate) use sink_cells::{Found, Placed, cells_in, mark_sinks};

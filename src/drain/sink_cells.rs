@@ -6,7 +6,8 @@ use geo::MultiPolygon;
 use glam::DVec2;
 
 use super::flood::neighbours;
-use super::ground::{Ground, flooded};
+use super::ground::Ground;
+use super::levels::flooded;
 use super::params::{Sink, SinkShape};
 use crate::base::{Grid, parallel};
 use crate::geometry::Border;

@@ -139,7 +139,7 @@ fn heights_on_levels<'a>(tin: &'a Tin, levels: &[f64]) -> Cow<'a, [f64]> {
 }
 
 /// The one of `given` (ascending) that differs from `level` only by rounding, otherwise `level` itself.
-pub(super) fn as_given(given: &[f64], level: f64) -> f64 {
+pub(crate) fn as_given(given: &[f64], level: f64) -> f64 {
     let near = |l: &f64| (l - level).abs() <= 1e-9 * level.abs().max(1.0);
     let at = given.partition_point(|&l| l < level);
     let around = [at.checked_sub(1), Some(at)].into_iter().flatten().filter_map(|i| given.get(i));

@@ -11,8 +11,8 @@ use super::conditions::{is_hollow, on_contours};
 use super::drained::InOther;
 use super::sample::triangle_at;
 use crate::base::Grid;
-use crate::dem::Dem;
 use crate::drain::{Drain, Placed, cells_in, mark_sinks};
+use crate::raster::Dem;
 use crate::streams::{AreaLevels, RiverArea, Stream, Ways, fall_along, fill_hollows, hold_along, lower_beds, raise_to};
 use crate::tin::NONE;
 

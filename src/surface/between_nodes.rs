@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use super::conditions::levels_of_vertices;
-use crate::dem::height;
+use crate::raster::height;
 use crate::spline::{Misses, WorkingGrids};
 
 /// Heights of a smooth surface at any place.

@@ -6,7 +6,7 @@ use super::known_lines::heights_by_place;
 use crate::base::bits::bits;
 use crate::base::{Grid, KnownLine, Sure, parallel};
 use crate::contour::ContourMap;
-use crate::dem::{heights_at, locate};
+use crate::raster::{heights_at, locate};
 use crate::skeleton::BreakLine;
 use crate::spline::{Conditions, Drainage, Fold, Lattice, beside};
 use crate::subdivision::Subdivision;

@@ -7,10 +7,11 @@ use super::conditions::{is_hollow, on_contours};
 use super::sample::triangle_at;
 use crate::base::error::{Finding, FindingKind};
 use crate::base::{Grid, parallel};
-use crate::dem::{Dem, GroundScale, locate};
 use crate::drain::{
-    Bands, CellPit, Drain, Found, Ground, Kinds, Pit, Placed, Sink, SinkShape, cell_pits, drain, mark_sinks, ponds,
+    Bands, CellPit, Drain, Found, Ground, Kinds, Pit, Placed, Sink, SinkShape, cell_pits, drain, drainable, mark_sinks,
+    ponds,
 };
+use crate::raster::{Dem, GroundScale, locate};
 use crate::spline::WorkingGrid;
 use crate::subdomains::Regions;
 use crate::tin::NONE;
@@ -53,7 +54,7 @@ pub(crate) fn drain_working(working: &mut WorkingGrid, wanted: Wanted<'_>) -> (V
             *stays |= is_water(regions, t);
         }
         let ground = Ground { cols, rows, lo, hi, stays: &stays };
-        let levels = ground.drainable(&working.heights);
+        let levels = drainable(&working.heights, &ground);
         for hollow in ponds(&working.heights, &levels, &ground) {
             let bottom = hollow.bottom(&working.heights);
             let (depth, area) = (hollow.level - working.heights[bottom], hollow.cells.len() as f64 * cell.x * cell.y);

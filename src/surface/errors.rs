@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::built::Surface;
 use crate::base::parallel;
-use crate::dem::Dem;
+use crate::raster::Dem;
 
 /// Standard errors of the cells of a height map of the surface, metres. They are NaN where the height map has no data.
 /// `None` if no errors were requested when the surface was built.

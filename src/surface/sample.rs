@@ -8,7 +8,7 @@ use super::built::Surface;
 use super::conditions::on_contours;
 use crate::base::progress::Progress;
 use crate::base::{Grid, parallel};
-use crate::dem::{Dem, height, locate, rasterise};
+use crate::raster::{Dem, height, locate, rasterise};
 use crate::tin::{NONE, Tin};
 
 /// Rows per task: enough to be worth a task.

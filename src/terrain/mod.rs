@@ -6,12 +6,9 @@
 
 mod arrays;
 mod base;
-mod cliffs;
 mod clipped;
-mod coast;
 mod compare;
 mod dem_area;
-mod exclude;
 mod facade;
 #[cfg(feature = "io")]
 mod files;
@@ -27,6 +24,7 @@ mod outline;
 mod part;
 mod plane;
 mod plausible;
+mod preparation;
 mod prepare;
 mod room;
 #[cfg(feature = "io")]
@@ -55,4 +53,5 @@ pub use input::{Input, InputOptions};
 pub use json::{check_json, comparison_json};
 pub use measure::{MeasureOptions, add_check_points, measure};
 pub use options::Options;
-pub use prepare::{Preparation, Repair, all_right, is_repair};
+pub use preparation::{Preparation, Repair};
+pub use prepare::{all_right, is_repair};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::Extreme;
 use super::statistics::sum;
 use crate::base::parallel;
-use crate::dem::Dem;
+use crate::raster::Dem;
 use crate::subdomains::Band;
 
 /// The cells of a height map whose heights lie outside the band of their sub-domain.

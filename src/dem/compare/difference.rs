@@ -3,7 +3,7 @@
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::crs::Crs;
-use crate::dem::{Dem, RasterRows, uniform};
+use crate::raster::{Dem, RasterRows, uniform};
 
 /// The difference A − B of two height maps on one grid. NaN where one of them has no height.
 ///

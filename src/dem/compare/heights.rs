@@ -7,7 +7,7 @@ use super::levels::{LevelCounts, LevelHistogram, range};
 use super::precision::{Decimals, Precision};
 use crate::base::error::Result;
 use crate::contour::Interval;
-use crate::dem::{Blocks, RasterRows};
+use crate::raster::{Blocks, RasterRows};
 
 /// Properties of the heights of one side.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -47,9 +47,9 @@ pub use statistics::{Extreme, Statistics, statistics};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::RasterRows;
 use crate::base::error::{Error, Result};
 use crate::contour::Interval;
+use crate::raster::RasterRows;
 use classes::round_up;
 use passes::{Counted, collect, count, find_ranges};
 
@@ -178,7 +178,7 @@ fn significance(beyond: usize, overall: &Statistics, sigma: f64) -> Significance
 mod tests {
     use super::*;
     use crate::base::Grid;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     fn plane(height: impl Fn(f64, f64) -> f64) -> Dem {
         let grid = Grid { corner: DVec2::new(1000.0, 2000.0), cell: DVec2::splat(10.0), cols: 20, rows: 10 };

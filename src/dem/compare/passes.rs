@@ -11,7 +11,7 @@ use super::slopes::SlopeSums;
 use super::tally::{Collector, Tally};
 use crate::base::error::Result;
 use crate::base::{Grid, parallel};
-use crate::dem::{Block, RasterRows, each_pair};
+use crate::raster::{Block, RasterRows, each_pair};
 
 /// What the first pass finds: ranges, from which the classes follow.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use super::sample::Strip;
 use crate::base::error::{Finding, Result};
 use crate::base::{Grid, parallel};
 use crate::crs::Crs;
-use crate::dem::RasterRows;
+use crate::raster::RasterRows;
 
 /// Most cells of the source that are read at once, if one row needs no more.
 const STRIP: usize = 1 << 21;
@@ -66,7 +66,7 @@ mod tests {
 
     use super::super::heights_between;
     use super::*;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     #[test]
     fn rows_are_those_of_the_whole() {

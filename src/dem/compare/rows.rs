@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use crate::base::parallel;
-use crate::dem::Block;
-use crate::dem::gradient::gradients;
+use crate::raster::Block;
+use crate::raster::gradient::gradients;
 
 /// A row of the comparison.
 #[derive(Debug, Default, Clone)]

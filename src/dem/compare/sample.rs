@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::base::error::Result;
 use crate::base::{Grid, parallel};
-use crate::dem::{Dem, RasterRows, uniform};
+use crate::raster::{Dem, RasterRows, uniform};
 
 /// A position nearer to a cell centre than this, in cells, has the height of the cell, even if neighbours have none.
 const ON_CENTRE: f64 = 1e-6;

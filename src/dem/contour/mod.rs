@@ -16,14 +16,14 @@ use geo::{BoundingRect, MultiPolygon};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Dem;
 use super::smooth::{HeightChange, smoothed};
 use crate::base::error::{Error, Result};
 use crate::base::progress::Progress;
 use crate::base::rows::Rows;
 use crate::base::{ElevationUnit, Grid, memory};
-use crate::contour::{ContourLayer, ContourLine, Source, clip_lines};
-use crate::slice::{Target, end_of_batch, is_index, signed_area};
+use crate::contour::{ContourLayer, ContourLine, Source, Target, clip_lines};
+use crate::raster::Dem;
+use crate::slice::{end_of_batch, signed_area};
 use course::Workspace;
 use trace::{Field, Freedom, NOT_VISITED, Trace};
 
@@ -130,9 +130,9 @@ impl DemContours {
 /// ```
 /// use glam::DVec2;
 /// use tokosen::base::Grid;
-/// use tokosen::dem::Dem;
+/// use tokosen::raster::Dem;
 /// use tokosen::dem::contour::{ContourParams, contours};
-/// use tokosen::slice::Target;
+/// use tokosen::contour::Target;
 ///
 /// // A cone of 100 m with a slope of 1 : 1, on cells of 2 m.
 /// let grid = Grid { corner: DVec2::ZERO, cell: DVec2::splat(2.0), cols: 101, rows: 101 };
@@ -209,7 +209,7 @@ fn layers(params: &ContourParams, wanted: &[Vec<f64>], levels: &[f64], mut trace
             let Some(k) = place(levels, level) else { continue };
             let is_last = !wanted[t + 1..].iter().any(|later| place(later, level).is_some());
             let of_level = if is_last { std::mem::take(&mut traced[k].lines) } else { traced[k].lines.clone() };
-            let index = is_index(target, interval, params.unit, params.index_every, *level);
+            let index = target.is_index(interval, params.unit, params.index_every, *level);
             lines.extend(of_level.into_iter().map(|points| line(*level, points, index)));
         }
         let name = target.layer_name(params.unit);

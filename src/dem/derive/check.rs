@@ -1,7 +1,7 @@
 //! Whether anything can be derived from a height map.
 
 use crate::base::error::{Error, Result};
-use crate::dem::{Blocks, RasterRows, looks_like_degrees};
+use crate::raster::{Blocks, RasterRows, looks_like_degrees};
 
 /// Refuses a height map of which slopes say nothing.
 ///

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use glam::DVec2;
 
 use crate::base::Grid;
-use crate::dem::GroundScale;
+use crate::raster::GroundScale;
 
 /// The set of a cell that belongs to none.
 pub(super) const OUTSIDE: u32 = u32::MAX;

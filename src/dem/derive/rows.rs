@@ -5,9 +5,9 @@ use super::slope::{aspect_of, brightness, slope_of};
 use crate::base::error::{Finding, Result};
 use crate::base::{Grid, parallel};
 use crate::crs::Crs;
-use crate::dem::gradient::gradients;
 use crate::dem::shade::{Lights, ShadeParams};
-use crate::dem::{GroundScale, RasterRows, uniform};
+use crate::raster::gradient::gradients;
+use crate::raster::{GroundScale, RasterRows, uniform};
 
 /// What is computed of each cell.
 #[derive(Debug, Clone, Copy)]
@@ -89,7 +89,7 @@ mod tests {
 
     use super::super::{aspect, shade, slope};
     use super::*;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     #[test]
     fn rows_are_those_of_the_whole() {

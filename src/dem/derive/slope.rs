@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use crate::dem::shade::{ShadeParams, hillshade_on, map_gradients};
-use crate::dem::{Dem, GroundScale};
+use crate::raster::{Dem, GroundScale};
 
 /// The slope of every cell, degrees from level (0) to vertical (90). NaN without a height.
 pub fn slope(dem: &Dem, scale: &GroundScale) -> Dem {

@@ -9,7 +9,7 @@ use super::outline::{Joined, OUTSIDE, area, on_map, outlines, pieces};
 use super::rows::{Derivative, Derived};
 use crate::base::error::{Error, Result};
 use crate::base::memory;
-use crate::dem::{Blocks, GroundScale, RasterRows, each_pair, uniform};
+use crate::raster::{Blocks, GroundScale, RasterRows, each_pair, uniform};
 
 /// Bytes of memory per cell: the areas, the parts of them that are joined along edges, and marks.
 const BYTES_PER_CELL: f64 = 12.0;
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
     use crate::base::Grid;
     use crate::crs::Crs;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     const METRES: GroundScale = GroundScale::Uniform(DVec2::ONE);
 

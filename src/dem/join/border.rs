@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::Join;
 use crate::base::{ElevationUnit, Grid};
-use crate::dem::Dem;
+use crate::raster::Dem;
 
 /// A base in feet fits that much better as feet than as metres.
 const CLEARLY: f64 = 0.25;

@@ -14,7 +14,7 @@ mod carry;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::Dem;
+use crate::raster::Dem;
 use border::differences;
 use carry::carry;
 

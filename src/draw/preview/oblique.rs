@@ -23,10 +23,10 @@ use super::zbuffer::{self, Corner, Piece, Scene};
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::contour::{ContourLine, Source};
-use crate::dem::Dem;
 use crate::dem::shade::{Lights, ShadeParams};
 use crate::draw::scale;
 use crate::mesh::Mesh;
+use crate::raster::Dem;
 use crate::skeleton::{BreakKind, BreakLine};
 
 /// Direction of the eye, degrees west of south; the light of the map then comes from the left.

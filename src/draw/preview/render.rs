@@ -14,10 +14,10 @@ use super::view::Preview;
 use super::{break_lines, labels, legend, lines, margin, patches};
 use crate::base::error::{Error, Result};
 use crate::crs::{Crs, Reprojection};
-use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade, steepness};
 use crate::draw::coordinates::{Notation, Ticks, ticks};
 use crate::draw::scale;
+use crate::raster::Dem;
 
 /// Heights are scaled until the median slope is about this steep, because its hillshade has a good contrast.
 const GOOD_SLOPE: f64 = 0.42;

@@ -12,7 +12,7 @@ use crate::base::error::Result;
 use crate::contour::{Contour, ContourLine, Interval, Source};
 use crate::crs::Reprojection;
 use crate::dem::compare::heights_between;
-use crate::dem::{Dem, rasterise};
+use crate::raster::{Dem, rasterise};
 use crate::skeleton::BreakLine;
 use crate::subdivision::Subdivision;
 use crate::subdomains::FrameRing;

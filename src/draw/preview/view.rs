@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::patches::Patches;
 use crate::contour::ContourLine;
 use crate::crs::Reprojection;
-use crate::dem::Dem;
+use crate::raster::Dem;
 use crate::skeleton::BreakLine;
 
 /// What to draw.

@@ -10,8 +10,8 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::base::Grid;
 use crate::base::error::{Error, Result};
-use crate::dem::Dem;
 use crate::dem::shade::{ShadeParams, hillshade};
+use crate::raster::Dem;
 
 /// Longest side of a picture, pixels.
 const LONGEST: usize = 1000;

@@ -11,8 +11,8 @@ use super::table::{Row, decimals_for, groups, number, thousands};
 use super::view::{View, Width};
 use super::words::{HeightSource, remarks};
 use crate::base::error::Result;
-use crate::dem::RasterRows;
 use crate::dem::compare::{Comparison, round_limit};
+use crate::raster::RasterRows;
 
 const STYLE: &str = include_str!("style.css");
 

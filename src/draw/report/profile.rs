@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use crate::base::error::Result;
-use crate::dem::RasterRows;
 use crate::dem::compare::{Comparison, Strip};
+use crate::raster::RasterRows;
 
 /// Cells from the middle of the line to each end.
 const REACH: f64 = 60.0;

@@ -4,7 +4,7 @@ use super::charts::{Bars, Pairs};
 use super::maps::{DataBox, Reduced, Window};
 use crate::base::error::Result;
 use crate::dem::compare::{Comparison, subtract};
-use crate::dem::{Dem, RasterRows, each_pair};
+use crate::raster::{Dem, RasterRows, each_pair};
 
 /// What the passes find.
 pub(super) struct Survey {

@@ -5,9 +5,9 @@ use maud::{Markup, html};
 
 use super::maps;
 use crate::base::Grid;
-use crate::dem::{RasterRows, metres_per_unit as metres_per_unit_of};
 use crate::draw::coordinates::{Notation, Tick, Ticks, ticks};
 use crate::draw::scale::{self, Bar};
+use crate::raster::{RasterRows, metres_per_unit as metres_per_unit_of};
 
 /// Size of the text, pixels.
 const TEXT: f64 = 13.0;
@@ -128,7 +128,7 @@ impl View {
 mod tests {
     use super::*;
     use crate::crs::Crs;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     #[test]
     fn maps_have_a_scale_bar_and_coordinates_of_their_system() {

@@ -30,10 +30,10 @@ pub(super) use features::read;
 pub use product::Product;
 
 use crate::base::error::{Report, Result};
-use crate::dem::Dem;
 use crate::io::meter::DocumentReader;
 use crate::io::xml::unreadable;
 use crate::io::zipped;
+use crate::raster::Dem;
 use archive::{each_document, has_extension, item_of, nothing};
 use datum::Datums;
 

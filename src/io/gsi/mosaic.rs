@@ -13,7 +13,7 @@ use super::mesh::{Mesh, in_cells};
 use super::product::Product;
 use crate::base::Grid;
 use crate::base::error::{Error, Finding, FindingKind, Result};
-use crate::dem::Dem;
+use crate::raster::Dem;
 
 /// The largest number of cells of a height map; they take 4 GB.
 const MAX_CELLS: i64 = 1 << 30;

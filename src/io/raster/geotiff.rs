@@ -26,8 +26,8 @@ use super::{TiffLayout, cog};
 use crate::base::Grid;
 use crate::base::error::Result;
 use crate::crs::Crs;
-use crate::dem::{Blocks, Dem, RasterRows};
 use crate::io::maker::PROGRAM;
+use crate::raster::{Blocks, Dem, RasterRows};
 
 /// Side of a tile in cells. The format requires a multiple of 16.
 const TILE: usize = 256;

@@ -30,6 +30,7 @@ mod output;
 mod overview;
 mod pam;
 mod picture;
+mod placement;
 mod png;
 mod png_read;
 mod quantity;
@@ -44,7 +45,7 @@ use std::path::Path;
 
 use crate::base::error::{Error, Result};
 use crate::base::{ElevationUnit, Grid};
-use crate::dem::{Dem, RasterRows};
+use crate::raster::{Dem, RasterRows};
 use elevation_tile::ColourCode;
 use output::{check, check_grid};
 use quantity::Values;

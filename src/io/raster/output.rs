@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::base::Grid;
 use crate::base::error::{Cause, Error, Result};
-use crate::dem::Dem;
+use crate::raster::Dem;
 
 /// Refuses a height map that no format can hold.
 pub(super) fn check(path: &Path, dem: &Dem) -> Result<()> {

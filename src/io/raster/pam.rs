@@ -8,7 +8,10 @@ use quick_xml::escape::escape;
 
 use super::output::{beside, geo_transform, write_text};
 use crate::base::error::Result;
-use crate::dem::Dem;
+use crate::raster::Dem;
+
+/// The key of the text that names the encoding of heights as colours.
+pub(super) const ENCODING: &str = "ElevationEncoding";
 
 /// How stored values become heights, and which stored value means no data.
 #[derive(Clone, Copy)]

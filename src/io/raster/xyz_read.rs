@@ -13,8 +13,8 @@ use super::heights::{Coding, Heights, room};
 use super::sidecar::read_prj;
 use crate::base::Grid;
 use crate::base::error::{Error, Report, Result};
-use crate::dem::Dem;
 use crate::io::text;
+use crate::raster::Dem;
 
 /// The largest distance of a point from the centre of its cell, cells. Coordinates are rounded.
 const OFF_CENTRE: f64 = 0.1;

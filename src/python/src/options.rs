@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use tokosen::base::ElevationUnit;
 use tokosen::contour::Interval;
+use tokosen::contour::Target;
 use tokosen::drain::Drain;
-use tokosen::slice::Target;
 use tokosen::surface::{SurfaceKind, Triangles, Uncertainty};
 use tokosen::terrain::{Preparation, Repair};
 use tokosen::{GridSpec, Options};
@@ -16,6 +16,7 @@ use tokosen::{GridSpec, Options};
 use crate::error::{exception, parameter};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
+use crate::unit::unit;
 
 /// How contours are read and a surface is made. The names are those of the program's flags.
 #[derive(FromPyObject)]
@@ -88,16 +89,6 @@ pub struct Cells {
     pub cell_degrees: Option<f64>,
     pub like: Option<HeightMap>,
     pub to_crs: Option<String>,
-}
-
-/// A unit of heights by its name.
-pub fn unit(py: Python<'_>, name: &str) -> PyResult<ElevationUnit> {
-    match name {
-        "m" => Ok(ElevationUnit::Metre),
-        "ft" => Ok(ElevationUnit::Foot),
-        "us-ft" => Ok(ElevationUnit::UsSurveyFoot),
-        other => Err(parameter(py, format!("the unit is {other:?}; it must be \"m\", \"ft\" or \"us-ft\""))),
-    }
 }
 
 impl Cells {

@@ -7,7 +7,7 @@ use super::residuals::hidden_residuals;
 use super::sides::sides;
 use crate::base::{Grid, parallel};
 use crate::contour::LineError;
-use crate::dem::{heights_at, locate};
+use crate::raster::{heights_at, locate};
 use crate::spline::{blurred, slopes};
 use crate::subdivision::Subdivision;
 use crate::subdomains::{MapExtent, Region, Side};

@@ -1,7 +1,7 @@
 //! How many cells drain through each cell.
 
 use super::directions::FlowDirections;
-use crate::dem::Dem;
+use crate::raster::Dem;
 
 /// In place of the number of neighbours: the cell is done.
 const COUNTED: u8 = u8::MAX;

@@ -7,8 +7,8 @@ use crate::base::Grid;
 use crate::base::error::{Error, Result};
 use crate::crs::Crs;
 use crate::dem::derive::outline::{OUTSIDE, Part, area, on_map, outlines};
-use crate::dem::{Dem, GroundScale};
 use crate::drain::ways_end;
+use crate::raster::{Dem, GroundScale};
 
 /// Up to this number, an `f32` represents all whole numbers.
 const GREATEST_NUMBER: usize = 1 << 24;

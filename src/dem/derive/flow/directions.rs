@@ -5,8 +5,8 @@ use glam::DVec2;
 use crate::base::error::{Error, Result};
 use crate::base::{self, Grid};
 use crate::crs::Crs;
-use crate::dem::{Dem, GroundScale};
 use crate::drain::{Flood, STEPS, neighbours, sortable, unsorted};
+use crate::raster::{Dem, GroundScale};
 
 /// Bytes of memory per cell: its direction, a mark, the flood's edge, and what is computed from the directions.
 const BYTES_PER_CELL: f64 = 14.0;

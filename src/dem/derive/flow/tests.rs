@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::base::Grid;
 use crate::crs::Crs;
-use crate::dem::{Dem, GroundScale};
+use crate::raster::{Dem, GroundScale};
 
 const METRES: GroundScale = GroundScale::Uniform(DVec2::ONE);
 const N: f32 = f32::NAN;

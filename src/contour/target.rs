@@ -1,8 +1,8 @@
 //! The levels that an output layer is to have.
 
+use super::levels::Interval;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Result};
-use crate::contour::Interval;
 
 /// Largest number of levels per target.
 const MOST_LEVELS: f64 = 1e6;
@@ -10,7 +10,7 @@ const MOST_LEVELS: f64 = 1e6;
 /// The levels of one output layer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
-    /// Every level `base + k * step`, metres or the unit of [`LayerParams`](super::LayerParams).
+    /// Every level `base + k * step`, in metres or in the unit that the layers ask for.
     Interval {
         /// Distance between levels.
         step: f64,
@@ -67,6 +67,17 @@ impl Target {
     pub fn is_coarser(&self, unit: ElevationUnit, interval: f64) -> bool {
         // Feet that became metres and back have rounding errors.
         matches!(self, Self::Interval { step, .. } if unit.metres(*step) > interval * (1.0 + 1e-9))
+    }
+
+    /// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
+    /// input, or what the caller takes for it.
+    pub(crate) fn is_index(&self, interval: f64, unit: ElevationUnit, every: u32, level: f64) -> bool {
+        let (step, base, level) = match self {
+            Self::Interval { step, base } => (*step, *base, unit.about(level)),
+            Self::Levels(_) => (interval, 0.0, level),
+        };
+        let steps = (level - base) / (step * f64::from(every));
+        every > 0 && (steps - steps.round()).abs() < 1e-6
     }
 
     /// The name of the layer for levels in `unit`: `contours_2m`, `contours_2ft`, `contours_2usft`, or `contours` for a

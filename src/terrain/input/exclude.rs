@@ -3,7 +3,7 @@
 use geo::{BoundingRect, MultiPolygon};
 use glam::DVec2;
 
-use super::input::Input;
+use super::Input;
 use crate::base::error::{Finding, FindingKind, Result};
 use crate::clean::{is_place, without_bad_points};
 use crate::contour::{CutOut, Excluded, cut_out};
@@ -70,7 +70,7 @@ impl Input {
     }
 
     /// Leaves out the findings that only say that ground is missing where it was left out.
-    pub(super) fn drop_expected(&mut self) {
+    pub(in crate::terrain) fn drop_expected(&mut self) {
         // Where parts overlap, a position can be inside of an even number of rings. So each part is asked for itself.
         let borders: Vec<Border> = self.excluded.iter().map(Border::new).collect();
         let is_in = |p: DVec2| borders.iter().any(|border| border.contains(p) || border.edge_at(p).is_some());

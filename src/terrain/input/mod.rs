@@ -4,6 +4,15 @@
 //! metres and reprojects the lines to the working plane. Spot heights, lakes and a frame can be added, each in a
 //! coordinate reference system of its own.
 
+mod base;
+mod cliffs;
+mod coast;
+mod exclude;
+#[cfg(feature = "io")]
+mod files;
+mod part;
+mod surface_params;
+
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -11,11 +20,6 @@ use std::path::PathBuf;
 use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
-use super::arrays;
-use super::base::Base;
-use super::part::Part;
-use super::plane::{Plane, named, on_plane, settle};
-use super::units::Elevations;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, FeatureId};
 use crate::contour::{ContourMap, Lake, SoftSpot, StatedUnit, UnitHint, unite_levels};
@@ -26,6 +30,11 @@ use crate::geometry::{thinned, tolerance};
 use crate::resample::{Fitted, Sampled};
 use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
+use crate::terrain::arrays;
+use crate::terrain::base::Base;
+use crate::terrain::part::Part;
+use crate::terrain::plane::{Plane, named, on_plane, settle};
+use crate::terrain::units::Elevations;
 
 /// Vertices of a frame that are closer to each other than this share of its diagonal are left out where the border stays in
 /// its place without them.

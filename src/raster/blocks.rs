@@ -104,7 +104,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::dem::Dem;
+    use crate::raster::Dem;
 
     #[test]
     fn blocks_hold_the_rows_beside_them() {

@@ -4,7 +4,7 @@ use glam::DVec2;
 use rstar::RTree;
 use rstar::primitives::Line;
 
-use super::input::Input;
+use super::Input;
 use crate::base::error::{Finding, FindingKind, Result};
 use crate::contour::CliffLine;
 use crate::crs::Crs;
@@ -74,7 +74,7 @@ impl Input {
 
     /// Findings beside cliffs become notes that say so, and so do those about elevations of contours that end at a cliff:
     /// at its end, the ground on the other side may have any elevation.
-    pub(super) fn explain_by_cliffs(&mut self) {
+    pub(in crate::terrain) fn explain_by_cliffs(&mut self) {
         let Self { cliffs, cliff_reach, at_cliffs, findings, .. } = self;
         let near = NearCliffs::new(cliffs, *cliff_reach);
         let ends_there = |f: &Finding| f.features.iter().all(|feature| at_cliffs.contains(feature));

@@ -5,14 +5,13 @@ use std::collections::{HashMap, HashSet};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::trace::as_given;
-use super::{Bends, Simplification, Target, ascends_right, signed_area, slice};
 use crate::base::bits::bits;
 use crate::base::error::{Error, Result};
 use crate::base::memory;
 use crate::base::progress::Progress;
 use crate::base::{ElevationUnit, parallel};
-use crate::contour::{ContourLayer, ContourLine, LineError, Source};
+use crate::contour::{ContourLayer, ContourLine, LineError, Source, Target};
+use crate::slice::{Bends, Simplification, as_given, ascends_right, signed_area, slice};
 use crate::subdomains::MapExtent;
 use crate::surface::Surface;
 use crate::tin::Tin;
@@ -113,7 +112,7 @@ pub fn contour_layers(surface: &Surface, params: &LayerParams, progress: &dyn Pr
     }
     let right = ascends_right(map, &surface.tin, &surface.regions);
     let layers = params.targets.iter().zip(&wanted).map(|(target, wanted)| {
-        let index = |level: f64| is_index(target, surface.interval.step, params.unit, params.index_every, level);
+        let index = |level: f64| target.is_index(surface.interval.step, params.unit, params.index_every, level);
         let is_coarser = !params.keep_input && target.is_coarser(params.unit, surface.interval.step);
         let is_kept = |level: f64| !is_coarser || wanted.contains(&level);
         let input = map.contours.par_iter().zip(&right).filter(|(c, _)| is_kept(c.elevation)).map(|(c, &right)| {
@@ -170,15 +169,4 @@ fn line(elevation: f64, points: Vec<DVec2>, source: Source, index: bool) -> Cont
     // Higher ground is on the right. So it lies outside a counter-clockwise ring.
     line.depression = line.is_closed() && signed_area(&line.points) > 0.0;
     line
-}
-
-/// Whether a level is a whole multiple of `every` steps. For a list of levels, the step is the contour interval of the
-/// input, or what the caller takes for it.
-pub(crate) fn is_index(target: &Target, interval: f64, unit: ElevationUnit, every: u32, level: f64) -> bool {
-    let (step, base, level) = match target {
-        Target::Interval { step, base } => (*step, *base, unit.about(level)),
-        Target::Levels(_) => (interval, 0.0, level),
-    };
-    let steps = (level - base) / (step * f64::from(every));
-    every > 0 && (steps - steps.round()).abs() < 1e-6
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 ///
 /// `lines` are the heights of the row above, of the row itself, and of the row below. `cell` is the size of a cell, metres.
 /// Where neighbours have no height, heights are extrapolated linearly.
-pub(super) fn gradients(lines: [Option<&[f32]>; 3], cell: DVec2, mut each: impl FnMut(usize, DVec2, bool)) {
+pub(crate) fn gradients(lines: [Option<&[f32]>; 3], cell: DVec2, mut each: impl FnMut(usize, DVec2, bool)) {
     let [above, Some(line), below] = lines else { return };
     let step = cell * 8.0;
     let by_some = |col: usize| rise_by_some(lines, col);

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::input::Input;
+use super::Input;
 use crate::base::ElevationUnit;
 use crate::base::error::{Error, Finding, FindingKind, Result};
 use crate::contour::{CoastLine, Contour};

@@ -1,0 +1,22 @@
+//! Rasters: the [`Dem`] of heights on a [`Grid`](crate::base::Grid) of cells, row by row or whole, and the heights of a
+//! triangulation at the cells of a grid.
+
+mod blocks;
+pub(crate) mod gradient;
+mod ground;
+mod height_map;
+mod part;
+mod rasterise;
+mod rows;
+
+pub(crate) use blocks::{Block, Blocks, each_pair};
+pub(crate) use ground::other_unit;
+pub use ground::{GroundScale, in_plane_unit, looks_like_degrees, metres_per_unit};
+pub use height_map::Dem;
+pub(crate) use part::mask;
+pub(crate) use rasterise::{height, heights_at};
+pub use rasterise::{locate, rasterise};
+#[cfg(feature = "io")]
+pub(crate) use rows::reserve;
+pub(crate) use rows::uniform;
+pub use rows::{RasterRows, WithCrs};
