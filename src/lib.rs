@@ -140,41 +140,23 @@
 #[cfg(feature = "cli")]
 extern crate self as tokosen;
 
-pub mod base;
-pub mod check;
-pub mod clean;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
-pub mod contour;
-pub mod creases;
-pub mod crs;
-pub mod dem;
-pub mod drain;
-#[cfg(feature = "draw")]
-pub mod draw;
-#[cfg(test)]
-#[path = "../tests/common/draws.rs"]
-mod draws;
-mod geometry;
 pub mod guide;
-#[cfg(feature = "io")]
-pub mod io;
-pub mod layers;
-pub mod mesh;
-pub mod raster;
-pub mod resample;
-pub mod skeleton;
-pub mod slice;
-pub mod spline;
-pub mod streams;
-pub mod subdivision;
-pub mod subdomains;
-pub mod surface;
 pub mod terrain;
-pub mod tin;
-pub mod tuning;
-pub mod validate;
+
+#[doc(inline)]
+pub use tokosen_core::{
+    arrays, base, check, clean, contour, creases, crs, dem, drain, layers, mesh, raster, resample, skeleton, slice,
+    spline, streams, subdivision, subdomains, surface, tin, tuning, validate,
+};
+#[cfg(feature = "draw")]
+#[doc(inline)]
+pub use tokosen_draw as draw;
+#[cfg(feature = "io")]
+#[doc(inline)]
+pub use tokosen_io as io;
 
 pub use base::error::{Error, Result};
 pub use contour::Interval;

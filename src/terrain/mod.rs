@@ -4,7 +4,6 @@
 //! This module calls the steps of the other modules in the right order. The findings about the input are in
 //! [`Terrain::findings`].
 
-mod arrays;
 mod base;
 mod clipped;
 mod compare;
@@ -26,6 +25,8 @@ mod plane;
 mod plausible;
 mod preparation;
 mod prepare;
+#[cfg(feature = "draw")]
+mod report;
 mod room;
 #[cfg(feature = "io")]
 mod sheets;
@@ -34,7 +35,7 @@ mod sides;
 mod tests;
 mod units;
 
-pub use arrays::{RaggedLines, TriangleArrays};
+pub use crate::arrays::{RaggedLines, TriangleArrays};
 pub use base::BaseJoin;
 #[cfg(feature = "io")]
 pub use clipped::clip_areas;
@@ -55,3 +56,5 @@ pub use measure::{MeasureOptions, add_check_points, measure};
 pub use options::Options;
 pub use preparation::{Preparation, Repair};
 pub use prepare::{all_right, is_repair};
+#[cfg(feature = "draw")]
+pub use report::{page, sentences};

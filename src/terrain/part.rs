@@ -10,9 +10,9 @@ use glam::DVec2;
 
 use crate::base::error::{Error, Finding, Result};
 use crate::contour::{Contour, ContourMap};
-use crate::geometry::Border;
-use crate::geometry::common_area;
 use crate::subdomains::{Frame, frame_ring};
+use tokosen_core::geometry::Border;
+use tokosen_core::geometry::common_area;
 
 /// Width of the window beyond the part, as a multiple of the mean spacing of the contours in it.
 const SPACINGS: f64 = 12.0;

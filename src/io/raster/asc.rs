@@ -17,12 +17,12 @@ use super::pam::{self, Band};
 use super::placement;
 use super::quantity::Values;
 use super::sidecar;
-use crate::base::Grid;
-use crate::base::error::{Error, Report, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
-use crate::io::text;
-use crate::raster::Dem;
+use crate::ordinary::open_to_read;
+use crate::text;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The longest word that is accepted. Doubles written out in full have about 330 digits.
 const MAX_WORD_LENGTH: usize = 512;

@@ -25,9 +25,9 @@ use super::pam;
 use super::placement::Placement;
 use super::png as grey;
 use super::quantity::{Quantity, Values};
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::raster::Dem;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::raster::Dem;
 
 /// Cells along a tile's side.
 const SIDE: u32 = 256;

@@ -21,11 +21,11 @@ use super::pam::{self, Band};
 use super::placement;
 use super::quantity::{STANDARD_ERROR, Values};
 use super::sidecar;
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::crs::Crs;
-use crate::io::maker::PROGRAM;
-use crate::io::ordinary::open_to_read;
-use crate::raster::Dem;
+use crate::maker::PROGRAM;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The channel of heights.
 const HEIGHTS: &str = "Y";

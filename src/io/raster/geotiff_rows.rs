@@ -17,10 +17,10 @@ use super::heights::{Coding, Heights};
 use super::like::{self, Tiff};
 use super::placement::Placement;
 use super::zstd::{self, Storage};
-use crate::base::Grid;
-use crate::base::error::{Error, Finding, Result};
-use crate::crs::Crs;
-use crate::raster::{RasterRows, reserve};
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Finding, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::{RasterRows, reserve};
 
 /// How the values of a band are stored.
 #[derive(Debug, Clone, Copy)]

@@ -16,10 +16,10 @@ use tiff::tags::Tag;
 use super::geokeys::GeoKeys;
 use super::placement::{self, Placement};
 use super::sidecar::{self, Aux};
-use crate::base::Grid;
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::Grid;
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// An open TIFF and what its header says.
 pub(super) struct Tiff {

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::base::Grid;
+use tokosen_core::base::Grid;
 
 /// The placement of a raster's cells, and the order of its rows in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]

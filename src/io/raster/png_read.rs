@@ -18,10 +18,10 @@ use super::heights::{Coding, Heights, check_size};
 use super::pam;
 use super::placement::{self, Placement};
 use super::sidecar::{self, Aux};
-use crate::base::error::{Error, Finding, FindingKind, Report, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::open_to_read;
-use crate::raster::Dem;
+use crate::ordinary::open_to_read;
+use tokosen_core::base::error::{Error, Finding, FindingKind, Report, Result};
+use tokosen_core::crs::Crs;
+use tokosen_core::raster::Dem;
 
 /// The coordinate reference system of elevation tiles.
 const WEB_MERCATOR: u32 = 3857;

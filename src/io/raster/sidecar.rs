@@ -10,9 +10,9 @@ use quick_xml::events::Event;
 use super::output::beside;
 use super::pam::ENCODING;
 use super::placement::{Placement, north_up};
-use crate::base::error::{Error, Result};
-use crate::crs::Crs;
-use crate::io::ordinary::{MAX_DESCRIPTION, read_small};
+use crate::ordinary::{MAX_DESCRIPTION, read_small};
+use tokosen_core::base::error::{Error, Result};
+use tokosen_core::crs::Crs;
 
 /// Reads six numbers that are separated by anything except letters and digits.
 pub(super) fn six_numbers(text: &str) -> Option<[f64; 6]> {
@@ -178,6 +178,8 @@ pub(super) fn elements(xml: &str) -> std::result::Result<Vec<Element>, quick_xml
 
 #[cfg(test)]
 mod tests {
+    use tokosen_core::base::Grid;
+
     use super::*;
 
     #[test]

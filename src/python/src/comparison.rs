@@ -8,12 +8,14 @@ use tokosen::GridSpec;
 use tokosen::base::ElevationUnit;
 use tokosen::base::error::Finding;
 use tokosen::dem::compare::difference;
-use tokosen::draw::report::{difference_map, page, sentences, table};
+use tokosen::draw::report::{difference_map, table};
 use tokosen::io::raster::Quantity;
 use tokosen::io::{StagedOutput, VectorSource, check_paths};
 use tokosen::raster::Dem;
 use tokosen::surface::Triangles;
-use tokosen::terrain::{MeasureOptions, Nodes, Pair, Side, comparison_json, measure, read_check_points};
+use tokosen::terrain::{
+    MeasureOptions, Nodes, Pair, Side, comparison_json, measure, page, read_check_points, sentences,
+};
 
 use crate::error::{exception, parameter};
 use crate::input::Recipe;

@@ -14,6 +14,7 @@ use tokosen::{Input, InputOptions, Result};
 use crate::error::{exception, parameter};
 use crate::options::{Coast, Frame as GivenFrame, Given, HeightMap, one_of};
 use crate::source::{Given as GivenSource, Source, crs, sources};
+use crate::unit::unit;
 
 /// All that an input is made of, without Python's objects: it is read while others use Python.
 pub struct Recipe {

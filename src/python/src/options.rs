@@ -16,7 +16,6 @@ use tokosen::{GridSpec, Options};
 use crate::error::{exception, parameter};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
-use crate::unit::unit;
 
 /// How contours are read and a surface is made. The names are those of the program's flags.
 #[derive(FromPyObject)]

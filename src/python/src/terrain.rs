@@ -26,6 +26,7 @@ use crate::model::Model;
 use crate::options::{Cells, Given, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
+use crate::unit::unit;
 use crate::work::work;
 
 /// The ground between contours, and the findings about them.

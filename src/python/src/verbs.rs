@@ -23,10 +23,11 @@ use tokosen::tuning::SkeletonTuning;
 use crate::error::parameter;
 use crate::input::{Ground, Recipe, failed};
 use crate::layer::Layer;
-use crate::options::{Given, targets, unit};
+use crate::options::{Given, targets};
 use crate::raster::Raster;
 use crate::source::{Source, crs};
 use crate::terrain::{Warned, one, warned, with_labels};
+use crate::unit::unit;
 use crate::work::work;
 
 /// A check: the findings, their description as JSON, the repaired contours and spot heights, what to warn of.

@@ -8,7 +8,7 @@ use crate::base::error::{Finding, FindingKind, Result};
 use crate::clean::{is_place, without_bad_points};
 use crate::contour::{CutOut, Excluded, cut_out};
 use crate::crs::Crs;
-use crate::geometry::Border;
+use tokosen_core::geometry::Border;
 
 /// What a missing piece of ground causes. Inside a part that is left out, it is no fault.
 const EXPECTED: [FindingKind; 5] =

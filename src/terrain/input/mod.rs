@@ -20,21 +20,21 @@ use std::path::PathBuf;
 use geo::{BoundingRect, MultiPolygon};
 use glam::{DVec2, DVec3};
 
+use crate::arrays;
 use crate::base::error::{Error, Finding, FindingKind, Report, Result};
 use crate::base::{ElevationUnit, FeatureId};
 use crate::contour::{ContourMap, Lake, SoftSpot, StatedUnit, UnitHint, unite_levels};
 use crate::creases::CreaseLine;
 use crate::crs::{Crs, Reprojection};
 use crate::drain::{Sink, SinkShape};
-use crate::geometry::{thinned, tolerance};
 use crate::resample::{Fitted, Sampled};
 use crate::streams::{RiverArea, StreamLine};
 use crate::subdomains::Frame;
-use crate::terrain::arrays;
 use crate::terrain::base::Base;
 use crate::terrain::part::Part;
 use crate::terrain::plane::{Plane, named, on_plane, settle};
 use crate::terrain::units::Elevations;
+use tokosen_core::geometry::{thinned, tolerance};
 
 /// Vertices of a frame that are closer to each other than this share of its diagonal are left out where the border stays in
 /// its place without them.
